@@ -47,12 +47,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     )?;
     let finish_ms = start.elapsed().as_secs_f64() * 1e3;
     times_ms.sort_by(f64::total_cmp);
-    let at = |share: f64| times_ms[(share * (APPENDS - 1) as f64) as usize];
+    let [median, most, longest] =
+        [0.5, 0.99, 1.0].map(|share| times_ms[(share * (APPENDS - 1) as f64) as usize]);
     println!(
-        "append of {ROWS} rows: median {:.2} ms, 99 % {:.2} ms, longest {:.2} ms",
-        at(0.5),
-        at(0.99),
-        at(1.0)
+        "append of {ROWS} rows: median {median:.2} ms, 99 % {most:.2} ms, longest {longest:.2} ms"
     );
     println!("finish of {} rows: {finish_ms:.1} ms", APPENDS * ROWS);
     Ok(std::fs::remove_dir_all(layout.raw())?)

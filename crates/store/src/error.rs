@@ -85,6 +85,7 @@ impl StoreError {
             }
             _ => "see the message of the system",
         };
+        // Memory that was refused has no number of the system.
         let by_system = error.raw_os_error().is_some() || error.kind() == ErrorKind::OutOfMemory;
         Self { by_system, ..Self::new(path, format!("cannot {doing}: {error}"), remedy) }
     }

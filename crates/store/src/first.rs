@@ -29,12 +29,12 @@ impl FirstErrors {
         self.more += more;
     }
 
-    /// How many there are besides those that were kept.
+    /// The number of errors besides the ones kept.
     pub fn more(&self) -> usize {
         self.more
     }
 
-    /// The same errors, each that was kept changed.
+    /// The same errors, with `change` applied to each one kept.
     #[must_use]
     pub fn map(self, change: impl FnMut(StoreError) -> StoreError) -> Self {
         Self { first: self.first.into_iter().map(change).collect(), ..self }
@@ -49,7 +49,7 @@ impl FirstErrors {
     }
 }
 
-/// Those that were kept.
+/// The errors kept.
 impl Deref for FirstErrors {
     type Target = [StoreError];
 
@@ -78,7 +78,7 @@ impl From<StoreError> for FirstErrors {
     }
 }
 
-/// Those that were kept, and if there are more an error that says how many.
+/// The errors kept and, if there are more, one that gives their number.
 impl From<FirstErrors> for Vec<StoreError> {
     fn from(FirstErrors { mut first, more }: FirstErrors) -> Self {
         if let Some(last) = first.last().filter(|_| more > 0) {

@@ -11,16 +11,16 @@ impl<K, V: Clone> Memo<K, V> {
         Self(Vec::new())
     }
 
-    /// The value of what `is_it` knows.
-    pub(crate) fn known(&self, is_it: impl Fn(&K) -> bool) -> Option<V> {
-        self.0.iter().find(|(of, _)| is_it(of)).map(|(_, value)| value.clone())
+    /// The value whose key fulfils `is_it`, if it is kept.
+    pub(crate) fn get(&self, is_it: impl Fn(&K) -> bool) -> Option<V> {
+        self.0.iter().find(|(key, _)| is_it(key)).map(|(_, value)| value.clone())
     }
 
-    pub(crate) fn keep(&mut self, of: K, value: V) {
+    pub(crate) fn keep(&mut self, key: K, value: V) {
         if self.0.len() == KEPT {
             self.0.remove(0);
         }
-        self.0.push((of, value));
+        self.0.push((key, value));
     }
 }
 
@@ -32,7 +32,7 @@ mod tests {
     fn the_last_few_values_are_known_and_no_others() {
         let mut memo = Memo::new();
         (0..10).for_each(|i| memo.keep(i, 2 * i));
-        let known = (0..10).map(|i| memo.known(|of| *of == i));
+        let known = (0..10).map(|i| memo.get(|of| *of == i));
         assert_eq!(known.flatten().collect::<Vec<_>>(), [12, 14, 16, 18]);
     }
 }

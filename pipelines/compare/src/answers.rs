@@ -22,7 +22,7 @@ use zwidth_tables::Table;
 /// The key of the bootstrap's random numbers.
 const SEED: u64 = 1;
 
-/// What a comparison of answers depends on.
+/// The parameters of a comparison of answers.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct AnswerParameters {
     /// The environments, in the study's order.
@@ -56,7 +56,7 @@ struct Answers {
     value: Vec<AnswerValue>,
 }
 
-/// By question and environment.
+/// The answers by question and environment.
 type ByQuestion<'p> = BTreeMap<(&'p str, &'p str), Answers>;
 
 struct Row<'a> {
@@ -75,7 +75,7 @@ struct Row<'a> {
     any: Option<(f64, bool)>,
 }
 
-/// What a contrast of answers is tested by.
+/// The test of a contrast of answers.
 #[derive(Debug, Clone, PartialEq)]
 enum Model {
     /// The odds of a higher answer, on a scale of few points.
@@ -182,7 +182,14 @@ pub fn compare_answers(
                 rows.extend(of_environment(question, environment, answers, parameters));
             }
         }
-        adjust(&mut rows[first..])?;
+        // The tests of one question are one family.
+        let tested: Vec<&mut Row> =
+            rows[first..].iter_mut().filter(|row| row.model.is_ok()).collect();
+        let p: Vec<f64> =
+            tested.iter().filter_map(|row| row.model.as_ref().ok().map(Model::p_value)).collect();
+        for (row, p) in tested.into_iter().zip(holm::adjusted(&p)?) {
+            row.p_adjusted = Some(p);
+        }
     }
     let is_any_long = rows.iter().any(|row| !row.question.scale.is_ordinal());
     Ok(AnswersCompared {
@@ -200,7 +207,7 @@ fn by_question<'p>(
     let people: BTreeMap<&ParticipantId, usize> = people.into_iter().zip(0..).collect();
     let sessions: BTreeSet<&SessionId> = answers.iter().map(|row| &row.session).collect();
     let sessions: BTreeMap<&SessionId, usize> = sessions.into_iter().zip(0..).collect();
-    let mut found: BTreeMap<_, Answers> = BTreeMap::new();
+    let mut by_question: BTreeMap<_, Answers> = BTreeMap::new();
     for row in answers {
         let question = parameters.questions.iter().find(|question| question.id == row.question);
         let environment = parameters.environments.iter().find(|id| **id == row.environment);
@@ -209,16 +216,17 @@ fn by_question<'p>(
             continue;
         };
         let scored = question.scale.score(row.answer, question.reversed);
+        // The model takes places on the scale, and an answer off it has none.
         if !question.scale.has(scored) {
             continue;
         }
-        let own = found.entry((question.id.as_str(), environment.as_str())).or_default();
+        let own = by_question.entry((question.id.as_str(), environment.as_str())).or_default();
         own.participant.push(people[&row.participant]);
         own.session.push(sessions[&row.session]);
         own.mode.push(mode);
         own.value.push(scored);
     }
-    (people.into_keys().cloned().collect(), found)
+    (people.into_keys().cloned().collect(), by_question)
 }
 
 /// The contrasts of one question in one environment of which both modes were answered.
@@ -228,9 +236,9 @@ fn of_environment<'a>(
     answers: &Answers,
     parameters: &'a AnswerParameters,
 ) -> Vec<Row<'a>> {
-    let place = |mode: &ModeId| parameters.modes.iter().position(|m| m == mode);
     let pairs = parameters.contrasts.iter().filter_map(|contrast| {
-        let pair = [place(&contrast.mode)?, place(&contrast.against)?];
+        let mode = parameters.modes.iter().position(|m| *m == contrast.mode)?;
+        let pair = [mode, parameters.modes.iter().position(|m| *m == contrast.against)?];
         pair.iter().all(|mode| answers.mode.contains(mode)).then_some((contrast, pair))
     });
     let pairs: Vec<(&Contrast, [usize; 2])> = pairs.collect();
@@ -246,8 +254,15 @@ fn of_environment<'a>(
             }
             Some(Err(why)) => (Err(why.clone()), None, None),
             None => {
+                let scores = (0..answers.value.len()).map(|row| Score {
+                    participant: answers.participant[row],
+                    session: answers.session[row],
+                    mode: answers.mode[row],
+                    value: answers.value[row].into(),
+                });
+                let scores: Vec<Score> = scores.collect();
                 let Difference { estimate, tested } =
-                    quantity::difference(&scores(answers), pair, parameters.level);
+                    quantity::difference(&scores, pair, parameters.level);
                 (tested.map(Model::Means), estimate, None)
             }
         };
@@ -266,18 +281,6 @@ fn of_environment<'a>(
         });
     }
     rows
-}
-
-/// The answers as numbers.
-fn scores(answers: &Answers) -> Vec<Score> {
-    let rows = 0..answers.value.len();
-    rows.map(|row| Score {
-        participant: answers.participant[row],
-        session: answers.session[row],
-        mode: answers.mode[row],
-        value: answers.value[row].into(),
-    })
-    .collect()
 }
 
 fn model(
@@ -317,16 +320,6 @@ fn effect(
         people.values().map(|[a, b]| Repeats { a, b }).collect();
     let effect = superiority(&repeats, level);
     (people.into_keys().collect(), effect)
-}
-
-/// The tests of one question are one family.
-fn adjust(rows: &mut [Row]) -> Result<(), CompareError> {
-    let p = |row: &Row| row.model.as_ref().ok().map(Model::p_value);
-    let adjusted = holm::adjusted(&rows.iter().filter_map(p).collect::<Vec<_>>())?;
-    for (row, p) in rows.iter_mut().filter(|row| row.model.is_ok()).zip(adjusted) {
-        row.p_adjusted = Some(p);
-    }
-    Ok(())
 }
 
 /// The answers compared as a table, with its notes.

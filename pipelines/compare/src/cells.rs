@@ -23,7 +23,7 @@ pub(crate) struct Cell {
     pub(crate) mode: usize,
     /// Trials that count.
     pub(crate) trials: usize,
-    /// Those of them that have the metric.
+    /// The number of these that have the metric.
     pub(crate) n: usize,
     /// Their mean; `None` without such a trial.
     pub(crate) mean: Option<f64>,
@@ -61,27 +61,28 @@ impl Cells {
         let participants = sorted(keys.iter().map(|key| &key.participant));
         let sessions = sorted(keys.iter().map(|key| &key.session));
         let mut cells = Vec::new();
-        for found in grouped(&keys, &[&values])? {
-            let key = found.key;
+        for group in grouped(&keys, &[&values])? {
+            let key = group.key;
             let condition = parameters.condition(&key.environment, &key.mode);
             let Some([environment, mode]) = condition else { continue };
-            let [Statistics { count, mean, sd }] = found.numbers[..] else { continue };
+            let [Statistics { count, mean, sd }] = group.numbers[..] else { continue };
             cells.push(Cell {
                 participant: place(&participants, &key.participant),
                 session: place(&sessions, &key.session),
                 environment,
                 mode,
-                trials: found.rows,
+                trials: group.rows,
                 n: count,
                 mean,
                 sd,
             });
         }
+        // `grouped` keeps the order of rows; readers take the cells of a participant as neighbours.
         cells.sort_by_key(|c| (c.participant, c.session, c.environment, c.mode));
         Ok(Self { participants, sessions, cells })
     }
 
-    /// What n counts: with one participant the trials.
+    /// The unit that n counts: the trials if there is one participant.
     pub(crate) fn unit(&self) -> UnitOfAnalysis {
         match self.participants.as_slice() {
             [only] => UnitOfAnalysis::TrialsOf(only.clone()),
@@ -100,7 +101,7 @@ impl Cells {
 
     /// The cells by their names.
     pub(crate) fn rows(&self, measure: &Measure, parameters: &Parameters) -> Vec<results::Cell> {
-        let row = |cell: &Cell| results::Cell {
+        let rows = self.cells.iter().map(|cell| results::Cell {
             metric: measure.parameters.metric.clone(),
             unit: measure.unit.clone(),
             participant: self.participants[cell.participant].clone(),
@@ -111,7 +112,7 @@ impl Cells {
             n: cell.n,
             mean: cell.mean,
             sd: cell.sd,
-        };
-        self.cells.iter().map(row).collect()
+        });
+        rows.collect()
     }
 }

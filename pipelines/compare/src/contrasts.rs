@@ -37,12 +37,12 @@ pub(crate) struct Row {
     pub(crate) smallest_p_adjusted: Option<f64>,
     /// The p value of "the difference is not within the bound", where there is a bound.
     pub(crate) p_not_equivalent: Option<f64>,
-    /// What these two say.
+    /// The verdict of these two.
     pub(crate) verdict: Verdict,
 }
 
 impl Row {
-    /// How many units the contrast rests on: participants, or one participant's trials.
+    /// The number of units that the contrast rests on: participants, or one participant's trials.
     pub(crate) fn n(&self, unit: &UnitOfAnalysis) -> usize {
         match unit {
             UnitOfAnalysis::Participants => self.differences.len(),
@@ -108,11 +108,11 @@ impl Row {
     }
 
     /// An end of the interval, or the estimate, in just noticeable differences.
-    fn in_jnds(&self, of: fn(&Tested) -> f64) -> Option<f64> {
-        self.tested.as_ref().ok().map(of).zip(self.jnd).map(|(value, jnd)| value / jnd)
+    fn in_jnds(&self, value: fn(&Tested) -> f64) -> Option<f64> {
+        self.tested.as_ref().ok().map(value).zip(self.jnd).map(|(value, jnd)| value / jnd)
     }
 
-    /// What the interval says of whether the difference is felt: a description, no claim.
+    /// Whether the difference is felt, by its interval: a description, no claim.
     fn size(&self) -> Option<Size> {
         let low = self.in_jnds(|t| t.ci_low)?;
         let high = self.in_jnds(|t| t.ci_high)?;
@@ -123,7 +123,7 @@ impl Row {
         })
     }
 
-    /// How many differences are exactly zero. Neither exact test counts them.
+    /// The number of differences that are exactly zero. Neither exact test counts them.
     pub(crate) fn zeros(&self) -> usize {
         paired::differences(&self.pairs()).iter().filter(|d| d.abs() <= 0.0).count()
     }
@@ -150,19 +150,16 @@ pub(crate) fn rows(
 ) -> Result<Vec<Row>, CompareError> {
     let mut rows = Vec::new();
     for (environment, orders) in orders.iter().enumerate() {
-        for (contrast, sharp_null) in parameters.contrasts.iter().zip(&orders.contrasts) {
+        for (contrast, null) in parameters.contrasts.iter().zip(&orders.contrasts) {
             let Some(modes) = parameters.modes_of(contrast) else { continue };
             let differences = of_everybody(cells, environment, modes, parameters.level);
             if !differences.is_empty() {
-                let test = sharp_null.clone();
-                let bound = measure.parameters.bounds[environment];
-                let row = row(environment, contrast, differences, test, bound, unit, parameters)?;
-                let noticed = measure.parameters.noticed.as_ref();
-                let jnd = noticed.and_then(|n| n.jnd(environment, row.mean(1), &measure.unit));
-                rows.push(Row { jnd, ..row });
+                let row = row(environment, contrast, differences, null, unit, measure, parameters)?;
+                rows.push(row);
             }
         }
     }
+    // Rows stand environment by environment, so each chunk is a whole family.
     let whole = parameters.families == Families::Metric;
     for family in rows.chunk_by_mut(|a, b| whole || a.environment == b.environment) {
         adjust(family, unit, parameters.alpha)?;
@@ -174,9 +171,9 @@ fn row(
     environment: usize,
     contrast: &Contrast,
     differences: Vec<Difference>,
-    sharp_null: Result<Randomised, NoTest>,
-    bound: Option<f64>,
+    sharp_null: &Result<Randomised, NoTest>,
     unit: &UnitOfAnalysis,
+    measure: &Measure,
     parameters: &Parameters,
 ) -> Result<Row, StatsError> {
     let tested = match unit {
@@ -184,33 +181,38 @@ fn row(
             let pairs: Vec<[f64; 2]> = differences.iter().map(|d| d.means).collect();
             paired::mean_difference(&paired::differences(&pairs), parameters.level)
         }
+        // There is one participant, so the one difference is theirs.
         UnitOfAnalysis::TrialsOf(_) => differences[0].within.clone(),
     };
-    let equivalence = tested.as_ref().ok().zip(bound);
+    let equivalence = tested.as_ref().ok().zip(measure.parameters.bounds[environment]);
     let equivalence = equivalence
         .map(|(tested, bound)| paired::equivalence(tested, bound, parameters.alpha))
         .transpose()?;
-    Ok(Row {
+    let mut row = Row {
         environment,
         contrast: contrast.clone(),
         differences,
         tested,
-        sharp_null,
+        sharp_null: sharp_null.clone(),
         jnd: None,
         p_adjusted: None,
         smallest_p_adjusted: None,
         p_not_equivalent: equivalence.map(|e| e.p_value()),
         verdict: Verdict::NotTested,
-    })
+    };
+    let noticed = measure.parameters.noticed.as_ref();
+    // Most JNDs are a share of the value: of the second mode's, with which the first is compared.
+    row.jnd = noticed.and_then(|n| n.jnd(environment, row.mean(1), &measure.unit));
+    Ok(row)
 }
 
 /// Adjusts the p values of one family, and the smallest that they can be.
 fn adjust(rows: &mut [Row], unit: &UnitOfAnalysis, alpha: f64) -> Result<(), StatsError> {
-    let adjusted = |p: fn(&Row, &UnitOfAnalysis) -> Option<f64>| {
-        holm::adjusted(&rows.iter().filter_map(|row| p(row, unit)).collect::<Vec<_>>())
-    };
-    let claims = adjusted(Row::p_of_claim)?;
-    let smallest = adjusted(Row::smallest_p)?;
+    let claims: Vec<f64> = rows.iter().filter_map(|row| row.p_of_claim(unit)).collect();
+    let claims = holm::adjusted(&claims)?;
+    // Adjusted as well: how far orders reach depends on the other contrasts of the family.
+    let smallest: Vec<f64> = rows.iter().filter_map(|row| row.smallest_p(unit)).collect();
+    let smallest = holm::adjusted(&smallest)?;
     let with_claim = rows.iter_mut().filter(|row| row.p_of_claim(unit).is_some());
     for (row, p) in with_claim.zip(claims) {
         row.p_adjusted = Some(p);
@@ -236,17 +238,20 @@ pub(crate) fn named(
     parameters: &Parameters,
 ) -> Vec<ModeDifference> {
     let of_people = *unit == UnitOfAnalysis::Participants;
-    let asked = |size: EffectSize| of_people && parameters.effect_sizes.contains(&size);
+    // Effect sizes are scaled by the spread of people, which one participant's trials do not have.
+    let sizes = if of_people { parameters.effect_sizes.as_slice() } else { &[] };
+    let (g_av, d_av) = (sizes.contains(&EffectSize::GAv), sizes.contains(&EffectSize::DAv));
+    let (g_z, d_z) = (sizes.contains(&EffectSize::GZ), sizes.contains(&EffectSize::DZ));
     let noticed = measure.parameters.noticed.as_ref();
-    let row = |row: &Row| {
+    let named = rows.iter().map(|row| {
         let tested = row.tested.as_ref().ok();
         let by_t = tested.filter(|_| of_people);
         let pairs = row.pairs();
         let level = parameters.level;
         let av = effect::d_av(&pairs, level).ok();
-        let av = av.filter(|_| asked(EffectSize::GAv) || asked(EffectSize::DAv));
+        let av = av.filter(|_| g_av || d_av);
         let z = effect::d_z(&pairs, level).ok();
-        let z = z.filter(|_| asked(EffectSize::GZ) || asked(EffectSize::DZ));
+        let z = z.filter(|_| g_z || d_z);
         let av_ends = av.as_ref().and_then(|effect| effect.interval);
         let z_ends = z.as_ref().and_then(|effect| effect.interval);
         ModeDifference {
@@ -268,12 +273,12 @@ pub(crate) fn named(
             p_value: by_t.map(|t| t.p_value),
             p_adjusted: row.p_adjusted,
             smallest_p_adjusted: row.smallest_p_adjusted,
-            g_av: av.as_ref().and_then(|e| e.g).filter(|_| asked(EffectSize::GAv)),
-            d_av: av.as_ref().map(|e| e.d).filter(|_| asked(EffectSize::DAv)),
+            g_av: av.as_ref().and_then(|e| e.g).filter(|_| g_av),
+            d_av: av.as_ref().map(|e| e.d).filter(|_| d_av),
             d_av_ci_low: av_ends.map(|ends| ends[0]),
             d_av_ci_high: av_ends.map(|ends| ends[1]),
-            g_z: z.as_ref().and_then(|e| e.g).filter(|_| asked(EffectSize::GZ)),
-            d_z: z.as_ref().map(|e| e.d).filter(|_| asked(EffectSize::DZ)),
+            g_z: z.as_ref().and_then(|e| e.g).filter(|_| g_z),
+            d_z: z.as_ref().map(|e| e.d).filter(|_| d_z),
             d_z_ci_low: z_ends.map(|ends| ends[0]),
             d_z_ci_high: z_ends.map(|ends| ends[1]),
             p_sign_flip: row.p_sign_flip().filter(|_| of_people),
@@ -290,6 +295,6 @@ pub(crate) fn named(
             verdict: row.verdict,
             remark: row.remark(unit, parameters.alpha).map(Into::into),
         }
-    };
-    rows.iter().map(row).collect()
+    });
+    named.collect()
 }

@@ -41,7 +41,7 @@ pub(crate) fn of_everybody(
         .collect();
     pairs
         .chunk_by(|a, b| a[0].participant == b[0].participant)
-        .map(|of| difference(of, level))
+        .map(|own| difference(own, level))
         .collect()
 }
 

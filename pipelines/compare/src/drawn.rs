@@ -7,18 +7,18 @@ use zwidth_study::{EnvironmentId, ModeId, ParticipantId, SessionId};
 /// The order of one session.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct SessionOrder {
-    /// Who.
+    /// The participant.
     pub participant: ParticipantId,
-    /// In which session.
+    /// The session.
     pub session: SessionId,
-    /// How this program drew the order; none for an order from elsewhere.
+    /// How this program drew the order; `None` for an order from elsewhere.
     pub drawn: Option<DrawnOrder>,
 }
 
 /// An order that [`zwidth_study::order::draw`] drew.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct DrawnOrder {
-    /// By what it was drawn.
+    /// The rules of the draw.
     pub rules: Rules,
     /// The seed: sessions of one seed are balanced against each other. None if it is not known
     /// (sealed sessions); these are assumed to have one seed.

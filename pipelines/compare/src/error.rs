@@ -4,7 +4,7 @@ use zwidth_frames::FrameError;
 use zwidth_stats::StatsError;
 use zwidth_tables::TableError;
 
-/// What went wrong.
+/// The reason for which a comparison was refused.
 #[derive(Debug, thiserror::Error)]
 pub enum CompareError {
     /// A query was refused.

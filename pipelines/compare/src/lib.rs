@@ -74,7 +74,7 @@ pub struct Comparison {
     pub contrasts: Vec<ModeDifference>,
     /// Whether any mode differs from another.
     pub omnibus: Vec<Omnibus>,
-    /// The same by mixed models.
+    /// The same differences by mixed models.
     pub models: Vec<Model>,
     /// Each participant's differences.
     pub participants: Vec<PersonDifference>,
@@ -86,7 +86,7 @@ pub struct Comparison {
     pub repeats: Vec<RepeatMean>,
     /// Differences between modes against other orders of the trials.
     pub orders: Vec<OrderTest>,
-    /// What these differences are in the other orders.
+    /// These differences in the other orders.
     pub redrawn: Vec<RedrawnDifference>,
     /// The notes below the rows of each metric.
     pub notes: Vec<MetricNote>,
@@ -101,6 +101,7 @@ pub fn compare(metrics: &Measured, parameters: &Parameters) -> Result<Comparison
         let measure = Measure::new(metrics, metric)?;
         compare_metric(metrics, &measure, parameters)
     });
+    // `par_iter` keeps the order of the metrics, so rows are the same with any number of threads.
     let mut all = Comparison::default();
     for metric in each.collect::<Result<Vec<Comparison>, CompareError>>()? {
         all.metrics.extend(metric.metrics);

@@ -62,6 +62,7 @@ fn over_people(with: &[&Cell], level: f64) -> Result<OverUnits, CompareError> {
     let mean = interval::mean(&people.collect::<Vec<_>>(), level)?;
     Ok(OverUnits {
         n: mean.n,
+        // There is an estimate: some cell has a mean.
         mean: mean.estimate.unwrap_or_default(),
         sd: mean.sd,
         interval: mean.interval.map(|i| [i.ci_low, i.ci_high]),
@@ -72,6 +73,7 @@ fn over_people(with: &[&Cell], level: f64) -> Result<OverUnits, CompareError> {
 fn within_one(with: &[&Cell], level: f64) -> OverUnits {
     let groups: Vec<Group> = with.iter().map(|cell| cell.group()).collect();
     let squares: f64 = groups.iter().map(|g| (g.n - 1) as f64 * g.sd * g.sd).sum();
+    // Every cell here has a mean, so its n is 1 at least.
     let spare: usize = groups.iter().map(|g| g.n - 1).sum();
     OverUnits {
         n: groups.iter().map(|g| g.n).sum(),

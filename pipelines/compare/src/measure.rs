@@ -7,11 +7,11 @@ use zwidth_tables::{Measured, TableError};
 /// A metric, and what its comparison depends on.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Measure<'a> {
-    /// What its comparison depends on.
+    /// The parameters of its comparison.
     pub(crate) parameters: &'a MetricParameters,
     /// Its unit.
     pub(crate) unit: Arc<str>,
-    /// What it is, in words.
+    /// Its description.
     pub(crate) words: String,
 }
 

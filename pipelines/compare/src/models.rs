@@ -8,7 +8,6 @@ use crate::Parameters;
 use crate::measure::Measure;
 use crate::trials::Trials;
 use zwidth_results::{Model, UnitOfAnalysis};
-use zwidth_stats::Unestimable;
 use zwidth_stats::lmm::trials::{self as lmm, Term, TrialFit, fit_trials};
 
 /// The trials of one environment that have the metric, by the places of their names.
@@ -41,22 +40,27 @@ pub(crate) fn models(
     }
     let mut models = Vec::new();
     for (environment, rows) in environments.iter().enumerate() {
-        let fit = fit(rows);
+        let fit = fit_trials(lmm::Trials {
+            participant: &rows.participant,
+            session: &rows.session,
+            mode: &rows.mode,
+            value: &rows.value,
+        });
         for contrast in &parameters.contrasts {
             let Some(modes) = parameters.modes_of(contrast) else { continue };
             if !modes.iter().all(|mode| rows.mode.contains(mode)) {
                 continue;
             }
-            let weights = |fit: &TrialFit| fit.difference(modes[0], modes[1]);
-            let kenward_roger = fit
-                .as_ref()
-                .map_err(Clone::clone)
-                .and_then(|fit| fit.fit.kenward_roger()?.test(&weights(fit)?, parameters.level));
-            let fitted = fit.as_ref().ok();
-            let satterthwaite = fitted.and_then(|fit| {
-                fit.fit.satterthwaite().ok()?.test(&weights(fit).ok()?, parameters.level).ok()
+            let kenward_roger = fit.as_ref().map_err(Clone::clone).and_then(|fit| {
+                let weights = fit.difference(modes[0], modes[1]);
+                fit.fit.kenward_roger()?.test(&weights?, parameters.level)
             });
-            let deviation = |term| fitted.and_then(|fit| standard_deviation(fit, term));
+            let fitted = fit.as_ref().ok();
+            // Only beside Kenward and Roger's, so its failure leaves no remark.
+            let satterthwaite = fitted.and_then(|fit| {
+                let weights = fit.difference(modes[0], modes[1]).ok()?;
+                fit.fit.satterthwaite().ok()?.test(&weights, parameters.level).ok()
+            });
             let tested = kenward_roger.as_ref().ok();
             models.push(Model {
                 metric: measure.parameters.metric.clone(),
@@ -73,8 +77,8 @@ pub(crate) fn models(
                 p_value: tested.map(|t| t.p_value),
                 df_satterthwaite: satterthwaite.as_ref().map(|t| t.df),
                 p_satterthwaite: satterthwaite.as_ref().map(|t| t.p_value),
-                participant_sd: deviation(Term::Participant),
-                participant_mode_sd: deviation(Term::ParticipantMode),
+                participant_sd: fitted.and_then(|fit| deviation(fit, Term::Participant)),
+                participant_mode_sd: fitted.and_then(|fit| deviation(fit, Term::ParticipantMode)),
                 residual_sd: fitted.map(|fit| fit.fit.residual_variance.sqrt()),
                 random_terms: fitted.map(|fit| {
                     fit.structure.iter().map(|term| term.name()).collect::<Vec<_>>().join(", ")
@@ -87,18 +91,9 @@ pub(crate) fn models(
     models
 }
 
-fn fit(rows: &Rows) -> Result<TrialFit, Unestimable> {
-    fit_trials(lmm::Trials {
-        participant: &rows.participant,
-        session: &rows.session,
-        mode: &rows.mode,
-        value: &rows.value,
-    })
-}
-
 /// The standard deviation of a term; `None` for one that the model does not have.
-fn standard_deviation(fit: &TrialFit, term: Term) -> Option<f64> {
-    let place = fit.structure.iter().position(|of| *of == term)?;
+fn deviation(fit: &TrialFit, term: Term) -> Option<f64> {
+    let place = fit.structure.iter().position(|t| *t == term)?;
     let variance = *fit.fit.terms.get(place)?.covariance.first()?.first()?;
     Some(variance.max(0.0).sqrt())
 }

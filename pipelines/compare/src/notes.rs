@@ -18,13 +18,13 @@ type Note = (NoteKind, String);
 
 /// Notes below the table of rows `R`.
 pub(crate) fn below<R: Row>(measure: &Measure, notes: Vec<Note>) -> Vec<MetricNote> {
-    let note = |(kind, note): Note| MetricNote {
+    let notes = notes.into_iter().map(|(kind, note)| MetricNote {
         metric: measure.parameters.metric.clone(),
         table: R::NAME.to_owned(),
         kind,
         note: note.into(),
-    };
-    notes.into_iter().map(note).collect()
+    });
+    notes.collect()
 }
 
 fn general(text: &str) -> Note {
@@ -168,21 +168,20 @@ pub(crate) fn contrasts(
     };
     let general = [of_whom(unit), test.to_owned(), family];
     let general = general.into_iter().map(|text| (NoteKind::General, text));
-    let guard = guard(rows, unit, parameters).into_iter().map(|text| (NoteKind::Limit, text));
     let plan = measure.parameters.preregistered.as_ref();
     let plan = plan.map(|plan| plan.note(cells.participants.len()));
     let notes = general
         .chain(jnd(rows, measure).into_iter().flatten())
         .chain(plan)
         .chain(reached(rows, parameters.alpha))
-        .chain(guard)
+        .chain(guard(rows, unit, parameters))
         .chain(rows.iter().filter_map(|row| zeros(row, unit, parameters)))
         .chain(not_randomised(rows, parameters))
         .chain(rows.iter().filter_map(|row| left_out(row, cells, measure, parameters)));
     below::<ModeDifference>(measure, notes.collect())
 }
 
-/// What is taken for just noticed, where it is known, and what is said of sizes.
+/// The just noticeable difference, if it is known, and how sizes are called.
 fn jnd(rows: &[contrasts::Row], measure: &Measure) -> Option<[Note; 2]> {
     rows.iter().find(|row| row.jnd.is_some())?;
     let noticed = measure.parameters.noticed.as_ref()?;
@@ -198,18 +197,14 @@ fn jnd(rows: &[contrasts::Row], measure: &Measure) -> Option<[Note; 2]> {
     Some([(NoteKind::Jnd, jnd), (NoteKind::General, sizes.to_owned())])
 }
 
-/// What the exact tests can reach with so few participants.
-fn guard(
-    rows: &[contrasts::Row],
-    unit: &UnitOfAnalysis,
-    parameters: &Parameters,
-) -> Option<String> {
+/// The limit of the exact tests with so few participants.
+fn guard(rows: &[contrasts::Row], unit: &UnitOfAnalysis, parameters: &Parameters) -> Option<Note> {
     let fewest = rows.iter().map(|row| row.differences.len()).min()?;
     if *unit != UnitOfAnalysis::Participants {
         return None;
     }
     let reached = design_guard::check(fewest, parameters.contrasts.len(), parameters.alpha);
-    reached.err().map(|why| format!("Exact tests: {why}"))
+    reached.err().map(|why| (NoteKind::Limit, format!("Exact tests: {why}")))
 }
 
 /// How far differences of zero raise the smallest p value of the exact tests.
@@ -254,17 +249,22 @@ fn reached(rows: &[contrasts::Row], alpha: f64) -> Vec<Note> {
 
 /// Environments without a test of the sharp null, and why.
 fn not_randomised(rows: &[contrasts::Row], parameters: &Parameters) -> Vec<Note> {
-    let of_environment = rows.chunk_by(|a, b| a.environment == b.environment);
-    of_environment.filter_map(|rows| why_not_randomised(rows.first()?, parameters)).collect()
+    let mut notes = Vec::new();
+    for rows in rows.chunk_by(|a, b| a.environment == b.environment) {
+        // Orders that cannot be redrawn void all contrasts of an environment alike: said once.
+        let is_whole = rows.iter().all(|row| row.sharp_null.is_err());
+        for row in rows.iter().take(if is_whole { 1 } else { rows.len() }) {
+            let Err(why) = &row.sharp_null else { continue };
+            let environment = &parameters.environments[row.environment];
+            let which = if is_whole { String::new() } else { format!(", {}", row.contrast) };
+            let note = format!("{environment}{which}: no test of the sharp null: {why}.");
+            notes.push((NoteKind::Care, note));
+        }
+    }
+    notes
 }
 
-fn why_not_randomised(row: &contrasts::Row, parameters: &Parameters) -> Option<Note> {
-    let why = row.sharp_null.as_ref().err()?;
-    let environment = &parameters.environments[row.environment];
-    Some((NoteKind::Care, format!("{environment}: no test of the sharp null: {why}.")))
-}
-
-/// Who took part and has not both modes of a contrast, and what each of them lacks.
+/// The participants who do not have both modes of a contrast, with what each of them lacks.
 fn left_out(
     row: &contrasts::Row,
     cells: &Cells,
@@ -309,12 +309,14 @@ fn lacks(
             missing.push(format!("no trial of {name} with {}", measure.parameters.metric));
         }
     }
+    // A difference is within a session, so both modes are not enough.
     if missing.is_empty() {
         missing.push("no session with both modes".to_owned());
     }
     Some(missing.join(", "))
 }
 
+/// States what n counts in a table.
 pub(crate) fn of_whom(unit: &UnitOfAnalysis) -> String {
     match unit {
         UnitOfAnalysis::Participants => {

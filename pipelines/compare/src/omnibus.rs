@@ -34,13 +34,14 @@ impl Row {
                 people.entry(cell.participant).or_default().entry(mode).or_default().push(mean);
             }
         }
+        // A mode in which nobody has the metric would leave no participant complete.
         let modes = (0..parameters.modes.len())
-            .filter(|mode| people.values().any(|of| of.contains_key(mode)))
+            .filter(|mode| people.values().any(|own| own.contains_key(mode)))
             .count();
         let complete: Vec<Vec<f64>> = people
             .values()
-            .filter(|of| of.len() == modes)
-            .map(|of| of.values().map(|s| s.iter().sum::<f64>() / s.len() as f64).collect())
+            .filter(|own| own.len() == modes)
+            .map(|own| own.values().map(|s| s.iter().sum::<f64>() / s.len() as f64).collect())
             .collect();
         let rows: Vec<&[f64]> = complete.iter().map(Vec::as_slice).collect();
         (modes > 1 && people.len() > 1).then(|| Self {

@@ -1,4 +1,4 @@
-//! What a comparison depends on besides the table of metrics.
+//! The parameters of a comparison, besides the table of metrics.
 
 use crate::{Preregistered, SessionOrder};
 use serde::Serialize;
@@ -6,7 +6,7 @@ use zwidth_study::{
     Better, Contrast, EffectSize, EnvironmentId, Families, MetricId, ModeId, Perception,
 };
 
-/// What a comparison depends on.
+/// The parameters of a comparison.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Parameters {
     /// The metrics, the primary one first where trials have it.
@@ -25,11 +25,11 @@ pub struct Parameters {
     pub level: f64,
     /// Sizes without unit that differences have.
     pub effect_sizes: Vec<EffectSize>,
-    /// How the orders of the sessions came about.
+    /// The orders of the sessions, and how they were drawn.
     pub orders: Vec<SessionOrder>,
 }
 
-/// What the comparison of one metric depends on.
+/// The parameters of the comparison of one metric.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MetricParameters {
     /// Its column in the table of metrics.
@@ -68,6 +68,7 @@ impl Noticed {
         let from = self.commanded[environment].unwrap_or(mean);
         let jnd = self.perception.bound(from, unit, self.lever_m);
         let jnd = jnd.filter(|_| !(self.is_slide && matches!(unit, "rad" | "m")));
+        // Differences are divided by it, and a share of 0 is 0.
         jnd.filter(|jnd| *jnd > 0.0 && jnd.is_finite())
     }
 }

@@ -3,18 +3,18 @@
 use serde::Serialize;
 use zwidth_tables::NoteKind;
 
-/// What a plan says about the analysis that is made.
+/// A plan's statements about the analysis.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize)]
 pub struct Preregistered {
     /// BLAKE3 of the plan's file, hexadecimal; empty if it cannot be read.
     pub blake3: String,
     /// The deviations from the plan, each in words.
     pub deviations: Vec<String>,
-    /// What else a reader of the plan should know: whole sentences.
+    /// Other things that a reader of the plan should know: whole sentences.
     pub remarks: Vec<String>,
-    /// How many participants were planned.
+    /// The planned number of participants.
     pub participants: Option<u64>,
-    /// How many trials were there when the plan was written.
+    /// The number of trials when the plan was written.
     pub trials_before: Option<u64>,
 }
 
@@ -44,7 +44,7 @@ impl Preregistered {
         format!("{as_planned} (plan.json{hash})")
     }
 
-    /// What is no deviation, and told all the same.
+    /// Sentences about what is no deviation and worth knowing all the same.
     fn further(&self, took_part: usize) -> Vec<String> {
         let sample = self
             .participants

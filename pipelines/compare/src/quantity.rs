@@ -42,8 +42,10 @@ pub(crate) fn difference(scores: &[Score], modes: [usize; 2], level: f64) -> Dif
 /// Sum and number of the answers in either mode.
 type Sums = [(f64, f64); 2];
 
-/// The means in both modes of everybody who has both, in the order of participants.
+/// The means in both modes of everybody who has both, in the order of participants: over the
+/// sessions that have both.
 fn pairs(scores: &[Score], modes: [usize; 2]) -> Vec<[f64; 2]> {
+    // Sorted maps, because the order of a sum is part of its bits.
     let mut cells: BTreeMap<usize, BTreeMap<usize, Sums>> = BTreeMap::new();
     for score in scores {
         let Some(side) = modes.iter().position(|mode| *mode == score.mode) else { continue };
@@ -51,19 +53,18 @@ fn pairs(scores: &[Score], modes: [usize; 2]) -> Vec<[f64; 2]> {
         let (sum, n) = &mut sessions.entry(score.session).or_default()[side];
         (*sum, *n) = (*sum + score.value, *n + 1.0);
     }
-    cells.values().filter_map(mean_of_sessions).collect()
-}
-
-/// The means over the sessions that have both modes; `None` without one.
-fn mean_of_sessions(sessions: &BTreeMap<usize, Sums>) -> Option<[f64; 2]> {
-    let whole: Vec<[f64; 2]> = sessions
-        .values()
-        .filter(|sums| sums.iter().all(|(_, n)| *n > 0.0))
-        .map(|sums| sums.map(|(sum, n)| sum / n))
-        .collect();
-    let mean =
-        |side: usize| whole.iter().map(|means| means[side]).sum::<f64>() / whole.len() as f64;
-    (!whole.is_empty()).then(|| [mean(0), mean(1)])
+    let people = cells.values().filter_map(|sessions| {
+        let whole: Vec<[f64; 2]> = sessions
+            .values()
+            .filter(|sums| sums.iter().all(|(_, n)| *n > 0.0))
+            .map(|sums| sums.map(|(sum, n)| sum / n))
+            .collect();
+        (!whole.is_empty()).then(|| {
+            [0, 1]
+                .map(|side| whole.iter().map(|means| means[side]).sum::<f64>() / whole.len() as f64)
+        })
+    });
+    people.collect()
 }
 
 #[cfg(test)]

@@ -2,9 +2,9 @@
 //! session predicts another.
 
 use crate::Parameters;
-use crate::cells::{Cell, Cells};
+use crate::cells::Cells;
 use crate::measure::Measure;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use zwidth_results::{SessionChange, SessionPair};
 use zwidth_stats::Unestimable;
 use zwidth_stats::agreement::{Agreement, agreement, bland_altman};
@@ -21,7 +21,7 @@ const MANY: usize = 100;
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Changes {
     pub(crate) rows: Vec<SessionChange>,
-    /// Whether some agreement takes in those who lack a session.
+    /// Whether some agreement includes participants who lack a session.
     pub(crate) is_incomplete: bool,
 }
 
@@ -30,6 +30,7 @@ pub(crate) fn changes(cells: &Cells, measure: &Measure, parameters: &Parameters)
     for (e, environment) in parameters.environments.iter().enumerate() {
         for (m, mode) in parameters.modes.iter().enumerate() {
             let all: Vec<usize> = (0..cells.sessions.len()).collect();
+            // Of two sessions it would be what their row has already.
             let overall = if all.len() > 2 {
                 agreement_of_all(&means(cells, e, m, &all), parameters.level).ok()
             } else {
@@ -42,9 +43,9 @@ pub(crate) fn changes(cells: &Cells, measure: &Measure, parameters: &Parameters)
                 if pairs.is_empty() {
                     continue;
                 }
-                let over = |side: usize| {
+                let [mean_later, mean_earlier] = [0, 1].map(|side| {
                     pairs.iter().map(|pair| pair[side]).sum::<f64>() / pairs.len() as f64
-                };
+                });
                 let differences = differences(&pairs);
                 let change = mean_difference(&differences, parameters.level);
                 let limits = bland_altman(&differences, parameters.level).ok();
@@ -61,8 +62,8 @@ pub(crate) fn changes(cells: &Cells, measure: &Measure, parameters: &Parameters)
                         earlier: cells.sessions[0].clone(),
                     },
                     n: pairs.len(),
-                    mean_later: over(0),
-                    mean_earlier: over(1),
+                    mean_later,
+                    mean_earlier,
                     change: tested.map(|t| t.estimate),
                     change_std_error: tested.map(|t| t.std_error),
                     change_ci_low: tested.map(|t| t.ci_low),
@@ -71,18 +72,18 @@ pub(crate) fn changes(cells: &Cells, measure: &Measure, parameters: &Parameters)
                     p_value: tested.map(|t| t.p_value),
                     limit_low: limits.as_ref().map(|limits| limits.lower.estimate),
                     limit_high: limits.as_ref().map(|limits| limits.upper.estimate),
-                    icc_a1: agreement.as_ref().map(|found| found.a1.estimate),
-                    icc_a1_ci_low: agreement.as_ref().map(|found| found.a1.ci_low),
-                    icc_a1_ci_high: agreement.as_ref().map(|found| found.a1.ci_high),
-                    icc_c1: agreement.as_ref().map(|found| found.c1.estimate),
-                    icc_ak: agreement.as_ref().map(|found| found.ak.estimate),
-                    icc_ck: agreement.as_ref().map(|found| found.ck.estimate),
-                    sem: agreement.as_ref().map(|found| found.sem),
-                    mdc: agreement.as_ref().map(|found| found.mdc),
-                    icc_a1_all: overall.as_ref().map(|found| found.a1.estimate),
-                    icc_a1_all_ci_low: overall.as_ref().map(|found| found.a1.ci_low),
-                    icc_a1_all_ci_high: overall.as_ref().map(|found| found.a1.ci_high),
-                    sem_all: overall.as_ref().map(|found| found.sem),
+                    icc_a1: agreement.as_ref().map(|icc| icc.a1.estimate),
+                    icc_a1_ci_low: agreement.as_ref().map(|icc| icc.a1.ci_low),
+                    icc_a1_ci_high: agreement.as_ref().map(|icc| icc.a1.ci_high),
+                    icc_c1: agreement.as_ref().map(|icc| icc.c1.estimate),
+                    icc_ak: agreement.as_ref().map(|icc| icc.ak.estimate),
+                    icc_ck: agreement.as_ref().map(|icc| icc.ck.estimate),
+                    sem: agreement.as_ref().map(|icc| icc.sem),
+                    mdc: agreement.as_ref().map(|icc| icc.mdc),
+                    icc_a1_all: overall.as_ref().map(|icc| icc.a1.estimate),
+                    icc_a1_all_ci_low: overall.as_ref().map(|icc| icc.a1.ci_low),
+                    icc_a1_all_ci_high: overall.as_ref().map(|icc| icc.a1.ci_high),
+                    sem_all: overall.as_ref().map(|icc| icc.sem),
                     remark: change.as_ref().err().map(|why| why.to_string().into()),
                 });
             }
@@ -97,7 +98,7 @@ fn agreement_of_all(means: &[Vec<Option<f64>>], level: f64) -> Result<Agreement,
     let complete: Vec<Vec<f64>> =
         means.iter().filter_map(|row| row.iter().copied().collect()).collect();
     if complete.len() < means.len() && means.len() < MANY {
-        return incomplete_agreement(means, level, DRAWS).map(|found| found.agreement);
+        return incomplete_agreement(means, level, DRAWS).map(|fit| fit.agreement);
     }
     agreement(&complete, level)
 }
@@ -109,12 +110,15 @@ fn means(
     mode: usize,
     sessions: &[usize],
 ) -> Vec<Vec<Option<f64>>> {
-    let in_session = |session: &usize| -> BTreeMap<usize, f64> {
-        let here = cells.of_condition(environment, mode).filter(|c| c.session == *session);
-        here.filter_map(|c: &Cell| Some((c.participant, c.mean?))).collect()
-    };
-    let by_session: Vec<BTreeMap<usize, f64>> = sessions.iter().map(in_session).collect();
-    let everybody: BTreeSet<usize> = by_session.iter().flat_map(|s| s.keys().copied()).collect();
-    let one = |who| by_session.iter().map(|means| means.get(&who).copied()).collect();
-    everybody.into_iter().map(one).collect()
+    let mut people: BTreeMap<usize, Vec<Option<f64>>> = BTreeMap::new();
+    for cell in cells.of_condition(environment, mode) {
+        let Some(place) = sessions.iter().position(|session| *session == cell.session) else {
+            continue;
+        };
+        if cell.mean.is_some() {
+            people.entry(cell.participant).or_insert_with(|| vec![None; sessions.len()])[place] =
+                cell.mean;
+        }
+    }
+    people.into_values().collect()
 }

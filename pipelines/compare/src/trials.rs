@@ -64,7 +64,7 @@ impl Trials {
         Ok(Self { participants, sessions, trials })
     }
 
-    /// Those of one condition.
+    /// The trials of one condition.
     pub(crate) fn of_condition(
         &self,
         environment: usize,

@@ -12,7 +12,7 @@ use std::fs::{self, File};
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
-/// What is at a path.
+/// A kind of thing at a path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Entry {
     /// A regular file.
@@ -30,17 +30,28 @@ pub enum Entry {
 pub trait Files: Sync {
     /// What lies at `path`; nothing if nothing does, or nothing that can be looked at.
     fn kind(&self, path: &Path) -> Option<Entry> {
-        path.symlink_metadata().ok().map(|found| entry(found.file_type()))
+        path.symlink_metadata().ok().map(|metadata| entry(metadata.file_type()))
     }
     /// The names in a folder, sorted, each with what it is.
     fn list(&self, folder: &Path) -> io::Result<Vec<(PathBuf, Entry)>> {
-        listed(folder)
+        let mut entries = Vec::new();
+        for item in fs::read_dir(folder)? {
+            let item = item?;
+            match item.file_type() {
+                Ok(kind) => entries.push((item.path(), entry(kind))),
+                Err(e) if e.kind() == io::ErrorKind::NotFound => {} // gone since
+                Err(e) => return Err(e),
+            }
+        }
+        // All of one folder, so that bytes have the order of names.
+        entries.sort_by(|a, b| a.0.as_os_str().cmp(b.0.as_os_str()));
+        Ok(entries)
     }
     /// Reads a regular file of at most `most` bytes whole.
     fn read(&self, path: &Path, most: u64) -> io::Result<Vec<u8>> {
         read_regular(path, most)
     }
-    /// What a regular file of at most `most` bytes holds, to be read part by part.
+    /// The content of a regular file of at most `most` bytes, to be read part by part.
     fn open(&self, path: &Path, most: u64) -> io::Result<Content> {
         self.read(path, most).map(Content::of)
     }
@@ -56,7 +67,7 @@ pub trait Files: Sync {
     /// Keeps a file or a folder for this user alone: 0600 and 0700, whatever the umask says.
     /// Systems without such modes have it as its folder has it.
     fn make_private(&self, path: &Path) -> io::Result<()> {
-        made_private(path)
+        set_private_mode(path)
     }
     /// Creates one folder, unless it is there already.
     fn create_folder(&self, path: &Path) -> io::Result<()>;
@@ -109,7 +120,7 @@ impl Files for RealFiles {
         match fs::create_dir(path) {
             // Another process may have made it in between.
             Err(_) if path.is_dir() => Ok(()),
-            made => made,
+            result => result,
         }
     }
 
@@ -117,7 +128,7 @@ impl Files for RealFiles {
         match create_private(path) {
             Err(_) if path.is_dir() => Ok(()),
             // A umask may have taken even its owner's rights.
-            Ok(()) => made_private(path),
+            Ok(()) => set_private_mode(path),
             failed => failed,
         }
     }
@@ -165,6 +176,7 @@ struct Opened {
 impl Append for Opened {
     fn append_synced(&mut self, bytes: &[u8]) -> io::Result<()> {
         self.file.write_all(bytes)?;
+        // Syncs the length too; the times, which it may leave out, nobody reads after a power cut.
         self.file.sync_data()
     }
 
@@ -175,7 +187,7 @@ impl Append for Opened {
 }
 
 #[cfg(unix)]
-fn made_private(path: &Path) -> io::Result<()> {
+fn set_private_mode(path: &Path) -> io::Result<()> {
     use std::os::unix::fs::PermissionsExt as _;
     let mode = match entry(path.symlink_metadata()?.file_type()) {
         Entry::File => 0o600,
@@ -187,7 +199,7 @@ fn made_private(path: &Path) -> io::Result<()> {
 }
 
 #[cfg(not(unix))]
-fn made_private(_path: &Path) -> io::Result<()> {
+fn set_private_mode(_path: &Path) -> io::Result<()> {
     Ok(())
 }
 
@@ -225,35 +237,11 @@ fn entry(kind: fs::FileType) -> Entry {
     }
 }
 
-fn listed(folder: &Path) -> io::Result<Vec<(PathBuf, Entry)>> {
-    let mut entries = Vec::new();
-    for found in fs::read_dir(folder)? {
-        let found = found?;
-        match found.file_type() {
-            Ok(kind) => entries.push((found.path(), entry(kind))),
-            Err(e) if e.kind() == io::ErrorKind::NotFound => {} // gone since
-            Err(e) => return Err(e),
-        }
-    }
-    // All of one folder, so that bytes have the order of names.
-    entries.sort_by(|a, b| a.0.as_os_str().cmp(b.0.as_os_str()));
-    Ok(entries)
-}
-
 /// Creates every missing folder of `path`, each with its name synced: a file in a folder whose own
 /// name is lost is lost too.
 pub(crate) fn create_folders(files: &dyn Files, path: &Path) -> io::Result<()> {
     for folder in missing_folders(files, path) {
         files.create_folder(folder)?;
-        files.sync_folder(folder_of(folder))?;
-    }
-    Ok(())
-}
-
-/// The same, each for this user alone. Folders that are there keep their modes.
-fn create_private_folders(files: &dyn Files, path: &Path) -> io::Result<()> {
-    for folder in missing_folders(files, path) {
-        files.create_private_folder(folder)?;
         files.sync_folder(folder_of(folder))?;
     }
     Ok(())
@@ -282,10 +270,10 @@ pub(crate) fn sync_file(files: &dyn Files, path: &Path) -> io::Result<()> {
 /// A folder that cannot be synced; a folder that may not be read is skipped.
 pub fn sync_names(files: &dyn Files, path: &Path, top: &Path) -> Result<(), StoreError> {
     let below = path.ancestors().take_while(|p| *p != top && *p != Path::new(""));
-    for there in below.filter(|p| files.kind(p).is_some()) {
-        match files.sync_folder(folder_of(there)) {
+    for existing in below.filter(|p| files.kind(p).is_some()) {
+        match files.sync_folder(folder_of(existing)) {
             Err(e) if e.kind() != io::ErrorKind::PermissionDenied => {
-                return Err(StoreError::io(folder_of(there), "sync the folder", &e));
+                return Err(StoreError::io(folder_of(existing), "sync the folder", &e));
             }
             _ => {}
         }
@@ -301,8 +289,7 @@ pub(crate) fn folder_of(path: &Path) -> &Path {
 /// Writes a new file as a whole; refuses when `path` exists, because finished files never change.
 pub fn write_new(files: &dyn Files, path: &Path, bytes: &[u8]) -> Result<(), StoreError> {
     if files.kind(path).is_some() {
-        let exists = io::Error::from(io::ErrorKind::AlreadyExists);
-        return Err(StoreError::io(path, "write", &exists));
+        return Err(StoreError::io(path, "write", &io::ErrorKind::AlreadyExists.into()));
     }
     replace(files, path, bytes).map_err(|error| take_away(files, path, error))
 }
@@ -338,8 +325,13 @@ pub fn write_private(files: &dyn Files, path: &Path, bytes: &[u8]) -> Result<(),
         return Err(StoreError::io(path, "write", &io::ErrorKind::AlreadyExists.into()));
     }
     let folder = folder_of(path);
-    create_private_folders(files, folder)
-        .map_err(|e| StoreError::io(folder, "create the folder", &e))?;
+    for missing in missing_folders(files, folder) {
+        files
+            .create_private_folder(missing)
+            .and_then(|()| files.sync_folder(folder_of(missing)))
+            .map_err(|e| StoreError::io(folder, "create the folder", &e))?;
+    }
+    // A folder that was there already keeps its mode above.
     keep_private(files, folder)?;
     place(files, path, |beside| {
         files.write_synced(beside, bytes)?;
@@ -364,6 +356,7 @@ pub(crate) fn place(
 ) -> Result<(), StoreError> {
     let beside = temporary(path);
     let placed = write(&beside)
+        // Only now: a name must never lead to content that a power cut can take.
         .and_then(|()| files.rename(&beside, path))
         .and_then(|()| files.sync_folder(folder_of(path)));
     placed.map_err(|e| {
@@ -378,6 +371,7 @@ pub(crate) fn place(
 /// by.
 pub(crate) fn temporary(path: &Path) -> PathBuf {
     let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+    // With the process, so that no two of them write the same file.
     path.with_file_name(format!(".{name}.{}.tmp", std::process::id()))
 }
 
@@ -386,6 +380,7 @@ pub(crate) fn temporary(path: &Path) -> PathBuf {
 pub fn is_unfinished(path: &Path) -> bool {
     let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
     let inner = name.strip_prefix('.').and_then(|name| name.strip_suffix(".tmp"));
+    // From the right: the file's own name may have dots.
     inner.and_then(|inner| inner.rsplit_once('.')).is_some_and(|(name, process)| {
         !name.is_empty() && !process.is_empty() && process.bytes().all(|b| b.is_ascii_digit())
     })

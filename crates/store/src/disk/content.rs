@@ -15,7 +15,7 @@ const END: u64 = 1 << 14;
 /// Bytes that are read at a time to hash a file.
 const HASHED_AT_ONCE: usize = 1 << 20;
 
-/// What a file holds.
+/// The content of a file.
 #[derive(Debug, Clone)]
 pub struct Content(Kept);
 
@@ -45,7 +45,7 @@ impl Content {
         Self(Kept::Disk { file: Arc::new(Mutex::new(file)), length })
     }
 
-    /// The same, of which the end is read: the footer of a trial is in it.
+    /// The same with its end read: it contains the footer of a trial.
     pub(crate) fn with_end(file: File, length: u64) -> io::Result<Self> {
         let content = Self::on_disk(file, length);
         let end = length.min(END);
@@ -56,7 +56,7 @@ impl Content {
         })
     }
 
-    /// How many bytes.
+    /// The number of bytes.
     pub fn length(&self) -> u64 {
         match &self.0 {
             Kept::Memory(bytes) => bytes.len() as u64,
@@ -88,6 +88,7 @@ impl Content {
                 // Its length was looked at: what is claimed beyond it takes no memory.
                 let mut bytes = room(length)?;
                 bytes.resize(length, 0);
+                // A panic elsewhere leaves the file at any place, and it is sought anew here.
                 let mut file = file.lock().unwrap_or_else(PoisonError::into_inner);
                 file.seek(SeekFrom::Start(from))?;
                 file.read_exact(&mut bytes)?;
@@ -123,6 +124,7 @@ impl ChunkReader for Content {
     type T = BufReader<Part>;
 
     fn get_read(&self, start: u64) -> Result<Self::T, ParquetError> {
+        // Each read of a part is a seek, and headers are decoded byte by byte.
         Ok(BufReader::new(Part { content: self.clone(), at: start }))
     }
 
@@ -131,7 +133,7 @@ impl ChunkReader for Content {
     }
 }
 
-/// What follows a place in a file.
+/// The bytes of a file from a place on.
 #[derive(Debug)]
 pub struct Part {
     content: Content,
@@ -154,15 +156,15 @@ impl Read for Part {
 /// # Errors
 /// [`io::ErrorKind::OutOfMemory`].
 pub(crate) fn room(length: usize) -> io::Result<Vec<u8>> {
-    /// What is to be left, bytes (64 MiB).
+    /// Memory that must remain, bytes (64 MiB).
     const LEFT: usize = 1 << 26;
     let mut bytes = Vec::new();
-    let mut left = Vec::<u8>::new();
-    let given = bytes.try_reserve_exact(length).and_then(|()| match length < LEFT {
+    let mut spare = Vec::<u8>::new();
+    let reserved = bytes.try_reserve_exact(length).and_then(|()| match length < LEFT {
         true => Ok(()),
-        false => left.try_reserve_exact(LEFT),
+        false => spare.try_reserve_exact(LEFT),
     });
-    given.map_err(|_| {
+    reserved.map_err(|_| {
         let what = format!("the system does not give {length} bytes of memory for it");
         io::Error::new(io::ErrorKind::OutOfMemory, what)
     })?;

@@ -25,22 +25,22 @@ struct RealFolder {
     identity: Identity,
 }
 
-/// What tells a folder from any other that stands in its place.
+/// Distinguishes a folder from any other that stands in its place.
 #[cfg(unix)]
 type Identity = (u64, u64);
-/// What tells a folder from most others that stand in its place: when it was made.
+/// Distinguishes a folder from most others that stand in its place: the time when it was made.
 #[cfg(not(unix))]
 type Identity = Option<std::time::SystemTime>;
 
 #[cfg(unix)]
-fn identity(of: &Metadata) -> Identity {
+fn identity(metadata: &Metadata) -> Identity {
     use std::os::unix::fs::MetadataExt as _;
-    (of.dev(), of.ino())
+    (metadata.dev(), metadata.ino())
 }
 
 #[cfg(not(unix))]
-fn identity(of: &Metadata) -> Identity {
-    of.created().ok()
+fn identity(metadata: &Metadata) -> Identity {
+    metadata.created().ok()
 }
 
 /// Holds a folder of the real disk.
@@ -48,23 +48,23 @@ pub(crate) fn hold(path: &Path) -> io::Result<Box<dyn Held>> {
     #[cfg(unix)]
     let handle = File::open(path)?;
     #[cfg(unix)]
-    let found = handle.metadata()?;
+    let metadata = handle.metadata()?;
     #[cfg(not(unix))]
-    let found = fs::metadata(path)?;
-    if !found.is_dir() {
+    let metadata = fs::metadata(path)?;
+    if !metadata.is_dir() {
         return Err(io::ErrorKind::NotADirectory.into());
     }
     Ok(Box::new(RealFolder {
         path: path.to_owned(),
         #[cfg(unix)]
         handle,
-        identity: identity(&found),
+        identity: identity(&metadata),
     }))
 }
 
 impl Held for RealFolder {
     fn is_there(&self) -> bool {
-        is(&self.path, self.identity)
+        leads_to(&self.path, self.identity)
     }
 
     /// As far as the system tells: Linux does.
@@ -72,7 +72,8 @@ impl Held for RealFolder {
     fn now(&self) -> Option<PathBuf> {
         use std::os::fd::AsRawFd as _;
         let now = fs::read_link(format!("/proc/self/fd/{}", self.handle.as_raw_fd())).ok()?;
-        is(&now, self.identity).then_some(now)
+        // For a folder that was removed Linux gives a path that leads nowhere.
+        leads_to(&now, self.identity).then_some(now)
     }
 
     #[cfg(not(unix))]
@@ -81,6 +82,6 @@ impl Held for RealFolder {
     }
 }
 
-fn is(path: &Path, folder: Identity) -> bool {
-    fs::metadata(path).is_ok_and(|found| found.is_dir() && identity(&found) == folder)
+fn leads_to(path: &Path, folder: Identity) -> bool {
+    fs::metadata(path).is_ok_and(|metadata| metadata.is_dir() && identity(&metadata) == folder)
 }

@@ -24,13 +24,22 @@ impl StudyLock {
     /// Somebody else holds it, with who that is; a folder that cannot be written.
     pub fn take(layout: &Layout, owner: &str) -> Result<Self, StoreError> {
         let path = layout.lock();
-        let mut file = opened(&path).map_err(|e| StoreError::io(&path, "open the lock", &e))?;
+        let mut file = open(&path).map_err(|e| StoreError::io(&path, "open the lock", &e))?;
         match file.try_lock() {
             Ok(()) => {}
-            Err(TryLockError::WouldBlock) => return Err(describe_held(&path, &mut file)),
+            Err(TryLockError::WouldBlock) => {
+                let holder = read(&mut file).filter(|text| !text.is_empty());
+                let holder = holder.unwrap_or_else(|| "another process".to_owned());
+                let what = format!("the study is in use: {holder}");
+                return Err(StoreError::new(&path, what, "wait for it, or end it"));
+            }
             Err(TryLockError::Error(e)) => return Err(StoreError::io(&path, "lock", &e)),
         }
-        write_owner(&mut file, owner).map_err(|e| StoreError::io(&path, "write the lock", &e))?;
+        // An owner who did not end in order may have left a longer name.
+        file.set_len(0)
+            .and_then(|()| file.rewind())
+            .and_then(|()| writeln!(file, "{owner}"))
+            .map_err(|e| StoreError::io(&path, "write the lock", &e))?;
         Ok(Self { file })
     }
 }
@@ -45,6 +54,7 @@ impl Drop for StudyLock {
 
 /// An owner's id: what it does, its process and host, and since when.
 pub fn owner(command: &str, utc: &str) -> String {
+    // Linux says it in /proc, Windows in the environment; elsewhere the process has to do.
     let host = std::fs::read_to_string("/proc/sys/kernel/hostname")
         .ok()
         .or(std::env::var("COMPUTERNAME").ok());
@@ -54,7 +64,7 @@ pub fn owner(command: &str, utc: &str) -> String {
 
 /// Opens the lock's file, or creates it. It is written to, so nothing but a file of its own will
 /// do: what a link or a second name leads to would be emptied.
-fn opened(path: &Path) -> io::Result<File> {
+fn open(path: &Path) -> io::Result<File> {
     create_folders(&RealFiles, crate::disk::atomic::folder_of(path))?;
     let created = File::options().read(true).write(true).create_new(true).open(path);
     let file = match created {
@@ -63,11 +73,15 @@ fn opened(path: &Path) -> io::Result<File> {
         }
         created => created?,
     };
-    if is_owner(&file)? {
-        Ok(file)
-    } else {
-        Err(io::Error::new(io::ErrorKind::InvalidInput, OTHER))
+    let metadata = file.metadata()?;
+    #[cfg(unix)]
+    let has_second_name = std::os::unix::fs::MetadataExt::nlink(&metadata) > 1;
+    #[cfg(not(unix))]
+    let has_second_name = false;
+    if has_second_name || metadata.len() > MOST_OWNER {
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, OTHER));
     }
+    Ok(file)
 }
 
 /// Why a file is not taken for the lock's.
@@ -76,33 +90,11 @@ const OTHER: &str =
 /// Longest owner, bytes.
 const MOST_OWNER: u64 = 1 << 12;
 
-/// Whether a file may be the lock's: short, and known by no other name.
-fn is_owner(file: &File) -> io::Result<bool> {
-    let found = file.metadata()?;
-    #[cfg(unix)]
-    if std::os::unix::fs::MetadataExt::nlink(&found) > 1 {
-        return Ok(false);
-    }
-    Ok(found.len() <= MOST_OWNER)
-}
-
 fn read(file: &mut File) -> Option<String> {
     let mut text = String::new();
     file.rewind().ok()?;
     file.read_to_string(&mut text).ok()?;
     Some(text.trim().to_owned())
-}
-
-fn write_owner(file: &mut File, owner: &str) -> io::Result<()> {
-    file.set_len(0)?;
-    file.rewind()?;
-    writeln!(file, "{owner}")
-}
-
-fn describe_held(path: &Path, file: &mut File) -> StoreError {
-    let who =
-        read(file).filter(|text| !text.is_empty()).unwrap_or_else(|| "another process".to_owned());
-    StoreError::new(path, format!("the study is in use: {who}"), "wait for it, or end it")
 }
 
 #[cfg(test)]

@@ -165,13 +165,12 @@ impl Memory {
     /// The files that hold something else than was written to them.
     pub fn damaged(&self) -> Vec<PathBuf> {
         let state = self.state();
-        let is_damaged = |number: usize| {
-            let Content { live, meant, .. } = &state.contents[number];
-            meant.as_ref().is_some_and(|meant| meant != live)
-        };
         let files = state.live.iter().filter_map(|(path, node)| match node {
-            Node::File(number) if is_damaged(*number) => Some(path.clone()),
-            _ => None,
+            Node::File(number) => {
+                let Content { live, meant, .. } = &state.contents[*number];
+                meant.as_ref().filter(|meant| *meant != live).map(|_| path.clone())
+            }
+            Node::Folder => None,
         });
         files.collect()
     }
@@ -248,7 +247,7 @@ impl State {
                 self.rename_in(path);
                 Ok(self.contents.len() - 1)
             }
-            found => found,
+            existing => existing,
         }
     }
 

@@ -69,7 +69,7 @@ pub fn read_port(layout: &Layout) -> Result<Option<String>, StoreError> {
 /// Asked of what was opened: another file may lie at its path by now.
 #[cfg(unix)]
 fn is_of_this_user_alone(file: &File) -> io::Result<bool> {
-    /// What a file allows its group and everybody.
+    /// The permissions of a file's group and of everybody.
     const OTHERS: u32 = 0o077;
     use std::os::unix::fs::MetadataExt as _;
     let metadata = file.metadata()?;
@@ -90,12 +90,13 @@ fn write_new(path: &Path, text: &str) -> io::Result<()> {
         Err(e) if e.kind() != io::ErrorKind::NotFound => return Err(e),
         _ => {}
     }
-    created(&beside)?.write_all(text.as_bytes())?;
+    // Private from its first moment: a mode that is set later leaves time to open it.
+    create(&beside)?.write_all(text.as_bytes())?;
     std::fs::rename(&beside, path)
 }
 
 /// A new file that this user alone can read, where users are told apart.
-fn created(path: &Path) -> io::Result<File> {
+fn create(path: &Path) -> io::Result<File> {
     let mut options = OpenOptions::new();
     options.write(true).create_new(true);
     #[cfg(unix)]
@@ -123,7 +124,7 @@ mod tests {
     #[test]
     fn what_a_killed_process_left_is_written_anew() {
         let (_folder, layout) = folder_with_study();
-        created(&layout.port()).unwrap().write_all(b"1 another\n").unwrap();
+        create(&layout.port()).unwrap().write_all(b"1 another\n").unwrap();
         let lock = StudyLock::take(&layout, "me").unwrap();
         let _file = PortFile::write(&layout, &lock, "2 word\n").unwrap();
         assert_eq!(read_port(&layout).unwrap().as_deref(), Some("2 word\n"));
@@ -134,7 +135,7 @@ mod tests {
     fn a_file_that_others_can_read_or_write_is_refused() {
         use std::os::unix::fs::PermissionsExt as _;
         let (_folder, layout) = folder_with_study();
-        created(&layout.port()).unwrap().write_all(b"1 word\n").unwrap();
+        create(&layout.port()).unwrap().write_all(b"1 word\n").unwrap();
         assert_eq!(read_port(&layout).unwrap().as_deref(), Some("1 word\n"));
         for mode in [0o640, 0o604, 0o620, 0o602, 0o666] {
             let permissions = std::fs::Permissions::from_mode(mode);
@@ -148,7 +149,7 @@ mod tests {
     #[test]
     fn a_file_of_another_user_is_refused() {
         let (_folder, layout) = folder_with_study();
-        created(&layout.port()).unwrap().write_all(b"1 word\n").unwrap();
+        create(&layout.port()).unwrap().write_all(b"1 word\n").unwrap();
         if let Err(error) = std::os::unix::fs::chown(layout.port(), Some(65_534), None) {
             println!("skipped: only root gives a file to another user ({error})");
             return;

@@ -12,7 +12,7 @@ use std::io;
 use std::path::{Component, Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// What a handle may do besides adding.
+/// The operations that a handle permits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum May {
     Add,
@@ -67,38 +67,37 @@ impl<'a> Raw<'a> {
     }
 
     /// The layer below, if the handle is for this path, by its text and by every folder on the way.
-    fn here(&self, path: &Path) -> io::Result<&'a dyn Files> {
+    fn layer_for(&self, path: &Path) -> io::Result<&'a dyn Files> {
         let vault = self.vault.as_deref().filter(|vault| path.starts_with(vault));
+        // From the root on: raw/ and the study's folder may be links too.
         let top = if path.starts_with(&self.raw) { Some(self.root.as_path()) } else { vault };
+        // Nothing below `top` may lead up again. `top` itself is the user's to spell: `../data`.
         let top = top
-            .filter(|top| is_straight(path, top))
+            .filter(|top| {
+                path.strip_prefix(top)
+                    .is_ok_and(|below| below.components().all(|part| part != Component::ParentDir))
+            })
             .ok_or_else(|| refused(path, "this command writes only below raw/ of its study"))?;
-        self.check_way(top, path)?;
-        Ok(self.files)
+        let mut folders =
+            path.ancestors().skip(1).take_while(|folder| *folder != top && folder.starts_with(top));
+        // A link on the way would lead a writer out of the study.
+        match folders.find(|folder| self.files.kind(folder) == Some(Entry::Link)) {
+            Some(link) => Err(refused(link, "this command does not follow a link below raw/")),
+            None => Ok(self.files),
+        }
     }
 
     /// The same for a folder that is created: those above raw/ and the vault have to be made as
     /// well, and nothing is recorded in them.
-    fn where_folders_are_made(&self, path: &Path) -> io::Result<&'a dyn Files> {
+    fn layer_for_folder(&self, path: &Path) -> io::Result<&'a dyn Files> {
         let is_above = self.raw.starts_with(path)
             || self.vault.as_deref().is_some_and(|vault| vault.starts_with(path));
-        if is_above { Ok(self.files) } else { self.here(path) }
-    }
-
-    /// Whether no folder between the top and the path is a link, which would lead a writer out of
-    /// the study.
-    fn check_way(&self, top: &Path, path: &Path) -> io::Result<()> {
-        let folders =
-            path.ancestors().skip(1).take_while(|folder| *folder != top && folder.starts_with(top));
-        match folders.into_iter().find(|folder| self.files.kind(folder) == Some(Entry::Link)) {
-            Some(link) => Err(refused(link, "this command does not follow a link below raw/")),
-            None => Ok(()),
-        }
+        if is_above { Ok(self.files) } else { self.layer_for(path) }
     }
 
     /// Whether this is a session's copy of study.toml without the session's record: no session
     /// names it, and laying the session down writes it anew.
-    fn is_left_by_a_kill(&self, path: &Path) -> bool {
+    fn is_orphaned_copy(&self, path: &Path) -> bool {
         let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
         let session = name.strip_suffix(".study.toml").filter(|session| !session.is_empty());
         let record = session.map(|session| path.with_file_name(format!("{session}.json")));
@@ -106,24 +105,19 @@ impl<'a> Raw<'a> {
         in_sessions && record.is_some_and(|record| self.files.kind(&record).is_none())
     }
 
-    /// A panic elsewhere leaves a path or none.
     fn newest(&self) -> MutexGuard<'_, Option<PathBuf>> {
+        // A panic elsewhere leaves a path or none.
         self.newest.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The same for something that goes.
-    fn gone(&self, path: &Path, own: bool) -> io::Result<&'a dyn Files> {
+    /// The same for something that is removed or replaced, which a command that records may do to
+    /// its `own` only.
+    fn layer_for_removal(&self, path: &Path, own: bool) -> io::Result<&'a dyn Files> {
         if own || self.may == May::Mend {
-            return self.here(path);
+            return self.layer_for(path);
         }
         Err(refused(path, "this command does not remove what was recorded"))
     }
-}
-
-/// Whether nothing below `top` leads up again. `top` itself is the user's to spell: `../data`.
-fn is_straight(path: &Path, top: &Path) -> bool {
-    path.strip_prefix(top)
-        .is_ok_and(|below| below.components().all(|part| part != Component::ParentDir))
 }
 
 fn refused(path: &Path, why: &str) -> io::Error {
@@ -156,40 +150,42 @@ impl Files for Raw<'_> {
     }
 
     fn make_private(&self, path: &Path) -> io::Result<()> {
-        self.here(path)?.make_private(path)
+        self.layer_for(path)?.make_private(path)
     }
 
     fn create_folder(&self, path: &Path) -> io::Result<()> {
-        self.where_folders_are_made(path)?.create_folder(path)
+        self.layer_for_folder(path)?.create_folder(path)
     }
 
     fn create_private_folder(&self, path: &Path) -> io::Result<()> {
-        self.where_folders_are_made(path)?.create_private_folder(path)
+        self.layer_for_folder(path)?.create_private_folder(path)
     }
 
     fn write_synced(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
         // What is written lies beside its name first; the name itself is never written to.
         let beside = is_unfinished(path) || self.files.kind(path).is_none();
-        self.gone(path, beside)?.write_synced(path, bytes)
+        self.layer_for_removal(path, beside)?.write_synced(path, bytes)
     }
 
     fn rename(&self, from: &Path, to: &Path) -> io::Result<()> {
         // The head of a log counts its lines, and is written anew with each.
         let is_head = to.extension().is_some_and(|e| e == "head");
-        let free = self.files.kind(to).is_none() || is_head || self.is_left_by_a_kill(to);
         let is_new = self.files.kind(to).is_none();
-        self.here(from)?;
-        self.gone(to, free && is_unfinished(from))?.rename(from, to)?;
+        let free = is_new || is_head || self.is_orphaned_copy(to);
+        self.layer_for(from)?;
+        self.layer_for_removal(to, free && is_unfinished(from))?.rename(from, to)?;
+        // What stood under a name that was replaced is gone: to remove it would not undo anything.
         *self.newest() = is_new.then(|| to.to_owned());
         Ok(())
     }
 
     fn sync_folder(&self, path: &Path) -> io::Result<()> {
+        // Anywhere: it changes nothing, and the names of outer folders are synced as well.
         self.files.sync_folder(path)
     }
 
     fn open_append(&self, path: &Path) -> io::Result<Box<dyn Append>> {
-        self.here(path)?.open_append(path)
+        self.layer_for(path)?.open_append(path)
     }
 
     fn remove(&self, path: &Path) -> io::Result<()> {
@@ -197,11 +193,11 @@ impl Files for Raw<'_> {
             || path.starts_with(&self.journals)
             || path == self.list
             || self.newest().as_deref() == Some(path);
-        self.gone(path, own)?.remove(path)
+        self.layer_for_removal(path, own)?.remove(path)
     }
 
     fn remove_folder(&self, path: &Path) -> io::Result<()> {
-        self.gone(path, path == self.journals)?.remove_folder(path)
+        self.layer_for_removal(path, path == self.journals)?.remove_folder(path)
     }
 }
 

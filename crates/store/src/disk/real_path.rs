@@ -18,14 +18,16 @@ pub fn real_path(path: &Path) -> io::Result<PathBuf> {
     let mut links = 0;
     while let Some(part) = ahead.pop() {
         if part == Path::new("..") {
+            // Of where the links before it led, which the text does not show.
             real.pop();
             continue;
         }
         real.push(part);
         match real.canonicalize() {
-            Ok(found) => real = found,
+            Ok(canonical) => real = canonical,
             Err(error) if error.kind() != ErrorKind::NotFound => return Err(error),
             Err(_) => {
+                // Nothing is there, or a link to nothing, which is followed by hand.
                 let Ok(target) = real.read_link() else { continue };
                 links += 1;
                 if links > MOST_LINKS {

@@ -38,7 +38,7 @@ pub fn open_named(path: &Path) -> io::Result<File> {
 /// Those of [`open_regular`]; [`io::ErrorKind::FileTooLarge`] for more than `most` bytes, of which
 /// none is read.
 pub fn read_regular(path: &Path, most: u64) -> io::Result<Vec<u8>> {
-    whole(open_regular(path)?, most)
+    read_whole(open_regular(path)?, most)
 }
 
 /// Reads a file that a person named whole ([`open_named`]).
@@ -46,10 +46,10 @@ pub fn read_regular(path: &Path, most: u64) -> io::Result<Vec<u8>> {
 /// # Errors
 /// Those of [`read_regular`].
 pub fn read_named(path: &Path, most: u64) -> io::Result<Vec<u8>> {
-    whole(open_named(path)?, most)
+    read_whole(open_named(path)?, most)
 }
 
-/// What a regular file holds ([`open_regular`]); a large one is left on the disk.
+/// The content of a regular file ([`open_regular`]); that of a large one is left on the disk.
 ///
 /// # Errors
 /// Those of [`read_regular`].
@@ -57,12 +57,12 @@ pub(crate) fn open_content(path: &Path, most: u64) -> io::Result<Content> {
     let file = open_regular(path)?;
     let length = file.metadata()?.len();
     if length <= WHOLE.min(most) {
-        return whole(file, most).map(Content::of);
+        return read_whole(file, most).map(Content::of);
     }
     if length > most { Err(too_large(length, most)) } else { Ok(Content::on_disk(file, length)) }
 }
 
-/// The same, of which the end alone is read however small it is.
+/// The same, but however small the file is, only its end is read.
 pub(crate) fn open_end(path: &Path, most: u64) -> io::Result<Content> {
     let file = open_regular(path)?;
     let length = file.metadata()?.len();
@@ -94,6 +94,7 @@ pub(crate) fn open_as(options: &mut OpenOptions, path: &Path) -> io::Result<File
     #[cfg(unix)]
     {
         use std::os::unix::fs::OpenOptionsExt as _;
+        // A link or a pipe may have taken its place since: opening a pipe would wait for a writer.
         options.custom_flags(libc::O_NOFOLLOW | libc::O_NONBLOCK);
     }
     let file = options.open(path)?;
@@ -102,8 +103,9 @@ pub(crate) fn open_as(options: &mut OpenOptions, path: &Path) -> io::Result<File
     Ok(file)
 }
 
-fn refuse(path: &Path, found: &Metadata) -> io::Result<()> {
-    let kind = found.file_type();
+/// Refuses anything but a regular file.
+fn refuse(path: &Path, metadata: &Metadata) -> io::Result<()> {
+    let kind = metadata.file_type();
     if kind.is_file() {
         return Ok(());
     }
@@ -118,7 +120,7 @@ fn refuse(path: &Path, found: &Metadata) -> io::Result<()> {
     Err(io::Error::new(io::ErrorKind::InvalidInput, format!("{} is {what}", name.display())))
 }
 
-fn whole(file: File, most: u64) -> io::Result<Vec<u8>> {
+fn read_whole(file: File, most: u64) -> io::Result<Vec<u8>> {
     let length = file.metadata()?.len();
     if length > most {
         return Err(too_large(length, most));

@@ -24,14 +24,15 @@ pub struct Stamp {
 
 impl Stamp {
     #[cfg(unix)]
-    fn of(found: &Metadata) -> Option<Self> {
+    fn of(metadata: &Metadata) -> Option<Self> {
         use std::os::unix::fs::MetadataExt as _;
-        let kind = found.file_type();
+        let kind = metadata.file_type();
+        // The time of the last change too: a program can set that of the last write back.
         (kind.is_file() || kind.is_dir()).then(|| Self {
-            length: found.len(),
-            modified: (found.mtime(), found.mtime_nsec()),
-            changed: (found.ctime(), found.ctime_nsec()),
-            number: found.ino(),
+            length: metadata.len(),
+            modified: (metadata.mtime(), metadata.mtime_nsec()),
+            changed: (metadata.ctime(), metadata.ctime_nsec()),
+            number: metadata.ino(),
         })
     }
 
@@ -40,24 +41,24 @@ impl Stamp {
         None
     }
 
-    /// Of the file at `path`; a link is no file.
+    /// The stamp of the file at `path`; a link is no file.
     pub(crate) fn at(path: &Path) -> Option<Self> {
-        let found = path.symlink_metadata().ok()?;
-        Self::of(&found).filter(|_| found.is_file())
+        let metadata = path.symlink_metadata().ok()?;
+        Self::of(&metadata).filter(|_| metadata.is_file())
     }
 
-    /// Of the file or folder at `path`; a link is neither.
+    /// The stamp of the file or folder at `path`; a link is neither.
     pub(crate) fn of_any(path: &Path) -> Option<Self> {
         Self::of(&path.symlink_metadata().ok()?)
     }
 
     #[cfg(any(test, feature = "testing"))]
-    /// Of something on a disk that counts its changes, in the process that is `life`.
+    /// The stamp of something on a disk that counts its changes, in the process that is `life`.
     pub(crate) fn counted(number: u64, life: i64, changes: i64, length: u64) -> Self {
         Self { length, modified: (life, 0), changed: (changes, 0), number }
     }
 
-    /// The same, where any change from now on shows.
+    /// The same, if it would reveal any change from now on.
     pub(crate) fn settled(path: &Path) -> Option<Self> {
         Self::at(path).filter(|stamp| stamp.is_settled(SystemTime::now()))
     }

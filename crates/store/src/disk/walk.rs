@@ -5,7 +5,7 @@ use crate::{Entry, Files, Layout, StoreError};
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// What lies below a folder, at any depth. Linked folders are not entered.
+/// The things below a folder, at any depth. Linked folders are not entered.
 #[derive(Debug, Default)]
 pub(crate) struct Below {
     /// Regular files, sorted.
@@ -19,23 +19,25 @@ pub(crate) struct Below {
 /// # Errors
 /// A folder that cannot be listed.
 pub(crate) fn below(files: &dyn Files, folder: &Path) -> Result<Below, StoreError> {
-    let mut found = Below::default();
+    let mut below = Below::default();
     // Names come sorted, and what is below a folder before the next name: paths are in order.
     let mut waiting = vec![(folder.to_owned(), Entry::Folder)];
     while let Some((path, kind)) = waiting.pop() {
         match kind {
-            Entry::File => found.files.push(path),
-            Entry::Link | Entry::Special => found.strange.push(strange(&path, kind)),
+            Entry::File => below.files.push(path),
+            Entry::Link | Entry::Special => below.strange.push(strange(&path, kind)),
             Entry::Folder => match files.list(&path) {
+                // Removed since its name was read, or never there.
                 Err(e) if e.kind() == io::ErrorKind::NotFound => {}
                 listed => {
                     let entries = listed.map_err(|e| StoreError::io(&path, "list", &e))?;
+                    // The last one in is the first one out.
                     waiting.extend(entries.into_iter().rev());
                 }
             },
         }
     }
-    Ok(found)
+    Ok(below)
 }
 
 /// The finding that something is neither file nor folder.
@@ -65,16 +67,16 @@ pub(crate) fn is_hidden(path: &Path) -> bool {
 /// # Errors
 /// A folder that cannot be listed.
 pub fn files_below(files: &dyn Files, folder: &Path) -> Result<Vec<PathBuf>, StoreError> {
-    let mut found = below(files, folder)?.files;
-    found.retain(|path| !is_hidden(path));
-    Ok(found)
+    let mut paths = below(files, folder)?.files;
+    paths.retain(|path| !is_hidden(path));
+    Ok(paths)
 }
 
 /// The Parquet files below a folder, sorted. What else lies there is a finding of `verify`.
 pub(crate) fn parquet_below(files: &dyn Files, folder: &Path) -> Result<Vec<PathBuf>, StoreError> {
-    let mut found = files_below(files, folder)?;
-    found.retain(|path| path.extension().is_some_and(|e| e == "parquet"));
-    Ok(found)
+    let mut paths = files_below(files, folder)?;
+    paths.retain(|path| path.extension().is_some_and(|e| e == "parquet"));
+    Ok(paths)
 }
 
 /// The left-overs of unfinished writes below `raw/<study>`, at any depth.
@@ -85,7 +87,7 @@ pub(crate) fn unfinished(files: &dyn Files, layout: &Layout) -> Vec<PathBuf> {
 /// The left-overs of unfinished writes below a folder, at any depth; linked folders are not
 /// entered.
 pub fn unfinished_below(files: &dyn Files, folder: &Path) -> Vec<PathBuf> {
-    let mut found = below(files, folder).unwrap_or_default().files;
-    found.retain(|path| is_unfinished(path));
-    found
+    let mut paths = below(files, folder).unwrap_or_default().files;
+    paths.retain(|path| is_unfinished(path));
+    paths
 }

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
 
-/// What a change is about to write.
+/// The files and lines that a change is about to write.
 #[derive(Debug, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct List {
@@ -47,7 +47,7 @@ pub(crate) struct Longer {
     pub(crate) first: String,
 }
 
-/// How a log stands to the lines that it was to get.
+/// How much of the lines that it was to get a log has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Stand {
     /// It has none of them.
@@ -62,10 +62,9 @@ pub(crate) enum Stand {
 pub(crate) fn below(layout: &Layout, listed: &str) -> Option<PathBuf> {
     let mut parts = Path::new(listed).components();
     let top = parts.next()?;
-    let is_plain = |part: Component| matches!(part, Component::Normal(_));
     let ours = ["trials", "sweeps", "sessions"].iter().any(|name| top.as_os_str() == *name);
     let path = layout.raw().join(listed);
-    let is_below = ours && is_plain(top) && parts.all(is_plain);
+    let is_below = ours && parts.all(|part| matches!(part, Component::Normal(_)));
     (is_below || path == layout.sweep_events()).then_some(path)
 }
 
@@ -74,20 +73,24 @@ pub(crate) fn unknown(layout: &Layout, listed: &str) -> StoreError {
     StoreError::new(&layout.unfinished(), what, "look at who wrote it, and remove the list")
 }
 
-/// Of each log that a change cut short was to add lines to, how many bytes are of before.
+/// The length in bytes that each log had before a change that was cut short added lines to it.
 pub(crate) fn pending(disk: &dyn Files, layout: &Layout) -> BTreeMap<PathBuf, usize> {
     // A list that cannot be read is told by `verify`.
     let list = List::read(disk, &layout.unfinished()).ok().flatten().unwrap_or_default();
-    let stands = list.logs.iter().filter_map(|log| {
-        let stand = log.stand(disk, layout).ok()?;
-        Some((log.place(layout).ok()?, usize::try_from(log.bytes_before).ok()?, stand))
-    });
-    let stands: Vec<_> = stands.collect();
-    if stands.iter().any(|(.., stand)| *stand == Stand::Counted) {
-        return BTreeMap::new();
+    let mut pending = BTreeMap::new();
+    for log in &list.logs {
+        let (Ok(stand), Ok(path)) = (log.stand(disk, layout), log.place(layout)) else { continue };
+        let Ok(bytes) = usize::try_from(log.bytes_before) else { continue };
+        match stand {
+            Stand::Before => {}
+            Stand::Longer => {
+                pending.insert(path, bytes);
+            }
+            // Heads are written last, so the change was made, and all of its lines count.
+            Stand::Counted => return BTreeMap::new(),
+        }
     }
-    let longer = stands.into_iter().filter(|(.., stand)| *stand == Stand::Longer);
-    longer.map(|(path, bytes, _)| (path, bytes)).collect()
+    pending
 }
 
 impl List {

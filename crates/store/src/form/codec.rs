@@ -13,7 +13,7 @@ use std::path::Path;
 pub fn check_codecs(path: &Path, metadata: &ParquetMetaData) -> Result<(), StoreError> {
     let mut columns = metadata.row_groups().iter().flat_map(|group| group.columns());
     let unread = columns
-        .find_map(|c| unread(c.compression_codec()).map(|of| (c.column_path().string(), of)));
+        .find_map(|c| unread(c.compression_codec()).map(|name| (c.column_path().string(), name)));
     unread.map_or(Ok(()), |(column, name)| {
         let what = format!("compressed with {name}, which this program does not read");
         Err(StoreError::new(path, what, "write it anew with zstd, snappy or none").column(column))

@@ -33,7 +33,7 @@ impl Deref for Values<'_> {
 
 /// The signals of a trial.
 pub trait Columns {
-    /// How many samples.
+    /// The number of samples.
     fn rows(&self) -> usize;
 
     /// The values of `signal`, where the recording has it.

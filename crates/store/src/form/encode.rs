@@ -80,9 +80,11 @@ pub(crate) fn properties<'a>(
     compression: Compression,
 ) -> WriterPropertiesBuilder {
     let mut builder = WriterProperties::builder()
+        // Pages of version 2 would all go the slow way: `Pages` reads none of them.
         .set_writer_version(WriterVersion::PARQUET_1_0)
         .set_compression(compression)
         .set_max_row_group_row_count(None)
+        // They tell null columns and the ends of a clock without decoding anything.
         .set_statistics_enabled(EnabledStatistics::Chunk)
         .set_key_value_metadata(Some(footer));
     for (name, encoding) in columns {

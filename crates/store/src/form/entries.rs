@@ -18,11 +18,11 @@ pub(crate) fn read_trials(
     layout: &Layout,
     folder: &Path,
 ) -> Vec<Result<TrialEntry, StoreError>> {
-    let found = match parquet_below(files, folder) {
-        Ok(found) => found,
+    let paths = match parquet_below(files, folder) {
+        Ok(paths) => paths,
         Err(error) => return vec![Err(error)],
     };
-    found
+    paths
         .into_par_iter()
         .map(|path| {
             let footer = match seen {
@@ -30,7 +30,6 @@ pub(crate) fn read_trials(
                 None => read_footer_from(files, &path),
             };
             let TrialFooter { meta, file, form, signals, rows, blake3 } = footer?;
-            let said = shared(Said { file, form, signals });
             let expected = layout.trial(&meta.participant, &meta.session, meta.trial);
             if expected != path {
                 let what =
@@ -42,7 +41,7 @@ pub(crate) fn read_trials(
             Ok(TrialEntry {
                 path: path.into(),
                 meta,
-                said,
+                said: shared(Said { file, form, signals }),
                 rows,
                 blake3,
                 superseded_by: None,
@@ -56,16 +55,17 @@ pub(crate) fn read_trials(
 /// What a file says, without when its trial began and which file it was imported from: the rest is the
 /// same in all trials of a session, and each thread keeps it once for those that it reads one after the
 /// other.
-fn shared(mut said: Said) -> Arc<Said> {
+fn shared(mut contents: Said) -> Arc<Said> {
     thread_local! {
         static LAST: RefCell<Memo<Arc<Said>, Arc<Said>>> = const { RefCell::new(Memo::new()) };
     }
-    said.file.retain(|key, _| key != START && key != SOURCE);
+    // These two differ from trial to trial, and would leave nothing to share.
+    contents.file.retain(|key, _| key != START && key != SOURCE);
     LAST.with_borrow_mut(|last| {
-        last.known(|known| **known == said).unwrap_or_else(|| {
-            let said = Arc::new(said);
-            last.keep(said.clone(), said.clone());
-            said
+        last.get(|kept| **kept == contents).unwrap_or_else(|| {
+            let contents = Arc::new(contents);
+            last.keep(contents.clone(), contents.clone());
+            contents
         })
     })
 }

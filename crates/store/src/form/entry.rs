@@ -11,7 +11,7 @@ use zwidth_study::{
 /// Largest `study.toml` that is read, bytes: a hundred times a long one.
 pub const MOST_STUDY: u64 = 1 << 20;
 
-/// What a trial's file says besides participant, time and trial.
+/// A file's entries besides participant, time and trial.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Said {
     /// What the file says about itself, without the start of the trial and the file from which it
@@ -30,7 +30,7 @@ pub struct TrialEntry {
     pub path: Arc<Path>,
     /// Its metadata.
     pub meta: TrialMeta,
-    /// What the file says besides that.
+    /// The file's other entries.
     pub said: Arc<Said>,
     /// Number of samples.
     pub rows: usize,
@@ -126,7 +126,7 @@ impl SessionLog {
         std::iter::once(self.record.study_blake3.as_str()).chain(accepted)
     }
 
-    /// Whether the session's modes are codes still.
+    /// Whether the session's modes are still codes.
     pub fn is_sealed(&self) -> bool {
         self.record.commitment.is_some() && self.seal.is_none()
     }

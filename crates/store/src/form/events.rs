@@ -18,7 +18,7 @@ pub(crate) const MOST_LOG: u64 = 1 << 26;
 pub(crate) struct Line {
     /// When it was written, UTC, RFC 3339.
     pub(crate) utc: String,
-    /// Who had it written, by their code, where that was said.
+    /// The code of the person who had it written, if known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) by: Option<ExperimenterId>,
     #[serde(rename = "what")]
@@ -28,12 +28,12 @@ pub(crate) struct Line {
     pub(crate) blake3: String,
 }
 
-/// What is written beside each event: the time, UTC, and who caused it, if that was given.
+/// The data written beside each event: the time, UTC, and the person who caused it, if known.
 #[derive(Debug, Clone, Copy)]
 pub struct Entered<'a> {
     /// The time in RFC 3339.
     pub utc: &'a str,
-    /// Who, by their code.
+    /// The person's code.
     pub by: Option<&'a ExperimenterId>,
 }
 
@@ -164,21 +164,19 @@ pub(crate) fn chained(
     let mut text = String::new();
     for event in events {
         let previous = digests.last().map(String::as_str).unwrap_or_default();
-        let chained = digest(previous, entered, event);
-        let blake3 = chained.map_err(|e| {
-            StoreError::new(path, e.to_string(), "this is a defect of zwidth, please report it")
-        })?;
+        let blake3 = digest(previous, entered, event).map_err(|e| unwritable(path, &e))?;
         let utc = entered.utc.to_owned();
         let by = entered.by.cloned();
         let line = Line { utc, by, event: event.clone(), blake3: blake3.clone() };
-        let json = serde_json::to_string(&line);
-        text += &json.map_err(|e| {
-            StoreError::new(path, e.to_string(), "this is a defect of zwidth, please report it")
-        })?;
+        text += &serde_json::to_string(&line).map_err(|e| unwritable(path, &e))?;
         text.push('\n');
         digests.push(blake3);
     }
     Ok(text)
+}
+
+fn unwritable(path: &Path, error: &serde_json::Error) -> StoreError {
+    StoreError::new(path, error.to_string(), "this is a defect of zwidth, please report it")
 }
 
 /// A new log of these events and its head, as files to write in this order.
@@ -209,7 +207,7 @@ pub(crate) fn finished_text(files: &dyn Files, path: &Path) -> Result<String, St
     if files.kind(path).is_none() {
         return Ok(String::new());
     }
-    let text = text_of(files, path)?;
+    let text = text(files, path, MOST_LOG)?;
     if !text.is_empty() && !text.ends_with('\n') {
         let remedy = "run `zwidth recover`, which brings the end of the log in order";
         return Err(StoreError::new(
@@ -258,31 +256,29 @@ pub(crate) fn read_events_to(
     Ok(events)
 }
 
-fn text_of(files: &dyn Files, path: &Path) -> Result<String, StoreError> {
-    text(files, path, MOST_LOG)
-}
-
 pub(crate) fn lines_of(path: &Path, text: &str) -> Result<Vec<Line>, StoreError> {
     let mut previous = String::new();
     let mut lines = Vec::new();
     for (row, json) in text.lines().enumerate() {
-        let error = |what: String| {
-            let remedy = "restore the log from a copy; if its last line was cut by a crash, run `zwidth recover`";
-            StoreError::new(path, what, remedy).row0(row)
-        };
-        let line: Line =
-            from_json(json).map_err(|e| error(format!("not a readable event: {e}")))?;
+        let line: Line = from_json(json)
+            .map_err(|e| unreadable(path, row, format!("not a readable event: {e}")))?;
         let entered = Entered { utc: &line.utc, by: line.by.as_ref() };
-        let expected = digest(&previous, entered, &line.event).map_err(|e| error(e.to_string()))?;
+        let expected = digest(&previous, entered, &line.event)
+            .map_err(|e| unreadable(path, row, e.to_string()))?;
         if line.blake3 != expected {
-            return Err(error(
-                "the checksum does not match: a line was changed or is missing".to_owned(),
-            ));
+            let what = "the checksum does not match: a line was changed or is missing";
+            return Err(unreadable(path, row, what.to_owned()));
         }
         previous.clone_from(&line.blake3);
         lines.push(line);
     }
     Ok(lines)
+}
+
+fn unreadable(path: &Path, row: usize, what: String) -> StoreError {
+    let remedy =
+        "restore the log from a copy; if its last line was cut by a crash, run `zwidth recover`";
+    StoreError::new(path, what, remedy).row0(row)
 }
 
 #[cfg(test)]

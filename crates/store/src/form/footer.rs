@@ -45,7 +45,7 @@ pub(crate) fn read_footer_from(files: &dyn Files, path: &Path) -> Result<TrialFo
 /// The same of the real disk, where the hash of a file that was seen before is known: of that the
 /// end alone is read.
 pub(crate) fn read_footer_seen(seen: &Seen, path: &Path) -> Result<TrialFooter, StoreError> {
-    if let Some(blake3) = seen.known(path) {
+    if let Some(blake3) = seen.unchanged_hash(path) {
         let content = open_end(path, MOST_RECORDING);
         let content = content.map_err(|e| StoreError::io(path, "read", &e))?;
         let (footer, rows) = opened_before(path, &content)?;
@@ -75,8 +75,8 @@ fn footer_of(
 pub(crate) fn recorded(footer: &BTreeMap<String, String>) -> Signals {
     let from = footer.range(DIGEST.to_owned()..);
     let names = from.map_while(|(key, _)| key.strip_prefix(DIGEST));
-    let signal = |name: &str| Signal::all().find(|of| of.column().name == name);
-    Signals::of(&names.filter_map(signal).collect::<Vec<_>>())
+    let signals = names.filter_map(|name| Signal::all().find(|s| s.column().name == name));
+    Signals::of(&signals.collect::<Vec<_>>())
 }
 
 /// Which columns a trial's file has, by its footer.
@@ -88,45 +88,37 @@ pub(crate) fn form_of(
         let what = "its form is that of sweeps, or of trials of a version that was never released";
         StoreError::new(path, what, DAMAGED)
     })?;
-    let bad = |why: String| {
+    let channels: Result<Vec<Channel>, String> = match footer.get(CHANNELS) {
+        Some(text) => from_json(text).map_err(|e| e.to_string()),
+        None => Ok(Vec::new()),
+    };
+    let channels = channels.and_then(|channels| match channels.len() {
+        n if n > MOST_CHANNELS => Err(format!("it has {n}, and at most {MOST_CHANNELS} are read")),
+        _ => Ok(channels),
+    });
+    let channels = channels.map_err(|why| {
         let what = format!("its metadata '{CHANNELS}' do not list channels: {why}");
         StoreError::new(path, what, DAMAGED)
-    };
-    let channels: Vec<Channel> = match footer.get(CHANNELS) {
-        Some(text) => from_json(text).map_err(|e| bad(e.to_string()))?,
-        None => Vec::new(),
-    };
-    if channels.len() > MOST_CHANNELS {
-        let n = channels.len();
-        return Err(bad(format!("it has {n}, and at most {MOST_CHANNELS} are read")));
-    }
+    })?;
     Ok(TrialForm { schema, likert: footer.contains_key("likert"), channels })
 }
 
-/// What a footer says of the trial.
+/// The trial's metadata in a footer.
 pub(crate) fn meta_from(
     path: &Path,
     footer: &BTreeMap<String, String>,
     form: &TrialForm,
 ) -> Result<TrialMeta, StoreError> {
-    let bad = |key: &str, value: &str| {
-        StoreError::new(path, format!("its metadata '{key}' have the value '{value}'"), DAMAGED)
-    };
-    let said = |key: &str| {
-        footer.get(key).map(String::as_str).ok_or_else(|| {
-            StoreError::new(path, format!("its metadata '{key}' are missing"), DAMAGED)
-        })
-    };
-    let number = |key: &str| {
-        let text = said(key)?;
-        text.parse::<u32>().map_err(|_| bad(key, text))
-    };
-    let kind = said("kind")?;
-    let status = said("status")?;
-    let source = said("source")?;
-    let likert = if form.likert { said("likert")? } else { "" };
-    let environment = said("environment")?;
-    let mode = said("mode")?;
+    let kind = required(path, footer, "kind", DAMAGED)?;
+    let status = required(path, footer, "status", DAMAGED)?;
+    let source = required(path, footer, "source", DAMAGED)?;
+    let likert = if form.likert { required(path, footer, "likert", DAMAGED)? } else { "" };
+    let environment = required(path, footer, "environment", DAMAGED)?;
+    let mode = required(path, footer, "mode", DAMAGED)?;
+    let [trial, repeat] = ["trial", "repeat"].map(|key| {
+        let text = required(path, footer, key, DAMAGED)?;
+        text.parse().map_err(|_| bad_value(path, key, text))
+    });
     Ok(TrialMeta {
         participant: from_path(path, "participant").and_then(|t| {
             ParticipantId::new(t)
@@ -135,37 +127,57 @@ pub(crate) fn meta_from(
         session: from_path(path, "session").and_then(|t| {
             SessionId::new(t).map_err(|e| StoreError::new(path, e.to_string(), "rename the folder"))
         })?,
-        trial: number("trial")?,
-        repeat: number("repeat")?,
-        kind: Kind::from_word(kind).ok_or_else(|| bad("kind", kind))?,
-        status: Status::from_word(status).ok_or_else(|| bad("status", status))?,
-        environment: environment.parse().map_err(|_| bad("environment", environment))?,
-        mode: mode.parse().map_err(|_| bad("mode", mode))?,
+        trial: trial?,
+        repeat: repeat?,
+        kind: Kind::from_word(kind).ok_or_else(|| bad_value(path, "kind", kind))?,
+        status: Status::from_word(status).ok_or_else(|| bad_value(path, "status", status))?,
+        environment: environment
+            .parse()
+            .map_err(|_| bad_value(path, "environment", environment))?,
+        mode: mode.parse().map_err(|_| bad_value(path, "mode", mode))?,
+        // Which scale the question has, the footer does not say: the widest one holds.
         likert: match likert {
             "" => None,
             text => Some(
                 text.parse()
                     .ok()
                     .filter(|v| (1..=i16::from(AnswerScale::most_points())).contains(v))
-                    .ok_or_else(|| bad("likert", text))?,
+                    .ok_or_else(|| bad_value(path, "likert", text))?,
             ),
         },
-        source: Source::from_word(source).ok_or_else(|| bad("source", source))?,
+        source: Source::from_word(source).ok_or_else(|| bad_value(path, "source", source))?,
     })
 }
 
-/// The keys of a footer that say what is known of the trial.
+/// The value of a key that a footer must have.
+pub(crate) fn required<'f>(
+    path: &Path,
+    footer: &'f BTreeMap<String, String>,
+    key: &str,
+    remedy: &str,
+) -> Result<&'f str, StoreError> {
+    footer
+        .get(key)
+        .map(String::as_str)
+        .ok_or_else(|| StoreError::new(path, format!("its metadata '{key}' are missing"), remedy))
+}
+
+fn bad_value(path: &Path, key: &str, value: &str) -> StoreError {
+    StoreError::new(path, format!("its metadata '{key}' have the value '{value}'"), DAMAGED)
+}
+
+/// The keys of a footer that hold the trial's metadata.
 const OF_TRIAL: [&str; 8] =
     ["trial", "repeat", "kind", "status", "environment", "mode", "likert", "source"];
 
-/// What a file says of itself besides.
+/// The other entries of a footer.
 pub(crate) fn rest_of(footer: &BTreeMap<String, String>) -> TrialFile {
-    let is_rest = |key: &str| {
+    let rest = footer.iter().filter(|(key, _)| {
+        let key = key.as_str();
         !key.starts_with(DIGEST)
             && ![VERSION, FOOTER_DIGEST, CHANNELS, "units"].contains(&key)
             && !OF_TRIAL.contains(&key)
-    };
-    let rest = footer.iter().filter(|(key, _)| is_rest(key));
+    });
     rest.map(|(key, value)| (key.clone(), value.clone())).collect()
 }
 
@@ -174,6 +186,7 @@ pub(crate) fn from_path(path: &Path, key: &str) -> Result<String, StoreError> {
     let prefix = format!("{key}=");
     path.iter()
         .filter_map(|part| part.to_str())
+        // The innermost counts: the data may themselves lie below such a folder.
         .rev()
         .find_map(|part| part.strip_prefix(&prefix).map(str::to_owned))
         .ok_or_else(|| {

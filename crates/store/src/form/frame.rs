@@ -61,7 +61,7 @@ pub(crate) enum Frame {
     Answer(Given),
 }
 
-/// What is known of a trial when it begins.
+/// The facts about a trial when it begins.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Header {
@@ -70,7 +70,7 @@ pub(crate) struct Header {
     pub(crate) protocol: Protocol,
 }
 
-/// What a trial's file and its log are to hold, as the session's `study.toml` has it.
+/// The contents that the session's `study.toml` demands of a trial's file and log.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Protocol {
@@ -91,7 +91,14 @@ pub(crate) fn encode(frame: &Frame, chain: Chain) -> Result<(Vec<u8>, Chain), se
         Frame::Header(header) => (1, serde_json::to_vec(header)?),
         Frame::Rows(rows) => rows_payload(rows),
         Frame::End => (3, Vec::new()),
-        Frame::Answer(given) => answer_payload(given),
+        Frame::Answer(Given { value, time_ms }) => match (u8::try_from(*value), time_ms) {
+            // The older form, where it is enough: older versions read no other.
+            (Ok(value), None) => (4, vec![value]),
+            _ => {
+                let time_ms = time_ms.unwrap_or(NO_TIME).to_le_bytes();
+                (6, [&value.to_le_bytes()[..], &time_ms].concat())
+            }
+        },
     };
     // The journal splits what is longer than `MOST_PAYLOAD`.
     let length = u32::try_from(payload.len()).unwrap_or(u32::MAX);
@@ -103,7 +110,7 @@ pub(crate) fn encode(frame: &Frame, chain: Chain) -> Result<(Vec<u8>, Chain), se
     Ok((bytes, chain))
 }
 
-/// What the bytes of a journal hold.
+/// The contents of a journal's bytes.
 #[derive(Debug, Default, PartialEq)]
 pub(crate) struct Decoded {
     /// Every frame that is whole, or could be mended, in order.
@@ -119,32 +126,32 @@ pub(crate) struct Decoded {
 /// The frames in `bytes` (what follows [`MAGIC`]). Behind damage it goes on with the next whole
 /// frame.
 pub(crate) fn decode(bytes: &[u8]) -> Decoded {
-    let mut found = Decoded::default();
+    let mut decoded = Decoded::default();
     let mut at = 0;
     let mut chain = Chain::default();
     let mut search = Search::new(bytes);
     while at < bytes.len() {
         if let Some(Whole { frame, length, chain: next, exact }) = first(&bytes[at..], chain) {
-            found.frames.push(frame);
-            found.mended += usize::from(!exact);
+            decoded.frames.push(frame);
+            decoded.mended += usize::from(!exact);
             (at, chain) = (at + length, next);
             continue;
         }
         let next = search.whole_from(at + 1);
         let span = &bytes[at..next.unwrap_or(bytes.len())];
         if let Some((frame, true_chain)) = mend(span, chain) {
-            found.frames.push(frame);
-            (found.mended, chain) = (found.mended + 1, true_chain);
+            decoded.frames.push(frame);
+            (decoded.mended, chain) = (decoded.mended + 1, true_chain);
         } else if next.is_none() && is_unfinished(span, MAGIC.len() + at) {
-            found.unfinished = span.len();
+            decoded.unfinished = span.len();
         } else {
-            found.damaged += span.len();
+            decoded.damaged += span.len();
             // The frame after it follows the digest that stands there.
             chain = span.last_chunk().copied().unwrap_or_default();
         }
         at += span.len();
     }
-    found
+    decoded
 }
 
 /// A frame at the beginning of some bytes.
@@ -154,7 +161,7 @@ struct Whole {
     length: usize,
     /// The chain after it.
     chain: Chain,
-    /// Its digest is undamaged too.
+    /// Whether its digest is undamaged too.
     exact: bool,
 }
 
@@ -163,10 +170,18 @@ struct Whole {
 fn first(bytes: &[u8], chain: Chain) -> Option<Whole> {
     let end = HEAD + payload_length(bytes)?;
     let (body, rest) = bytes.split_at_checked(end)?;
-    let found: &Chain = rest.first_chunk()?;
+    let stored: &Chain = rest.first_chunk()?;
+    let (frame, expected) = verified(body, stored, chain)?;
+    Some(Whole { frame, length: end + DIGEST, chain: expected, exact: *stored == expected })
+}
+
+/// The frame with this body and its true digest, if the stored digest is that but for a few bits.
+fn verified(body: &[u8], stored: &Chain, chain: Chain) -> Option<(Frame, Chain)> {
     let expected = digest(chain, body);
-    let frame = is_near(found, &expected).then(|| parse(body[HEAD - 1], &body[HEAD..]))??;
-    Some(Whole { frame, length: end + DIGEST, chain: expected, exact: *found == expected })
+    // From the digest of another body it would differ in some hundred bits.
+    let differ: u32 = stored.iter().zip(&expected).map(|(a, b)| (a ^ b).count_ones()).sum();
+    let frame = (differ <= FLIPPED).then(|| parse(body[HEAD - 1], &body[HEAD..]))??;
+    Some((frame, expected))
 }
 
 /// The length that a frame's head claims, where a frame of its kind can have it.
@@ -184,13 +199,6 @@ fn payload_length(head: &[u8]) -> Option<usize> {
     (possible && length <= MOST_PAYLOAD).then_some(length)
 }
 
-/// Whether a digest is the expected one but for a few bits: of another body it differs in some
-/// hundred.
-fn is_near(found: &Chain, expected: &Chain) -> bool {
-    let differ: u32 = found.iter().zip(expected).map(|(a, b)| (a ^ b).count_ones()).sum();
-    differ <= FLIPPED
-}
-
 /// Finds whole frames behind damage. Each follows the digest that stands before it.
 struct Search<'a> {
     bytes: &'a [u8],
@@ -206,45 +214,43 @@ impl<'a> Search<'a> {
 
     /// Where the next whole frame begins, at `from` or behind it.
     fn whole_from(&mut self, from: usize) -> Option<usize> {
-        (from.max(DIGEST)..self.bytes.len()).find(|at| self.is_whole(*at))
-    }
-
-    fn is_whole(&mut self, at: usize) -> bool {
-        let (before, bytes) = self.bytes.split_at(at);
-        let Some(length) = payload_length(bytes) else { return false };
-        if bytes.len() < HEAD + length + DIGEST || self.left < length {
-            return false;
+        for at in from.max(DIGEST)..self.bytes.len() {
+            let (before, bytes) = self.bytes.split_at(at);
+            let Some(length) = payload_length(bytes) else { continue };
+            if bytes.len() < HEAD + length + DIGEST || self.left < length {
+                continue;
+            }
+            self.left -= length;
+            if before.last_chunk().is_some_and(|chain| first(bytes, *chain).is_some()) {
+                return Some(at);
+            }
         }
-        self.left -= length;
-        before.last_chunk().is_some_and(|chain| first(bytes, *chain).is_some())
+        None
     }
 }
 
 /// The frame that fills `span`, which is damaged: by its length or kind, which the span tells, or
 /// by one bit of its payload, which is found by trying each. The digest proves the right one.
 fn mend(span: &[u8], chain: Chain) -> Option<(Frame, Chain)> {
-    let (body, found) = span.split_at_checked(span.len().checked_sub(DIGEST)?)?;
+    let (body, stored) = span.split_at_checked(span.len().checked_sub(DIGEST)?)?;
     let length = body.len().checked_sub(HEAD).filter(|length| *length <= MOST_PAYLOAD)?;
-    let found: &Chain = found.first_chunk()?;
-    let is_right = |body: &[u8]| {
-        let expected = digest(chain, body);
-        let frame = is_near(found, &expected).then(|| parse(body[HEAD - 1], &body[HEAD..]))??;
-        Some((frame, expected))
-    };
+    let stored: &Chain = stored.first_chunk()?;
     let as_long = [&u32::try_from(length).ok()?.to_le_bytes(), &body[HEAD - 1..]].concat();
-    let mended = [1, 2, 3, 4, 5, 6]
-        .into_iter()
-        .find_map(|kind| is_right(&[&as_long[..HEAD - 1], &[kind], &as_long[HEAD..]].concat()));
+    let mended = [1, 2, 3, 4, 5, 6].into_iter().find_map(|kind| {
+        let body = [&as_long[..HEAD - 1], &[kind], &as_long[HEAD..]].concat();
+        verified(&body, stored, chain)
+    });
+    // The search is quadratic: every bit costs a digest of the whole.
     let is_short = length.saturating_mul(length) * BITS <= MOST_TRIED;
     // Where the head is wrong as well, one flipped bit is not all; and zeros are no digest, but
     // what was never synced.
-    if mended.is_some() || as_long != body || !is_short || *found == Chain::default() {
+    if mended.is_some() || as_long != body || !is_short || *stored == Chain::default() {
         return mended;
     }
     let mut tried = as_long;
     (HEAD * BITS..tried.len() * BITS).find_map(|bit| {
         tried[bit / BITS] ^= 1 << (bit % BITS);
-        let right = is_right(&tried);
+        let right = verified(&tried, stored, chain);
         tried[bit / BITS] ^= 1 << (bit % BITS);
         right
     })
@@ -262,7 +268,12 @@ fn parse(kind: u8, payload: &[u8]) -> Option<Frame> {
         }
         (3, []) => Some(Frame::End),
         (4, [value]) => Some(Frame::Answer(Given { value: i16::from(*value), time_ms: None })),
-        (6, bytes) => timed_answer(bytes).map(Frame::Answer),
+        (6, bytes) => {
+            let (value, time_ms) = bytes.split_first_chunk::<2>()?;
+            let time_ms = u32::from_le_bytes(time_ms.try_into().ok()?);
+            let time_ms = Some(time_ms).filter(|time_ms| *time_ms != NO_TIME);
+            Some(Frame::Answer(Given { value: i16::from_le_bytes(*value), time_ms }))
+        }
         _ => None,
     }
 }
@@ -280,26 +291,8 @@ fn row_length(channels: u8) -> Option<usize> {
 /// Whether so many bytes can be rows with so many channels. No channel is what an append shows that
 /// was not finished: with any number then.
 fn are_rows(length: usize, channels: u8) -> bool {
-    let fits = |channels| row_length(channels).is_some_and(|row| length.is_multiple_of(row));
-    if channels == 0 { (1..=MOST_CHANNELS as u8).any(fits) } else { fits(channels) }
-}
-
-/// Kind and payload of a frame of an answer.
-fn answer_payload(given: &Given) -> (u8, Vec<u8>) {
-    match (u8::try_from(given.value), given.time_ms) {
-        (Ok(value), None) => (4, vec![value]),
-        (_, time_ms) => {
-            let time_ms = time_ms.unwrap_or(NO_TIME).to_le_bytes();
-            (6, [&given.value.to_le_bytes()[..], &time_ms].concat())
-        }
-    }
-}
-
-fn timed_answer(bytes: &[u8]) -> Option<Given> {
-    let (value, time_ms) = bytes.split_first_chunk::<2>()?;
-    let time_ms = u32::from_le_bytes(time_ms.try_into().ok()?);
-    let time_ms = Some(time_ms).filter(|time_ms| *time_ms != NO_TIME);
-    Some(Given { value: i16::from_le_bytes(*value), time_ms })
+    let mut possible = if channels == 0 { 1..=MOST_CHANNELS as u8 } else { channels..=channels };
+    possible.any(|channels| row_length(channels).is_some_and(|row| length.is_multiple_of(row)))
 }
 
 /// Kind and payload of a frame of rows. All have as many channels as the first: a device gives its
@@ -320,10 +313,9 @@ fn rows_payload(rows: &[Sample]) -> (u8, Vec<u8>) {
 }
 
 fn row_bytes(s: &Sample) -> Vec<u8> {
-    let there = |bit: u8, is_there: bool| if is_there { bit } else { 0 };
-    let bits = there(1, s.t_device_s.is_some())
-        | there(2, s.force_age_s.is_some())
-        | there(4, s.theta_raw.is_some());
+    let bits = u8::from(s.t_device_s.is_some())
+        | u8::from(s.force_age_s.is_some()) << 1
+        | u8::from(s.theta_raw.is_some()) << 2;
     let floats = [
         s.t_s,
         s.t_device_s.unwrap_or(0.0),
@@ -346,22 +338,27 @@ fn row_bytes(s: &Sample) -> Vec<u8> {
 
 fn row(bytes: &[u8]) -> Option<Sample> {
     let (bits, rest) = bytes.split_first()?;
-    let float = |i: usize| Some(f64::from_le_bytes(*rest.get(8 * i..)?.first_chunk()?));
-    let count = |i: usize| Some(u16::from_le_bytes(*rest.get(9 * 8 + 2 * i..)?.first_chunk()?));
-    let has = |bit: u8| bits & bit != 0;
-    let (channels, _) = bytes.get(ROW..)?.as_chunks::<VALUE>();
+    let (floats, rest) = rest.split_first_chunk::<{ 9 * 8 }>()?;
+    let (counts, channels) = rest.split_first_chunk::<{ 2 * 2 }>()?;
+    let floats: [[u8; 8]; 9] = floats.as_chunks::<8>().0.try_into().ok()?;
+    let [t_s, t_device_s, theta_rad, theta_dot_rad_s, force_ex_n, ..] =
+        floats.map(f64::from_le_bytes);
+    let [.., motor_v, brake_v, force_age_s, force_cmd_n] = floats.map(f64::from_le_bytes);
+    let counts: [[u8; 2]; 2] = counts.as_chunks::<2>().0.try_into().ok()?;
+    let [theta_raw, flags] = counts.map(u16::from_le_bytes);
+    let (channels, _) = channels.as_chunks::<VALUE>();
     let channels: Vec<f64> = channels.iter().map(|value| f64::from_le_bytes(*value)).collect();
     Some(Sample {
-        t_s: float(0)?,
-        t_device_s: float(1).filter(|_| has(1)),
-        theta_rad: float(2)?,
-        theta_dot_rad_s: float(3)?,
-        force_ex_n: float(4)?,
-        voltages: Voltages { motor_v: float(5)?, brake_v: float(6)? },
-        force_age_s: float(7).filter(|_| has(2)),
-        force_cmd_n: float(8)?,
-        theta_raw: count(0).filter(|_| has(4)),
-        flags: Flags(count(1)?),
+        t_s,
+        t_device_s: (bits & 1 != 0).then_some(t_device_s),
+        theta_rad,
+        theta_dot_rad_s,
+        force_ex_n,
+        voltages: Voltages { motor_v, brake_v },
+        force_age_s: (bits & 2 != 0).then_some(force_age_s),
+        force_cmd_n,
+        theta_raw: (bits & 4 != 0).then_some(theta_raw),
+        flags: Flags(flags),
         extra: Extra::new(&channels),
     })
 }

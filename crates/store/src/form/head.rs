@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 /// Longest head, bytes.
 const MOST_HEAD: u64 = 1 << 12;
 
-/// What a log's head says.
+/// The contents of a log's head.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Head {
@@ -23,7 +23,7 @@ pub(crate) struct Head {
     pub(crate) blake3: String,
 }
 
-/// How a log stands to its head.
+/// Whether a log's head is up to date.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Standing {
     /// The head counts every line.
@@ -83,10 +83,10 @@ pub(crate) fn standing(
     let remedy = "restore the log and its head from a copy";
     let head: Head = from_json(&text)
         .map_err(|e| StoreError::new(&path, format!("not the head of a log: {e}"), remedy))?;
-    let there = digests.len();
-    if there < head.lines {
+    let lines = digests.len();
+    if lines < head.lines {
         let what = format!(
-            "the log has {there} lines where its head counts {}: the others are gone",
+            "the log has {lines} lines where its head counts {}: the others are gone",
             head.lines
         );
         return Err(StoreError::new(log, what, remedy));
@@ -95,5 +95,5 @@ pub(crate) fn standing(
         let what = "the log is not the one that its head belongs to: a line was changed, or the log was replaced";
         return Err(StoreError::new(log, what, remedy));
     }
-    Ok(if there == head.lines { Standing::Even } else { Standing::Behind })
+    Ok(if lines == head.lines { Standing::Even } else { Standing::Behind })
 }

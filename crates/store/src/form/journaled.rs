@@ -6,10 +6,10 @@ use crate::{Files, MOST_BYTES, Samples, StoreError, Trial};
 use std::path::Path;
 use zwidth_study::{Given, Sample, Status, TrialMeta};
 
-/// What is added to the name of a damaged journal.
+/// The ending of a damaged journal's name.
 pub(crate) const DAMAGED: &str = ".damaged";
 
-/// What a journal holds.
+/// The contents of a journal.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Journaled {
     pub(crate) header: Option<Header>,
@@ -31,7 +31,7 @@ impl Journaled {
         let Header { meta, file, protocol } = header;
         let is_whole = self.ended && self.damaged == 0;
         let status = if is_whole { Status::Complete } else { Status::Incomplete };
-        let likert = self.answer.map(|given| given.value);
+        let likert = self.answer.map(|answer| answer.value);
         let meta = TrialMeta { status, likert, ..meta };
         let samples = Samples::from_rows(&self.rows);
         let samples = samples.with_channels(&self.rows, &protocol.given, &protocol.form);
@@ -52,13 +52,21 @@ pub(crate) fn read_journal(files: &dyn Files, path: &Path) -> Result<Journaled, 
     let bytes = files.read(path, MOST_BYTES).map_err(|e| StoreError::io(path, "read", &e))?;
     let (first, framed) = bytes.split_at(MAGIC.len().min(bytes.len()));
     let is_journal = first == MAGIC;
-    let decoded = decode(framed);
+    let Decoded { frames, damaged, unfinished, mended } = decode(framed);
     // The first append has the magic and the header; of what was not synced any sector may be zeros.
-    let lacks_first = bytes.iter().take(SECTOR).all(|b| *b == 0) && decoded.frames.is_empty();
+    let lacks_first = bytes.iter().take(SECTOR).all(|b| *b == 0) && frames.is_empty();
     if !is_journal && (MAGIC.starts_with(first) || lacks_first) {
         return Ok(Journaled { unfinished: bytes.len(), ..Journaled::default() });
     }
-    let read = journaled(decoded);
+    let mut read = Journaled { damaged, unfinished, mended, ..Journaled::default() };
+    for frame in frames {
+        match frame {
+            Frame::Header(header) => read.header = Some(header),
+            Frame::Rows(rows) => read.rows.extend(rows),
+            Frame::End => read.ended = true,
+            Frame::Answer(answer) => read.answer = Some(answer),
+        }
+    }
     if !is_journal && read.header.is_none() {
         let what = "not a journal of this version";
         return Err(StoreError::new(
@@ -68,19 +76,4 @@ pub(crate) fn read_journal(files: &dyn Files, path: &Path) -> Result<Journaled, 
         ));
     }
     Ok(read)
-}
-
-/// What the frames of a journal say together.
-fn journaled(decoded: Decoded) -> Journaled {
-    let Decoded { frames, damaged, unfinished, mended } = decoded;
-    let mut read = Journaled { damaged, unfinished, mended, ..Journaled::default() };
-    for frame in frames {
-        match frame {
-            Frame::Header(header) => read.header = Some(header),
-            Frame::Rows(rows) => read.rows.extend(rows),
-            Frame::End => read.ended = true,
-            Frame::Answer(given) => read.answer = Some(given),
-        }
-    }
-    read
 }

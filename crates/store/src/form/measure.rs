@@ -38,7 +38,7 @@ pub fn encoded_column(
     .map_err(|e| unmeasured(name, &e))
 }
 
-/// What keeps an encoding from being measured.
+/// The error of an encoding that cannot be measured.
 fn unmeasured(name: &str, error: &ParquetError) -> StoreError {
     StoreError::new(Path::new(name), error.to_string(), "try another encoding")
 }

@@ -3,7 +3,7 @@
 use crate::disk::content::Content;
 use crate::disk::regular::open_end;
 use crate::form::bounds::{
-    MOST_COLUMN_BYTES, Said, Why, check_footer_in, check_pages_in, check_size,
+    FooterClaims, MOST_COLUMN_BYTES, Why, check_footer_in, check_pages_in, check_size,
 };
 use crate::form::codec::check_codecs;
 use crate::form::write::{FOOTER_DIGEST, TABLE_VERSION, VERSION, footer_digest};
@@ -36,7 +36,7 @@ use zwidth_study::Schema;
 
 pub(crate) const DAMAGED: &str = "restore the file from a copy, or exclude the trial";
 
-/// What to do with a table that is damaged: unlike a recording it can be made again.
+/// The remedy for a damaged table: unlike a recording, it can be made again.
 const MADE_AGAIN: &str = "remove the file, and `zwidth run` makes it again";
 
 /// An error of a table's file.
@@ -63,17 +63,18 @@ impl ParquetFile {
         Self::of(path, files.open(path, MOST_RECORDING))
     }
 
-    /// The same, of which little more than the columns that are looked at is read, however small it is.
+    /// The same, but however small the file is, hardly more than the requested columns are read.
     pub(crate) fn open_columns(path: &Path) -> Result<Self, StoreError> {
         Self::of(path, open_end(path, MOST_RECORDING))
     }
 
     fn of(path: &Path, content: io::Result<Content>) -> Result<Self, StoreError> {
         let content = content.map_err(|e| StoreError::io(path, "read", &e))?;
-        let (footer, _, schema) = said(path, &content)?;
-        let metadata = guarded(path, DAMAGED, || parsed(&content, &schema))?;
+        let Claimed { footer, schema, .. } = read_claims(path, &content)?;
+        let metadata = guarded(path, DAMAGED, || parse_metadata(&content, &schema))?;
         check_size(path, &metadata, DAMAGED)?;
         let rows = usize::try_from(metadata.file_metadata().num_rows()).unwrap_or(0);
+        // Before the digest: a file of another program has none, and is not damaged for that.
         version(path, &footer)?;
         check_codecs(path, &metadata)?;
         check_digest(path, &footer)?;
@@ -98,24 +99,24 @@ impl ParquetFile {
     /// Its columns' names, types and units. The files of a study have one of a few: they are read out
     /// once for those that a thread opens one after the other.
     pub(crate) fn schema(&self) -> Result<SchemaRef, StoreError> {
-        type Said = (Option<KeyValue>, SchemaDescPtr);
+        type Key = (Option<KeyValue>, SchemaDescPtr);
         thread_local! {
-            static KNOWN: RefCell<Memo<Said, SchemaRef>> = const { RefCell::new(Memo::new()) };
+            static LAST: RefCell<Memo<Key, SchemaRef>> = const { RefCell::new(Memo::new()) };
         }
-        let of = self.metadata.file_metadata();
-        let mut entries = of.key_value_metadata().into_iter().flatten();
-        let said = entries.find(|entry| entry.key == ARROW_SCHEMA_META_KEY);
-        let columns = of.schema_descr_ptr();
-        if let Some(schema) = KNOWN.with_borrow(|known| {
-            known.known(|known| known.0.as_ref() == said && known.1 == columns)
-        }) {
+        let metadata = self.metadata.file_metadata();
+        let mut entries = metadata.key_value_metadata().into_iter().flatten();
+        let entry = entries.find(|entry| entry.key == ARROW_SCHEMA_META_KEY);
+        let columns = metadata.schema_descr_ptr();
+        if let Some(schema) =
+            LAST.with_borrow(|last| last.get(|key| key.0.as_ref() == entry && key.1 == columns))
+        {
             return Ok(schema);
         }
-        let entries = said.map(|entry| vec![entry.clone()]);
+        let entries = entry.map(|entry| vec![entry.clone()]);
         let schema =
             guarded(&self.path, DAMAGED, || parquet_to_arrow_schema(&columns, entries.as_ref()))?;
         let schema = Arc::new(schema);
-        KNOWN.with_borrow_mut(|known| known.keep((said.cloned(), columns), schema.clone()));
+        LAST.with_borrow_mut(|last| last.keep((entry.cloned(), columns), schema.clone()));
         Ok(schema)
     }
 
@@ -124,7 +125,7 @@ impl ParquetFile {
         self.content.blake3().map_err(|e| StoreError::io(&self.path, "read", &e))
     }
 
-    /// Those of these names, as one batch.
+    /// The columns with these names, as one batch.
     pub(crate) fn read(
         &self,
         columns: ArrowReaderMetadata,
@@ -137,26 +138,25 @@ impl ParquetFile {
     }
 
     /// Whether the statistics of a column say that it is null throughout.
-    pub(crate) fn is_said_to_be_null(&self, name: &str) -> bool {
-        let nulls = |group: &parquet::file::metadata::RowGroupMetaData| {
-            let column = group.columns().iter().find(|c| c.column_path().string() == name)?;
-            let nulls = column.statistics()?.null_count_opt()?;
-            Some(i64::try_from(nulls).ok()? == group.num_rows())
-        };
-        self.metadata.row_groups().iter().all(|group| nulls(group) == Some(true))
+    pub(crate) fn is_null_by_statistics(&self, name: &str) -> bool {
+        self.metadata.row_groups().iter().all(|group| {
+            let column = group.columns().iter().find(|c| c.column_path().string() == name);
+            let nulls = column.and_then(|column| column.statistics()?.null_count_opt());
+            nulls.and_then(|nulls| i64::try_from(nulls).ok()) == Some(group.num_rows())
+        })
     }
 
     /// The ends of a column of doubles, where its statistics say them.
-    pub(crate) fn said_ends(&self, name: &str) -> Option<(f64, f64)> {
-        let of_group = |group: &parquet::file::metadata::RowGroupMetaData| {
+    pub(crate) fn ends_by_statistics(&self, name: &str) -> Option<(f64, f64)> {
+        let groups = self.metadata.row_groups().iter().map(|group| {
             let mut columns = group.columns().iter();
             let column = columns.find(|c| *c.column_path().parts() == [name])?;
             match column.statistics()? {
-                Statistics::Double(of) => Some((*of.min_opt()?, *of.max_opt()?)),
+                Statistics::Double(ends) => Some((*ends.min_opt()?, *ends.max_opt()?)),
                 _ => None,
             }
-        };
-        let groups = self.metadata.row_groups().iter().map(of_group).collect::<Option<Vec<_>>>()?;
+        });
+        let groups = groups.collect::<Option<Vec<_>>>()?;
         groups.into_iter().reduce(|(low, high), next| (low.min(next.0), high.max(next.1)))
     }
 
@@ -168,12 +168,7 @@ impl ParquetFile {
             root.is_some_and(|root| names.contains(&root.as_str()))
         })
         .map(drop)
-        .map_err(|why| told(&self.path, why))
-    }
-
-    fn columns_of(&self, names: &[&str]) -> ProjectionMask {
-        let schema = self.metadata.file_metadata().schema_descr();
-        ProjectionMask::columns(schema, names.iter().copied())
+        .map_err(|why| claim_error(&self.path, why))
     }
 
     /// Decodes the columns of these names in some row groups, so many rows at a time.
@@ -206,8 +201,10 @@ impl ParquetFile {
         guarded(&self.path, DAMAGED, || {
             let builder =
                 ParquetRecordBatchReaderBuilder::new_with_metadata(self.content.clone(), columns);
+            let schema = self.metadata.file_metadata().schema_descr();
+            let projection = ProjectionMask::columns(schema, names.iter().copied());
             let rows = self.rows.clamp(1, rows);
-            let builder = builder.with_projection(self.columns_of(names)).with_batch_size(rows);
+            let builder = builder.with_projection(projection).with_batch_size(rows);
             builder.with_row_groups(groups.collect()).build()
         })
     }
@@ -226,7 +223,7 @@ pub(crate) fn opened_before(
     path: &Path,
     content: &Content,
 ) -> Result<(BTreeMap<String, String>, usize), StoreError> {
-    let (footer, rows, _) = said(path, content)?;
+    let Claimed { footer, rows, .. } = read_claims(path, content)?;
     version(path, &footer)?;
     check_digest(path, &footer)?;
     check_rows(path, rows)?;
@@ -237,19 +234,23 @@ fn check_rows(path: &Path, rows: usize) -> Result<(), StoreError> {
     if rows > 0 { Ok(()) } else { Err(StoreError::new(path, "the file has 0 rows", DAMAGED)) }
 }
 
-/// What a file says of itself: its footer, how many rows it has, and the bytes that are its schema.
-fn said(
-    path: &Path,
-    content: &Content,
-) -> Result<(BTreeMap<String, String>, usize, Bytes), StoreError> {
+/// The contents of a file's footer.
+struct Claimed {
+    footer: BTreeMap<String, String>,
+    rows: usize,
+    /// The bytes that are its schema.
+    schema: Bytes,
+}
+
+fn read_claims(path: &Path, content: &Content) -> Result<Claimed, StoreError> {
     if content.length() == 0 {
         return Err(StoreError::new(path, "the file is empty", DAMAGED));
     }
-    let said = check_footer_in(content).map_err(|why| told(path, why))?;
-    let Said { schema, rows, entries: mut footer } = said;
+    let claims = check_footer_in(content).map_err(|why| claim_error(path, why))?;
+    let FooterClaims { schema, rows, entries: mut footer } = claims;
     // The writer of Arrow adds it by itself; our digest is without it.
     footer.remove(ARROW_SCHEMA_META_KEY);
-    Ok((footer, usize::try_from(rows).unwrap_or(0), schema))
+    Ok(Claimed { footer, rows: usize::try_from(rows).unwrap_or(0), schema })
 }
 
 fn check_digest(path: &Path, footer: &BTreeMap<String, String>) -> Result<(), StoreError> {
@@ -262,31 +263,31 @@ fn check_digest(path: &Path, footer: &BTreeMap<String, String>) -> Result<(), St
 
 /// What a footer says. The files of a study have one of a few schemas: that of the same bytes is not
 /// parsed again by a thread that knows it.
-fn parsed(content: &Content, schema: &Bytes) -> Result<ParquetMetaData, ParquetError> {
+fn parse_metadata(content: &Content, schema: &Bytes) -> Result<ParquetMetaData, ParquetError> {
     thread_local! {
-        static KNOWN: RefCell<Memo<Bytes, SchemaDescPtr>> = const { RefCell::new(Memo::new()) };
+        static LAST: RefCell<Memo<Bytes, SchemaDescPtr>> = const { RefCell::new(Memo::new()) };
     }
-    let known = KNOWN.with_borrow(|known| known.known(|bytes| bytes == schema));
-    let is_known = known.is_some();
+    let kept = LAST.with_borrow(|last| last.get(|bytes| bytes == schema));
+    let is_kept = kept.is_some();
     // What the pages of a column take and how they are encoded, the pages say themselves.
     let mut options = ParquetMetaDataOptions::new()
         .with_encoding_stats_policy(ParquetStatisticsPolicy::SkipAll)
         .with_size_stats_policy(ParquetStatisticsPolicy::SkipAll);
-    if let Some(schema) = known {
+    if let Some(schema) = kept {
         options.set_schema(schema);
     }
     let reader = ParquetMetaDataReader::new().with_metadata_options(Some(options));
     let metadata = reader.parse_and_finish(content)?;
-    if !is_known && schema.len() <= MOST_KNOWN {
-        let of = metadata.file_metadata().schema_descr_ptr();
+    if !is_kept && schema.len() <= MOST_KEPT {
+        let parsed = metadata.file_metadata().schema_descr_ptr();
         // A copy: the bytes are a part of the file's.
-        KNOWN.with_borrow_mut(|known| known.keep(Bytes::copy_from_slice(schema), of));
+        LAST.with_borrow_mut(|last| last.keep(Bytes::copy_from_slice(schema), parsed));
     }
     Ok(metadata)
 }
 
 /// Bytes of a schema that is remembered (64 KiB): forty times those of a recording's.
-const MOST_KNOWN: usize = 1 << 16;
+const MOST_KEPT: usize = 1 << 16;
 
 /// Runs a decoder on bytes that may be damaged: an error, or a panic of the decoder, is one error
 /// of ours.
@@ -296,21 +297,22 @@ pub fn guarded<T>(
     decode: impl FnOnce() -> Result<T, ParquetError>,
 ) -> Result<T, StoreError> {
     match catch_unwind(AssertUnwindSafe(decode)) {
-        Ok(result) => result.map_err(|e| match refused(&e) {
-            Some(error) => StoreError::io(path, "read", error),
-            None => unreadable(path, remedy, &e.to_string()),
+        Ok(result) => result.map_err(|e| {
+            // What the operating system said when the decoder asked it for more of the file.
+            let system = match &e {
+                ParquetError::External(error) => error.downcast_ref::<io::Error>(),
+                _ => None,
+            };
+            match system.filter(|error| error.raw_os_error().is_some()) {
+                Some(error) => StoreError::io(path, "read", error),
+                None => unreadable(path, remedy, &e.to_string()),
+            }
         }),
         Err(_) => Err(unreadable(path, remedy, "the decoder gave up on it")),
     }
 }
 
-/// What the operating system said when a decoder asked it for more of a file.
-fn refused(error: &ParquetError) -> Option<&std::io::Error> {
-    let ParquetError::External(error) = error else { return None };
-    error.downcast_ref().filter(|error: &&std::io::Error| error.raw_os_error().is_some())
-}
-
-fn told(path: &Path, why: Why) -> StoreError {
+fn claim_error(path: &Path, why: Why) -> StoreError {
     match why {
         Why::Claim(words) => unreadable(path, DAMAGED, &words),
         Why::System(error) => StoreError::io(path, "read", &error),
@@ -327,22 +329,23 @@ pub(crate) fn version(
     path: &Path,
     footer: &BTreeMap<String, String>,
 ) -> Result<Option<Schema>, StoreError> {
-    let error = |what: String| {
-        let remedy = format!(
-            "this software reads sweeps of version {TABLE_VERSION} and trials of version {}; use `zwidth import` for \
-             other files",
-            Schema::default().number()
-        );
-        StoreError::new(path, what, remedy)
-    };
-    let said = footer
-        .get(VERSION)
-        .ok_or_else(|| error("not a zwidth file: no schema version in its footer".to_owned()))?;
-    // `+1` and `01` are numbers too, and nothing that we write.
-    let number = said.parse::<u32>().ok().filter(|number| number.to_string() == *said);
+    let text = footer.get(VERSION);
+    let number = text.and_then(|text| {
+        // `+1` and `01` are numbers too, and nothing that we write.
+        text.parse::<u32>().ok().filter(|number| number.to_string() == *text)
+    });
     let schema = number.and_then(Schema::from_number);
-    if schema.is_none() && number != Some(TABLE_VERSION) {
-        return Err(error(format!("schema version {said} is unknown")));
+    if schema.is_some() || number == Some(TABLE_VERSION) {
+        return Ok(schema);
     }
-    Ok(schema)
+    let what = match text {
+        Some(text) => format!("schema version {text} is unknown"),
+        None => "not a zwidth file: no schema version in its footer".to_owned(),
+    };
+    let remedy = format!(
+        "this software reads sweeps of version {TABLE_VERSION} and trials of version {}; use `zwidth import` for \
+         other files",
+        Schema::default().number()
+    );
+    Err(StoreError::new(path, what, remedy))
 }

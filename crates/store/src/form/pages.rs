@@ -32,7 +32,7 @@ struct Header {
 }
 
 impl Pages {
-    /// Those of `column`; `None` where another writer gave them another form.
+    /// The pages of `column`; `None` if another writer gave them another form.
     pub(crate) fn of(content: &Content, column: &ColumnChunkMetaData) -> Option<Self> {
         let is_packed = match column.compression_codec() {
             CompressionCodec::ZSTD => true,
@@ -55,6 +55,7 @@ impl Pages {
     /// The values of these rows, where their bytes are split into streams and none is null; `None`
     /// where they are laid otherwise, or damaged.
     pub(crate) fn split_values<T: Joined>(&self, rows: usize) -> Option<Vec<f64>> {
+        // Checked first: the headers, not the group, decide how much memory is taken below.
         if self.left.iter().map(|(header, _)| header.values as usize).sum::<usize>() != rows {
             return None;
         }
@@ -64,45 +65,45 @@ impl Pages {
             if header.is_dictionary || !is_split || header.unpacked > MOST_ROOM {
                 return None;
             }
-            let mut add = |page: &[u8]| {
-                let streams = all_there(page, header)?;
-                T::join(streams, header.values as usize, &mut values)
-            };
             match self.is_packed {
                 true => UNPACKED.with_borrow_mut(|room| {
                     room.clear();
                     room.try_reserve(header.unpacked).ok()?;
                     with_decompressor(|with| with.decompress_to_buffer(page, room)).ok()?;
-                    add(room)
+                    add_page::<T>(room, header, &mut values)
                 })?,
-                false => add(page)?,
+                false => add_page::<T>(page, header, &mut values)?,
             }
         }
         Some(values)
     }
 }
 
-/// The values of an unpacked page whose levels say, in one run, that all are there.
-fn all_there<'a>(page: &'a [u8], header: &Header) -> Option<&'a [u8]> {
+/// Adds the values of an unpacked page whose levels say, in one run, that none is null.
+fn add_page<T: Joined>(page: &[u8], header: &Header, values: &mut Vec<f64>) -> Option<()> {
     let (length, rest) = page.split_first_chunk::<4>()?;
-    let (levels, values) = rest.split_at_checked(u32::from_le_bytes(*length) as usize)?;
+    let (levels, streams) = rest.split_at_checked(u32::from_le_bytes(*length) as usize)?;
     let is_whole = page.len() == header.unpacked && header.nulls == Encoding::RLE;
-    (is_whole && run_of_ones(levels)? == u64::from(header.values)).then_some(values)
+    if !is_whole || run_of_ones(levels)? != u64::from(header.values) {
+        return None;
+    }
+    T::join(streams, header.values as usize, values)
 }
 
 impl Header {
-    fn of(said: &PageHeader) -> Option<Self> {
-        let is_dictionary = match said.kind {
+    fn of(header: &PageHeader) -> Option<Self> {
+        let is_dictionary = match header.kind {
             0 => false,
             2 => true,
             _ => return None,
         };
         Some(Self {
             is_dictionary,
-            unpacked: usize::try_from(said.unpacked).ok()?,
-            values: u32::try_from(said.values).ok()?,
-            encoding: encoding(said.encoding)?,
-            nulls: if is_dictionary { Encoding::RLE } else { encoding(said.nulls)? },
+            unpacked: usize::try_from(header.unpacked).ok()?,
+            values: u32::try_from(header.values).ok()?,
+            encoding: encoding(header.encoding)?,
+            // A dictionary has no null, and its header no such encoding.
+            nulls: if is_dictionary { Encoding::RLE } else { encoding(header.nulls)? },
         })
     }
 }
@@ -129,7 +130,7 @@ thread_local! {
     static UNPACKED: RefCell<Vec<u8>> = const { RefCell::new(Vec::new()) };
 }
 
-/// What `unpack` makes with the thread's decompressor.
+/// Calls `unpack` with the thread's decompressor.
 fn with_decompressor<T>(
     unpack: impl FnOnce(&mut Decompressor<'static>) -> io::Result<T>,
 ) -> io::Result<T> {
@@ -141,22 +142,17 @@ fn with_decompressor<T>(
     })
 }
 
-/// What was packed into `bytes`, at most `most` bytes.
-fn unpacked(bytes: &[u8], most: usize) -> io::Result<Vec<u8>> {
-    with_decompressor(|with| with.decompress(bytes, most))
-}
-
 impl PageReader for Pages {
     fn get_next_page(&mut self) -> Result<Option<Page>> {
         let Some((header, page)) = self.left.pop_front() else { return Ok(None) };
         let buf = match self.is_packed {
-            true => Bytes::from(unpacked(&page, header.unpacked)?),
+            true => with_decompressor(|with| with.decompress(&page, header.unpacked))?.into(),
             false => page,
         };
         if buf.len() != header.unpacked {
-            let found = buf.len();
-            let said = header.unpacked;
-            return Err(ParquetError::General(format!("a page has {found} bytes, not {said}")));
+            let (length, expected) = (buf.len(), header.unpacked);
+            let what = format!("a page has {length} bytes, not {expected}");
+            return Err(ParquetError::General(what));
         }
         let Header { is_dictionary, values: num_values, encoding, nulls, .. } = header;
         Ok(Some(match is_dictionary {

@@ -34,17 +34,20 @@ impl TableParts {
     /// # Errors
     /// A file that cannot be read.
     pub fn open(path: &Path, names: Option<&[&str]>) -> Result<Self, StoreError> {
-        Self::opened(path, names).map_err(table_error)
+        Self::open_recorded(path, names).map_err(table_error)
     }
 
-    fn opened(path: &Path, names: Option<&[&str]>) -> Result<Self, StoreError> {
+    /// The same, with errors as those of a recording.
+    fn open_recorded(path: &Path, names: Option<&[&str]>) -> Result<Self, StoreError> {
         let file = match names {
             Some(_) => ParquetFile::open_columns(path)?,
             None => ParquetFile::open(&RealFiles, path)?,
         };
         let columns = file.columns()?;
-        let all = || columns.schema().fields().iter().map(|f| f.name().as_str()).collect();
-        let names: Vec<&str> = names.map_or_else(all, <[&str]>::to_vec);
+        let names: Vec<&str> = match names {
+            Some(names) => names.to_vec(),
+            None => columns.schema().fields().iter().map(|f| f.name().as_str()).collect(),
+        };
         file.check_pages(&names, MOST_RECORDED_BYTES)?;
         let reader = file.reader(columns.clone(), &names, file.groups(), PART_ROWS)?;
         let path = path.to_owned();
@@ -52,12 +55,12 @@ impl TableParts {
         Ok(Self { path, footer: file.footer, rows, reader, is_begun: false })
     }
 
-    /// What its footer says, which goes with this: where a table of all trials comes from is megabytes.
+    /// Takes out the footer's entries: where a table of all trials comes from is megabytes.
     pub fn take_footer(&mut self) -> BTreeMap<String, String> {
         std::mem::take(&mut self.footer)
     }
 
-    /// How many rows it has.
+    /// The number of rows.
     pub fn rows(&self) -> usize {
         self.rows
     }
@@ -69,6 +72,7 @@ impl Iterator for TableParts {
     fn next(&mut self) -> Option<Self::Item> {
         let next = guarded(&self.path, DAMAGED, || Ok(self.reader.next().transpose()?));
         let next = next.map_err(table_error).transpose();
+        // The columns of a table without rows are needed too.
         let is_first = !std::mem::replace(&mut self.is_begun, true);
         next.or_else(|| is_first.then(|| Ok(RecordBatch::new_empty(self.reader.schema()))))
     }

@@ -82,6 +82,7 @@ fn read_some(
 ) -> Result<Trial, StoreError> {
     OpenColumns::open(files, path)?.read(&wanted, is_wanted)
 }
+
 /// A trial's file, opened: its columns are read one by one.
 pub(crate) struct OpenColumns {
     form: TrialForm,
@@ -116,8 +117,8 @@ impl OpenColumns {
         self.file.blake3()
     }
 
-    /// What is known of the trial, and what the file says of itself besides.
-    pub(crate) fn said(&self) -> Result<(TrialMeta, TrialFile), StoreError> {
+    /// The trial's metadata and the file's other entries.
+    pub(crate) fn meta_and_file(&self) -> Result<(TrialMeta, TrialFile), StoreError> {
         let meta = meta_from(&self.file.path, &self.file.footer, &self.form)?;
         Ok((meta, rest_of(&self.file.footer)))
     }
@@ -133,7 +134,7 @@ impl OpenColumns {
     ) -> Result<Trial, StoreError> {
         let path = &self.file.path;
         let rows = self.file.rows;
-        let (meta, said) = self.said()?;
+        let (meta, file) = self.meta_and_file()?;
         let channels: Vec<&Channel> = self.form.channels.iter().filter(|c| is_wanted(c)).collect();
         let recorded = wanted.iter().filter(|signal| self.has(**signal)).count() + channels.len();
         if rows.saturating_mul(recorded) > MOST_VALUES {
@@ -154,7 +155,7 @@ impl OpenColumns {
             }
         }
         samples.check(path)?;
-        Ok(Trial { meta, file: said, samples })
+        Ok(Trial { meta, file, samples })
     }
 
     /// Checks what [`read_whole_trial`] checks, a column at a time.
@@ -164,7 +165,7 @@ impl OpenColumns {
     pub(crate) fn check(&self) -> Result<(), StoreError> {
         let path = &self.file.path;
         let rows = self.file.rows;
-        self.said()?;
+        self.meta_and_file()?;
         let mut room = Vec::new();
         for signal in Signal::all() {
             let column = signal.column();
@@ -176,6 +177,7 @@ impl OpenColumns {
                     }
                     room = values;
                 }
+                // Which gives the error of a trial without time.
                 None if signal == Signal::Time => Samples::default().check(path)?,
                 None => {}
             }
@@ -204,7 +206,7 @@ impl OpenColumns {
         let column = signal.column();
         check_field(&self.file.path, &self.schema, column)?;
         let name = column.name;
-        if !self.has(signal) && self.file.is_said_to_be_null(name) {
+        if !self.has(signal) && self.file.is_null_by_statistics(name) {
             return Ok(None);
         }
         let is_known = self.matched.has(Signals::of(&[signal]));
@@ -232,26 +234,27 @@ impl OpenColumns {
         Ok(values)
     }
 
-    /// What was read, unless it failed.
-    fn kept<T>(&self, read: Result<Option<T>, StoreError>) -> Option<T> {
+    /// What was read; the first failure is noted.
+    fn noted<T>(&self, read: Result<Option<T>, StoreError>) -> Option<T> {
         read.unwrap_or_else(|error| {
             self.failed.borrow_mut().get_or_insert(error);
             None
         })
     }
 
-    /// How far apart the ends of a signal lie, by what the file says of it; else by its values.
+    /// The distance between the ends of a signal, from the file's statistics, else from its values.
     ///
     /// # Errors
     /// Those of [`OpenColumns::signal`], where they are read.
     pub(crate) fn reach_of(&self, signal: Signal) -> Result<Option<f64>, StoreError> {
         let name = signal.column().name;
-        let said = self.file.said_ends(name).filter(|_| self.has(signal));
-        let found = match said {
+        // Without a digest there are no values, whatever the statistics say.
+        let stated = self.file.ends_by_statistics(name).filter(|_| self.has(signal));
+        let ends = match stated {
             Some(ends) => Some(ends),
             None => self.signal(signal)?.map(|values| ends(&values)),
         };
-        Ok(found.map(|(low, high)| high - low))
+        Ok(ends.map(|(low, high)| high - low))
     }
 
     /// The values of a channel of the study's own.
@@ -269,22 +272,22 @@ impl Columns for OpenColumns {
 
     fn column(&self, signal: Signal) -> Option<Values<'_>> {
         let mut last = self.last.borrow_mut();
-        let found = match last.iter().position(|(kept, _)| *kept == signal) {
+        let values = match last.iter().position(|(kept, _)| *kept == signal) {
             Some(at) => last.remove(at)?.1,
             None => {
-                // Before the next is read, so that there are never more.
-                // Of those that nobody holds, which give their memory, the one looked at first.
+                // Before the next is read, so that there are never more: of those that nobody holds,
+                // which give their memory, the one looked at first.
                 let free = last.iter().rposition(|(_, values)| Arc::strong_count(values) == 1);
                 let oldest = last.len().saturating_sub(1);
                 let gone =
                     (last.len() >= KEPT).then(|| last.remove(free.unwrap_or(oldest))).flatten();
                 let room = gone.and_then(|(_, values)| Arc::into_inner(values));
                 self.seen.borrow_mut()[signal as usize] = true;
-                Arc::new(self.kept(self.checked(signal, room.unwrap_or_default()))?)
+                Arc::new(self.noted(self.checked(signal, room.unwrap_or_default()))?)
             }
         };
-        last.push_front((signal, found.clone()));
-        Some(Values::Read(found))
+        last.push_front((signal, values.clone()));
+        Some(Values::Read(values))
     }
 
     fn has(&self, signal: Signal) -> bool {
@@ -293,11 +296,11 @@ impl Columns for OpenColumns {
 
     fn channel(&self, name: &str) -> Option<Values<'_>> {
         let channel = self.form.channels.iter().find(|channel| channel.id.as_str() == name)?;
-        Some(Values::Read(Arc::new(self.kept(OpenColumns::channel(self, channel))?)))
+        Some(Values::Read(Arc::new(self.noted(OpenColumns::channel(self, channel))?)))
     }
 
     fn reach(&self, signal: Signal) -> Option<f64> {
-        self.kept(self.reach_of(signal))
+        self.noted(self.reach_of(signal))
     }
 
     fn forget(&self) {
@@ -316,15 +319,12 @@ impl Columns for OpenColumns {
 /// Reads any Parquet file that [`crate::write_parquet`] or [`crate::write_table`] wrote, whole: its
 /// rows and its footer.
 pub fn read_parquet(path: &Path) -> Result<(RecordBatch, BTreeMap<String, String>), StoreError> {
-    let read = || {
-        let file = ParquetFile::open(&RealFiles, path)?;
-        let columns = file.columns()?;
-        let schema = columns.schema().clone();
-        let names: Vec<&str> = schema.fields().iter().map(|f| f.name().as_str()).collect();
-        let batch = file.read(columns, &names)?;
-        Ok((batch, file.footer))
-    };
-    read().map_err(table_error)
+    let file = ParquetFile::open(&RealFiles, path).map_err(table_error)?;
+    let columns = file.columns().map_err(table_error)?;
+    let schema = columns.schema().clone();
+    let names: Vec<&str> = schema.fields().iter().map(|f| f.name().as_str()).collect();
+    let batch = file.read(columns, &names).map_err(table_error)?;
+    Ok((batch, file.footer))
 }
 
 /// The footer of such a file, and how many rows it has.
@@ -352,16 +352,16 @@ pub(crate) fn check_described(
     unit: &str,
 ) -> Result<(), StoreError> {
     let remedy = "convert the file with `zwidth import`";
-    let Ok(found) = schema.field_with_name(name) else {
+    let Ok(field) = schema.field_with_name(name) else {
         return Err(StoreError::new(path, "the column is missing", remedy).column(name));
     };
-    if found.data_type() != data_type {
-        let what = format!("its type is {} where {data_type} belongs", found.data_type());
+    if field.data_type() != data_type {
+        let what = format!("its type is {} where {data_type} belongs", field.data_type());
         return Err(StoreError::new(path, what, remedy).column(name));
     }
-    let said = found.metadata().get("unit").map_or("", String::as_str);
-    if said != unit {
-        let what = format!("its unit is '{said}' where '{unit}' belongs");
+    let actual = field.metadata().get("unit").map_or("", String::as_str);
+    if actual != unit {
+        let what = format!("its unit is '{actual}' where '{unit}' belongs");
         return Err(StoreError::new(path, what, remedy).column(name));
     }
     Ok(())

@@ -31,7 +31,7 @@ const MOST_SEEN: u64 = 1 << 28;
 /// Files from which on their hashes are worth a file of their own.
 const WORTH_WRITING: usize = 2000;
 
-/// What a file was before it was read, where any change after that shows.
+/// The state of a file before it was read, if any later change shows.
 pub(crate) struct Begun(Option<Stamp>);
 
 impl Begun {
@@ -80,7 +80,7 @@ impl Signals {
     }
 }
 
-/// What [`Seen::file`] holds.
+/// The contents of [`Seen::file`].
 #[derive(Serialize, Deserialize)]
 struct Written<N, F> {
     /// The signal that each bit stands for, from the lowest on.
@@ -97,9 +97,9 @@ fn names() -> Vec<&'static str> {
 #[derive(Debug, Default)]
 pub struct Seen {
     root: PathBuf,
-    /// What was known before, by the path relative to the root.
+    /// The hashes of earlier runs, by the path relative to the root.
     before: HashMap<Box<str>, Known>,
-    /// What was hashed since, or written with a hash that is known.
+    /// The files that were hashed since, or written with their hash.
     since: Mutex<BTreeMap<Box<str>, Known>>,
 }
 
@@ -114,8 +114,10 @@ impl Seen {
     pub fn of(layout: &Layout) -> Self {
         let text = read_regular(&Self::file(layout), MOST_SEEN).unwrap_or_default();
         let written = serde_json::from_slice(&text).ok();
-        let written = written.filter(|found: &Written<String, _>| found.signals == names());
-        let mut before: HashMap<_, _> = written.map(|found| found.files).unwrap_or_default();
+        // Bits of a version with other signals would stand for others.
+        let written = written.filter(|written: &Written<String, _>| written.signals == names());
+        let mut before: HashMap<_, _> = written.map(|written| written.files).unwrap_or_default();
+        // It has grown by doubling, and does not grow any more.
         before.shrink_to_fit();
         Self { before, ..Self::nothing(layout) }
     }
@@ -130,9 +132,10 @@ impl Seen {
     /// # Errors
     /// A file that cannot be read.
     pub fn blake3(&self, path: &Path) -> Result<String, StoreError> {
-        if let Some(known) = self.known(path) {
-            return Ok(known);
+        if let Some(hash) = self.unchanged_hash(path) {
+            return Ok(hash);
         }
+        // Before it is read: a change meanwhile shows only against how it was then.
         let begun = Begun::now(path);
         let hash = file_blake3(path)?;
         self.read(path, begun, &hash);
@@ -154,7 +157,7 @@ impl Seen {
         }
     }
 
-    /// How many bytes a file had when it was last hashed.
+    /// The length in bytes that a file had when it was last hashed.
     pub fn length(&self, path: &Path) -> Option<u64> {
         self.noted(path, |(stamp, ..)| stamp.length)
     }
@@ -167,8 +170,8 @@ impl Seen {
         signals: Signals,
         blake3: impl FnOnce() -> Result<String, StoreError>,
     ) -> Result<bool, StoreError> {
-        let found = self.noted(path, |(_, hash, matched)| matched.has(signals).then_some(*hash));
-        Ok(match found.flatten() {
+        let hash = self.noted(path, |(_, hash, matched)| matched.has(signals).then_some(*hash));
+        Ok(match hash.flatten() {
             Some(hash) => String::from(hash) == blake3()?,
             None => false,
         })
@@ -210,22 +213,23 @@ impl Seen {
     }
 
     /// The hash of a file that has not changed.
-    pub(crate) fn known(&self, path: &Path) -> Option<String> {
+    pub(crate) fn unchanged_hash(&self, path: &Path) -> Option<String> {
         let (stamp, hash) = self.noted(path, |(stamp, hash, _)| (*stamp, *hash))?;
         (Stamp::at(path)? == stamp).then(|| hash.into())
     }
 
-    /// What `part` takes of what is known of a file.
+    /// The part of a file's entry that `part` takes.
     fn noted<T>(&self, path: &Path, part: impl FnOnce(&Known) -> T) -> Option<T> {
         let named = self.named(path)?;
         let before = self.before.get(named);
         let since = self.since();
+        // What was hashed since is newer.
         since.get(named).or(before).map(part)
     }
 
-    fn note(&self, path: &Path, known: Known) {
+    fn note(&self, path: &Path, state: Known) {
         if let Some(named) = self.named(path) {
-            self.since().insert(named.into(), known);
+            self.since().insert(named.into(), state);
         }
     }
 
@@ -298,7 +302,7 @@ mod tests {
         let seen = knowing(&layout, &path, &hex_blake3(b"told"));
         fs::rename(&path, &other).unwrap();
         std::os::unix::fs::symlink(&other, &path).unwrap();
-        assert_eq!(seen.known(&path), None);
+        assert_eq!(seen.unchanged_hash(&path), None);
     }
 
     #[test]
@@ -306,7 +310,8 @@ mod tests {
         let (_folder, layout, path) = known("text");
         let seen = Seen::nothing(&layout);
         seen.blake3(&path).unwrap();
-        assert_eq!(seen.known(&path), None, "it may change again within the same step of its time");
+        let hash = seen.unchanged_hash(&path);
+        assert_eq!(hash, None, "it may change again within the same step of its time");
         let stamp = Stamp::at(&path).unwrap();
         let written = SystemTime::UNIX_EPOCH + Duration::from_secs(stamp.changed.0 as u64);
         assert!(!stamp.is_settled(written) && !stamp.is_settled(SystemTime::UNIX_EPOCH));

@@ -37,9 +37,7 @@ struct Version {
 }
 
 pub(crate) fn record_from(path: &Path, text: &str) -> Result<SessionRecord, StoreError> {
-    let error =
-        |e: serde_json::Error| StoreError::new(path, format!("not a session record: {e}"), RESTORE);
-    let Version { schema_version } = from_json(text).map_err(error)?;
+    let Version { schema_version } = from_json(text).map_err(|e| no_record(path, &e))?;
     if schema_version != RECORD_VERSION {
         let remedy = format!(
             "this software reads version {RECORD_VERSION}; use the one that wrote the session"
@@ -50,5 +48,9 @@ pub(crate) fn record_from(path: &Path, text: &str) -> Result<SessionRecord, Stor
             remedy,
         ));
     }
-    serde_json::from_str(text).map_err(error)
+    serde_json::from_str(text).map_err(|e| no_record(path, &e))
+}
+
+fn no_record(path: &Path, error: &serde_json::Error) -> StoreError {
+    StoreError::new(path, format!("not a session record: {error}"), RESTORE)
 }

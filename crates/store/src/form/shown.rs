@@ -5,7 +5,7 @@ use crate::{Samples, Signal};
 use std::sync::Arc;
 use zwidth_study::ChannelId;
 
-/// Of the samples of a trial what was asked for.
+/// The requested samples of a trial.
 pub(crate) struct Shown {
     samples: Arc<Samples>,
     device_s: Option<f64>,

@@ -1,20 +1,20 @@
 //! Sweeps: what an actuator or sensor did while its command was varied.
 
 use crate::form::digest::column_digest;
-use crate::form::footer::from_path;
+use crate::form::footer::{from_path, required};
 use crate::form::opened::ParquetFile;
 use crate::form::read::check_described;
 use crate::form::values::floats;
 use crate::form::write::{DIGEST, described};
 use crate::{Files, Layout, RealFiles, Storage, StoreError, SweepEntry, write_parquet};
-use arrow::array::{ArrayRef, Float64Array, RecordBatch, new_null_array};
+use arrow::array::{ArrayRef, Float64Array, Int32Array, RecordBatch, new_null_array};
 use arrow::datatypes::{DataType, Field, Schema};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use zwidth_study::{ActuatorId, Source};
 
-/// What a column of a sweep is, and in which unit; the unit is part of the sweep.
+/// The quantity in a column of a sweep, with its unit, which is part of the sweep.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Quantity {
     /// In words, for an axis: `voltage`, `brake torque`.
@@ -34,7 +34,7 @@ pub struct Sweep {
     pub source: Source,
     /// What was commanded.
     pub command: Quantity,
-    /// What came of it.
+    /// The measured result.
     pub response: Quantity,
     /// Time, s, where known.
     pub t_s: Option<Vec<f64>>,
@@ -47,25 +47,20 @@ pub struct Sweep {
 }
 
 impl Sweep {
-    /// Whether it is of the same quantities as another, so that both can be fitted together.
+    /// Whether the sweep has the same quantities as another, so that both can be fitted together.
     pub fn is_like(&self, other: &Self) -> bool {
         self.command == other.command && self.response == other.response
     }
 
-    /// In words, that it is of other quantities than the first sweep.
+    /// Says in words that the sweep has other quantities than the first one.
     pub fn unlike(&self, first: &Self) -> String {
-        let of = |sweep: &Self| {
-            let Self { command, response, .. } = sweep;
-            let of = &response.name;
-            let against = &command.name;
-            format!("{of} ({}) against {against} ({})", response.unit, command.unit)
-        };
+        let [own, other] = [self, first].map(|Self { command, response, .. }| {
+            let Quantity { name, unit } = response;
+            format!("{name} ({unit}) against {} ({})", command.name, command.unit)
+        });
         format!(
-            "sweep {} of the {}: {} does not go with the first sweep's {}",
-            self.sweep,
-            self.actuator,
-            of(self),
-            of(first)
+            "sweep {} of the {}: {own} does not go with the first sweep's {other}",
+            self.sweep, self.actuator
         )
     }
 }
@@ -84,11 +79,12 @@ pub fn sweep_bytes(sweep: &Sweep, path: &Path) -> Result<Vec<u8>, StoreError> {
     if n == 0 {
         return Err(StoreError::new(path, "there is no sample", "record the sweep again"));
     }
+    let number = i32::try_from(sweep.sweep).unwrap_or(i32::MAX);
     let mut footer = sweep.file.clone();
     let mut columns: Vec<(Field, ArrayRef)> = vec![
         (
             described("sweep", DataType::Int32, false, "1", "number of the sweep"),
-            sweep_number(sweep, n),
+            Arc::new(Int32Array::from(vec![number; n])),
         ),
         match &sweep.t_s {
             Some(t) => column(path, &mut footer, TIME, t, n, "s", TIME_ABOUT)?,
@@ -120,11 +116,6 @@ pub fn sweep_bytes(sweep: &Sweep, path: &Path) -> Result<Vec<u8>, StoreError> {
         StoreError::new(path, e.to_string(), "this is a defect of zwidth; please report it")
     })?;
     write_parquet(&batch, footer, path)
-}
-
-fn sweep_number(sweep: &Sweep, n: usize) -> ArrayRef {
-    let number = i32::try_from(sweep.sweep).unwrap_or(i32::MAX);
-    Arc::new(arrow::array::Int32Array::from(vec![number; n]))
 }
 
 fn column(
@@ -161,19 +152,15 @@ pub(crate) fn entry(
     file.columns()?; // no log holds a sweep's hash that would tell of damage there
     let blake3 = file.blake3()?;
     let footer = file.footer;
-    let says = |key: &str| footer.get(key).map(String::as_str).unwrap_or_default();
-    let number = says("sweep").parse::<u32>().ok();
-    if says("actuator") == actuator.as_str()
-        && number.is_some_and(|n| layout.sweep(&actuator, n) == path)
-    {
-        let source = Source::from_word(says("source")).ok_or_else(|| bad_key(&path, "source"))?;
+    let [number, owner, source] = ["sweep", "actuator", "source"]
+        .map(|key| footer.get(key).map(String::as_str).unwrap_or_default());
+    let is_at_its_place = number.parse().is_ok_and(|n| layout.sweep(&actuator, n) == path);
+    if owner == actuator.as_str() && is_at_its_place {
+        let source = Source::from_word(source).ok_or_else(|| bad_key(&path, "source"))?;
         return Ok(SweepEntry { path, actuator, source, blake3 });
     }
-    let what = format!(
-        "the file is sweep {} of '{}' by its footer, but not by its name",
-        says("sweep"),
-        says("actuator")
-    );
+    let what =
+        format!("the file is sweep {number} of '{owner}' by its footer, but not by its name");
     Err(StoreError::new(&path, what, "give it its own name again; a sweep must not exist twice"))
 }
 
@@ -190,52 +177,66 @@ pub fn read_sweep(path: &Path) -> Result<Sweep, StoreError> {
 
 pub(crate) fn read_sweep_from(files: &dyn Files, path: &Path) -> Result<Sweep, StoreError> {
     let file = ParquetFile::open_recording(files, path)?;
-    let key = |name: &str| {
-        file.footer.get(name).cloned().ok_or_else(|| {
-            StoreError::new(path, format!("its metadata '{name}' are missing"), REMEDY)
-        })
-    };
-    let command = Quantity { name: key("command")?, unit: key("command_unit")? };
-    let response = Quantity { name: key("response")?, unit: key("response_unit")? };
+    let [command, response] = [[COMMAND, "command_unit"], [RESPONSE, "response_unit"]].map(
+        |[name, unit]| -> Result<Quantity, StoreError> {
+            let name = required(path, &file.footer, name, REMEDY)?.to_owned();
+            Ok(Quantity { name, unit: required(path, &file.footer, unit, REMEDY)?.to_owned() })
+        },
+    );
+    let (command, response) = (command?, response?);
     let columns = file.columns()?;
     for (name, q) in [(COMMAND, &command), (RESPONSE, &response)] {
         check_described(path, columns.schema(), name, &DataType::Float64, &q.unit)?;
     }
     let batch = file.read(columns, &[TIME, COMMAND, RESPONSE])?;
-    let values = |name: &str| -> Result<Option<Vec<f64>>, StoreError> {
-        let array = batch
-            .column_by_name(name)
-            .ok_or_else(|| StoreError::new(path, "the column is missing", REMEDY).column(name))?;
-        let Some(digest) = file.footer.get(&format!("{DIGEST}{name}")) else { return Ok(None) };
-        let values = floats(array);
-        if array.null_count() > 0 || *digest != column_digest(&values, Storage::F64) {
-            let what = "the column is damaged: its values do not match their digest";
-            return Err(StoreError::new(path, what, REMEDY).column(name));
-        }
-        Ok(Some(values))
-    };
-    let missing =
-        |name: &str| StoreError::new(path, "the column has no digest", REMEDY).column(name);
-    let known =
+    let [t_s, command_values, response_values] =
+        [TIME, COMMAND, RESPONSE].map(|name| column_values(path, &batch, &file.footer, name));
+    let own_keys =
         ["actuator", "source", "command", "command_unit", "response", "response_unit", "sweep"];
     Ok(Sweep {
         actuator: ActuatorId::new(from_path(path, "actuator")?)
             .map_err(|e| StoreError::new(path, e.to_string(), "rename the folder"))?,
-        sweep: key("sweep")?.parse().map_err(|_| bad_key(path, "sweep"))?,
-        source: Source::from_word(&key("source")?).ok_or_else(|| bad_key(path, "source"))?,
-        t_s: values(TIME)?,
-        command_values: values(COMMAND)?.ok_or_else(|| missing(COMMAND))?,
-        response_values: values(RESPONSE)?.ok_or_else(|| missing(RESPONSE))?,
+        sweep: required(path, &file.footer, "sweep", REMEDY)?
+            .parse()
+            .map_err(|_| bad_key(path, "sweep"))?,
+        source: Source::from_word(required(path, &file.footer, "source", REMEDY)?)
+            .ok_or_else(|| bad_key(path, "source"))?,
+        t_s: t_s?,
+        command_values: command_values?.ok_or_else(|| no_digest(path, COMMAND))?,
+        response_values: response_values?.ok_or_else(|| no_digest(path, RESPONSE))?,
         command,
         response,
         file: file
             .footer
             .iter()
-            .filter(|(k, _)| !k.starts_with(DIGEST) && !known.contains(&k.as_str()))
+            .filter(|(k, _)| !k.starts_with(DIGEST) && !own_keys.contains(&k.as_str()))
             .filter(|(k, _)| !["schema_version", "footer_blake3", "units"].contains(&k.as_str()))
             .map(|(k, v)| (k.clone(), v.clone()))
             .collect(),
     })
+}
+
+/// The values of a column; `None` for one without a digest, which is null throughout.
+fn column_values(
+    path: &Path,
+    batch: &RecordBatch,
+    footer: &BTreeMap<String, String>,
+    name: &str,
+) -> Result<Option<Vec<f64>>, StoreError> {
+    let array = batch
+        .column_by_name(name)
+        .ok_or_else(|| StoreError::new(path, "the column is missing", REMEDY).column(name))?;
+    let Some(digest) = footer.get(&format!("{DIGEST}{name}")) else { return Ok(None) };
+    let values = floats(array);
+    if array.null_count() > 0 || *digest != column_digest(&values, Storage::F64) {
+        let what = "the column is damaged: its values do not match their digest";
+        return Err(StoreError::new(path, what, REMEDY).column(name));
+    }
+    Ok(Some(values))
+}
+
+fn no_digest(path: &Path, name: &str) -> StoreError {
+    StoreError::new(path, "the column has no digest", REMEDY).column(name)
 }
 
 #[cfg(test)]

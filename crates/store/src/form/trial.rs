@@ -10,7 +10,7 @@ use zwidth_study::{Channel, ChannelId, Sample, TrialForm, TrialMeta};
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Samples {
     columns: [Option<Vec<f64>>; Signal::COUNT],
-    /// Those of the study's own channels, by name.
+    /// The columns of the study's own channels, by name.
     channels: BTreeMap<ChannelId, Vec<f64>>,
 }
 
@@ -27,12 +27,11 @@ impl Samples {
         samples
     }
 
-    /// The same with the device's channels, which `given` names; only those that are channels of
-    /// `form`.
+    /// The same with the channels of the `device`; only those that are channels of `form`.
     #[must_use]
-    pub fn with_channels(mut self, rows: &[Sample], given: &[Channel], form: &TrialForm) -> Self {
-        for (place, channel) in given.iter().enumerate() {
-            if form.channels.iter().all(|known| known.id != channel.id) {
+    pub fn with_channels(mut self, rows: &[Sample], device: &[Channel], form: &TrialForm) -> Self {
+        for (place, channel) in device.iter().enumerate() {
+            if form.channels.iter().all(|c| c.id != channel.id) {
                 continue;
             }
             // One row that lacks the value leaves the channel out: a column is whole, or null.
@@ -106,7 +105,7 @@ impl Samples {
     }
 }
 
-/// Whether a column has as many values as belong there, all of which it can hold.
+/// Checks that a column has `length` values, all of which its storage can hold.
 pub(crate) fn check_column(
     path: &Path,
     name: &str,
@@ -135,13 +134,14 @@ pub(crate) fn check_column(
     Ok(())
 }
 
-/// Whether time runs forward.
+/// Checks that time runs forward.
 pub(crate) fn check_time(path: &Path, t: &[f64]) -> Result<(), StoreError> {
-    let next = || t.iter().zip(t.iter().skip(1));
-    if next().fold(true, |all, (now, next)| all & (next > now)) {
+    let mut pairs = t.iter().zip(t.iter().skip(1));
+    // Without a way out of the loop, as above; where something is wrong, it is looked for.
+    if pairs.clone().fold(true, |all, (now, next)| all & (next > now)) {
         return Ok(());
     }
-    match next().position(|(now, next)| next <= now) {
+    match pairs.position(|(now, next)| next <= now) {
         None => Ok(()),
         Some(i) => Err(backwards(path, t[i], t[i + 1]).row0(i + 1)),
     }
@@ -179,7 +179,7 @@ fn fits(value: f64, storage: Storage) -> bool {
     }
 }
 
-/// What a trial file says about itself besides the trial: key → value, in the file's footer.
+/// The entries of a trial file's footer besides the trial's metadata: key → value.
 ///
 /// Known keys: `study_blake3`, `calibration_blake3`, `device`, `software`, `start_utc`, `seed`,
 /// `lever_m` (the lever length that turned lengths into angles or torques into forces),

@@ -25,7 +25,6 @@ pub(crate) fn column_values(
     room: Vec<f64>,
     is_known: bool,
 ) -> Result<Option<Vec<f64>>, StoreError> {
-    let error = |what: &str| StoreError::new(&file.path, what, DAMAGED).column(name);
     let digest = file.footer.get(&format!("{DIGEST}{name}"));
     file.check_pages(&[name], MOST_RECORDED_BYTES)?;
     // Without a digest it has no value, or is damaged: no room is taken for it.
@@ -37,37 +36,47 @@ pub(crate) fn column_values(
     // One part is taken as it was decoded.
     let is_joined = groups.len() > 1 && digest.is_some();
     whole.values.reserve_exact(if is_joined { file.rows } else { 0 });
-    let mut add = |parts: Vec<Part>| {
-        for part in parts {
-            if let Some(digest) = &mut digest_now {
-                digest.add(&part.values);
-            }
-            whole.add(part);
-        }
-    };
     let wanted = (name, storage, digest.is_some());
     let mut parts = some_groups(file, wanted, &mut groups)?;
     // Nobody is woken where nothing is left to be decoded meanwhile: a short trial has one group.
     while !groups.is_empty() {
-        let (next, ()) = rayon::join(|| some_groups(file, wanted, &mut groups), || add(parts));
+        let (next, ()) = rayon::join(
+            || some_groups(file, wanted, &mut groups),
+            || add_parts(&mut whole, &mut digest_now, parts),
+        );
         parts = next?;
     }
-    add(parts);
+    add_parts(&mut whole, &mut digest_now, parts);
     let Part { values, rows, nulls, first_null, is_missing } = whole;
     if is_missing {
-        return Err(error("the column is missing"));
+        return Err(column_error(file, name, "the column is missing"));
     }
     // With a digest it had values once.
     if nulls == rows && digest.is_none() {
         return Ok(None);
     }
     if let Some(row) = first_null {
-        return Err(error("the value is null in a column that has others").row0(row));
+        let what = "the value is null in a column that has others";
+        return Err(column_error(file, name, what).row0(row));
     }
     if digest.is_none_or(|digest| digest_now.is_some_and(|now| now.end() != *digest)) {
-        return Err(error("the column is damaged: its values do not match their digest"));
+        let what = "the column is damaged: its values do not match their digest";
+        return Err(column_error(file, name, what));
     }
     Ok(Some(values))
+}
+
+fn add_parts(whole: &mut Part, digest: &mut Option<ColumnDigest>, parts: Vec<Part>) {
+    for part in parts {
+        if let Some(digest) = digest {
+            digest.add(&part.values);
+        }
+        whole.add(part);
+    }
+}
+
+fn column_error(file: &ParquetFile, name: &str, what: &str) -> StoreError {
+    StoreError::new(&file.path, what, DAMAGED).column(name)
 }
 
 /// What some rows of a column hold.
@@ -102,13 +111,17 @@ fn some_groups(
     groups: &mut Range<usize>,
 ) -> Result<Vec<Part>, StoreError> {
     let next: Vec<usize> = groups.take(rayon::current_num_threads()).collect();
-    let decode = |group: usize| match decoded_by_pages(file, column, group)? {
+    match *next {
+        // One is decoded in this thread: nobody is woken for it.
+        [group] => Ok(vec![decode(file, column, group)?]),
+        _ => next.into_par_iter().map(|group| decode(file, column, group)).collect(),
+    }
+}
+
+fn decode(file: &ParquetFile, column: Wanted, group: usize) -> Result<Part, StoreError> {
+    match decoded_by_pages(file, column, group)? {
         Some(part) => Ok(part),
         None => decoded(file, column, group),
-    };
-    match *next {
-        [group] => Ok(vec![decode(group)?]),
-        _ => next.into_par_iter().map(decode).collect(),
     }
 }
 

@@ -97,7 +97,7 @@ pub fn write_parquet(
     write(batch, properties, path)
 }
 
-/// What a file says in its footer, with the units, and the digest of it all.
+/// The entries of a file's footer: the given ones, the units, and the digest of them all.
 pub(crate) fn entries(schema: &ArrowSchema, mut footer: BTreeMap<String, String>) -> Vec<KeyValue> {
     footer.entry(VERSION.to_owned()).or_insert_with(|| TABLE_VERSION.to_string());
     footer.insert(UNITS.to_owned(), units(schema));
@@ -117,12 +117,12 @@ pub(crate) fn all_entries(schema: &ArrowSchema, footer: BTreeMap<String, String>
 /// have one of a few schemas.
 fn encoded(schema: &ArrowSchema) -> String {
     thread_local! {
-        static KNOWN: RefCell<Memo<ArrowSchema, String>> = const { RefCell::new(Memo::new()) };
+        static LAST: RefCell<Memo<ArrowSchema, String>> = const { RefCell::new(Memo::new()) };
     }
-    KNOWN.with_borrow_mut(|known| {
-        known.known(|of| of == schema).unwrap_or_else(|| {
+    LAST.with_borrow_mut(|last| {
+        last.get(|kept| kept == schema).unwrap_or_else(|| {
             let encoded = encode_arrow_schema(schema);
-            known.keep(schema.clone(), encoded.clone());
+            last.keep(schema.clone(), encoded.clone());
             encoded
         })
     })
@@ -207,33 +207,38 @@ fn channel_column(channel: &Channel, samples: &Samples) -> (Field, ArrayRef) {
 
 /// The values that are constant in a file, as columns, so that any reader can group by them.
 fn constant_columns(meta: &TrialMeta, n: usize, form: &TrialForm) -> Vec<(Field, ArrayRef)> {
-    let integer = |name: &str, value: Option<i32>, about: &str| {
+    let points = AnswerScale::most_points();
+    let about_answer = format!("answer 1…{points}, where given before the file was finished");
+    let integers = [
+        ("trial", i32::try_from(meta.trial).ok(), "number within the session, from 1"),
+        ("repeat", i32::try_from(meta.repeat).ok(), "repeat of the condition, from 1"),
+        ("likert", meta.likert.map(i32::from), about_answer.as_str()),
+    ];
+    let [trial, repeat, likert] = integers.map(|(name, value, about)| {
         let array: ArrayRef = Arc::new(Int32Array::from(vec![value; n]));
         // An answer is given in one file and not in the next, and both open as one data set.
         (described(name, DataType::Int32, value.is_none() || name == "likert", "1", about), array)
-    };
-    let word = |name: &str, value: &str, about: &str| {
+    });
+    let words = [
+        ("kind", meta.kind.as_str(), "trial or familiarisation"),
+        ("status", meta.status.as_str(), "complete or incomplete"),
+        ("environment", meta.environment.as_str(), "what was rendered"),
+        ("mode", meta.mode.as_str(), "how; a sealed code until the session is unsealed"),
+    ];
+    let words = words.map(|(name, value, about)| {
+        // One word and a key per row: a reader groups by it, and the file hardly grows.
         let keys = Int32Array::from(vec![0; n]);
         let words: ArrayRef = Arc::new(StringArray::from(vec![value]));
         let array: ArrayRef = Arc::new(DictionaryArray::<Int32Type>::new(keys, words));
         (described(name, array.data_type().clone(), false, "1", about), array)
-    };
-    let mut columns = vec![
-        integer("trial", i32::try_from(meta.trial).ok(), "number within the session, from 1"),
-        integer("repeat", i32::try_from(meta.repeat).ok(), "repeat of the condition, from 1"),
-        word("kind", meta.kind.as_str(), "trial or familiarisation"),
-        word("status", meta.status.as_str(), "complete or incomplete"),
-        word("environment", meta.environment.as_str(), "what was rendered"),
-        word("mode", meta.mode.as_str(), "how; a sealed code until the session is unsealed"),
-    ];
-    let likert = meta.likert.map(i32::from);
-    let points = AnswerScale::most_points();
-    let about = format!("answer 1…{points}, where given before the file was finished");
-    columns.extend(form.likert.then(|| integer("likert", likert, &about)));
+    });
+    let mut columns = vec![trial, repeat];
+    columns.extend(words);
+    columns.extend(form.likert.then_some(likert));
     columns
 }
 
-/// What a trial's file says of itself, but for the digests of its columns.
+/// The entries of a trial's footer, except for the digests of its columns.
 pub(crate) fn footer(
     meta: &TrialMeta,
     file: &TrialFile,
@@ -277,7 +282,8 @@ pub(crate) fn footer_digest(footer: &BTreeMap<String, String>) -> String {
     let ours = footer.iter().filter(|(k, _)| *k != FOOTER_DIGEST && *k != "ARROW:schema");
     let mut text = String::with_capacity(1 << 13);
     for (k, v) in ours {
-        // Writing to a text does not fail.
+        // With lengths, so that no other keys and values give the same text. Writing to a text does
+        // not fail.
         let _ = write!(text, "{}:{k}={}:{v};", k.len(), v.len());
     }
     hex_blake3(text.as_bytes())

@@ -10,7 +10,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use zwidth_study::{ParticipantId, SessionId};
 
-/// What to do about ids that are alike.
+/// The remedy for ids that are alike.
 const RENAME: &str = "use the id that is there, or one that differs by more than case";
 
 /// Whether a session can be made under these ids.
@@ -46,6 +46,7 @@ pub fn check_session_ids(
 pub fn check_study_id(files: &dyn Files, layout: &Layout) -> Result<(), StoreError> {
     let id = layout.study().as_str();
     let beside = files.list(&layout.root().join("raw"));
+    // Where there is no raw/ yet, there is no other study.
     for (path, kind) in beside.unwrap_or_default() {
         let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
         if kind == Entry::Folder && alike(name, id) {
@@ -55,46 +56,40 @@ pub fn check_study_id(files: &dyn Files, layout: &Layout) -> Result<(), StoreErr
     Ok(())
 }
 
-/// Those of the sessions whose ids nothing is like, and a finding each for the others.
+/// The sessions whose ids are unlike all others, and the remaining ones, each with a finding.
 pub(crate) fn apart(sessions: Vec<SessionLog>) -> (Vec<SessionLog>, Vec<(SessionLog, StoreError)>) {
     let mut participants: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
     let mut ids: BTreeMap<(String, String), BTreeSet<String>> = BTreeMap::new();
-    let of =
-        |log: &SessionLog| (log.record.participant.to_string(), log.record.session.to_string());
-    for (participant, session) in sessions.iter().map(of) {
+    for SessionLog { record, .. } in &sessions {
+        let (participant, session) = (record.participant.to_string(), record.session.to_string());
         ids.entry((participant.clone(), session.to_ascii_lowercase())).or_default().insert(session);
         participants.entry(participant.to_ascii_lowercase()).or_default().insert(participant);
     }
-    let finding = |log: &SessionLog| {
-        let (participant, session) = of(log);
-        let other = |ids: Option<&BTreeSet<String>>, id: &str| {
-            ids?.iter().find(|other| *other != id).cloned()
-        };
-        let alike = other(participants.get(&participant.to_ascii_lowercase()), &participant)
-            .map(|other| ("participant", participant.clone(), other));
-        let (what, id, other) = alike.or_else(|| {
-            other(ids.get(&(participant, session.to_ascii_lowercase())), &session)
-                .map(|other| ("session", session.clone(), other))
-        })?;
-        let said = clash(&log.path, what, &id, &other);
-        Some(StoreError {
-            what: format!("{}: its trials are left out", said.what),
-            remedy: "find out whose trials they are, and import the sessions anew under one id"
-                .to_owned(),
-            ..said
-        })
-    };
-    let found: Vec<(Option<StoreError>, SessionLog)> =
-        sessions.iter().map(finding).collect::<Vec<_>>().into_iter().zip(sessions).collect();
     let mut kept = Vec::new();
     let mut clashing = Vec::new();
-    for (finding, log) in found {
-        match finding {
-            None => kept.push(log),
-            Some(finding) => clashing.push((log, finding)),
-        }
+    for log in sessions {
+        let participant = log.record.participant.to_string();
+        let session = log.record.session.as_str();
+        let people = participants.get(&participant.to_ascii_lowercase());
+        let error = match another(people, &participant) {
+            Some(other) => Some(clash(&log.path, "participant", &participant, other)),
+            None => another(ids.get(&(participant, session.to_ascii_lowercase())), session)
+                .map(|other| clash(&log.path, "session", session, other)),
+        };
+        let Some(error) = error else {
+            kept.push(log);
+            continue;
+        };
+        let what = format!("{}: its trials are left out", error.what);
+        let remedy = "find out whose trials they are, and import the sessions anew under one id";
+        clashing.push((log, StoreError { what, remedy: remedy.to_owned(), ..error }));
     }
     (kept, clashing)
+}
+
+/// The first of some ids that is not this one.
+fn another<'s>(ids: Option<&'s BTreeSet<String>>, id: &str) -> Option<&'s str> {
+    ids?.iter().map(String::as_str).find(|other| *other != id)
 }
 
 fn alike(a: &str, b: &str) -> bool {
@@ -114,12 +109,11 @@ fn perhaps_alike(
     session: &SessionId,
 ) -> Option<(ParticipantId, SessionId)> {
     let stem = path.file_name()?.to_str()?.strip_suffix(".json")?;
-    // By `get`: where this text ends, another's name may be in the middle of a letter.
-    let starts =
-        |with: &str| stem.get(..with.len()).is_some_and(|start| start.eq_ignore_ascii_case(with));
     let of_participant = format!("{participant}_");
     let whole = format!("{participant}_{session}");
-    let of_another = starts(&of_participant) && !stem.starts_with(&of_participant);
+    // By `get`: where this text ends, another's name may be in the middle of a letter.
+    let start = stem.get(..of_participant.len()).unwrap_or_default();
+    let of_another = alike(start, &of_participant);
     if !of_another && !alike(stem, &whole) {
         return None;
     }

@@ -37,7 +37,10 @@ pub(crate) fn check_calibration(path: &Path, record: &str) -> Result<(), StoreEr
     else {
         return Ok(());
     };
-    let text = read(&written).and_then(|calibration| calibration.to_toml().ok());
+    let calibration = characteristic(&written.motor)
+        .zip(characteristic(&written.brake))
+        .map(|(motor, brake)| Calibration { motor, brake });
+    let text = calibration.and_then(|calibration| calibration.to_toml().ok());
     if text.is_some_and(|text| hex_blake3(text.as_bytes()) == hash) {
         return Ok(());
     }
@@ -45,16 +48,10 @@ pub(crate) fn check_calibration(path: &Path, record: &str) -> Result<(), StoreEr
     Err(StoreError::new(path, what, "restore the session's record from a copy"))
 }
 
-fn read(Written { motor, brake }: &Written) -> Option<Calibration> {
-    let numbers = |raw: &[Box<RawValue>]| {
-        raw.iter().map(|n| n.get().parse().ok()).collect::<Option<Vec<f64>>>()
-    };
-    let characteristic = |knots: &Knots| {
-        let voltage_v = numbers(&knots.voltage_v)?;
-        let force_n = numbers(&knots.force_n)?;
-        Some(Characteristic { voltage_v, force_n })
-    };
-    Some(Calibration { motor: characteristic(motor)?, brake: characteristic(brake)? })
+fn characteristic(knots: &Knots) -> Option<Characteristic> {
+    let [voltage_v, force_n] = [&knots.voltage_v, &knots.force_n]
+        .map(|raw| raw.iter().map(|n| n.get().parse().ok()).collect::<Option<Vec<f64>>>());
+    Some(Characteristic { voltage_v: voltage_v?, force_n: force_n? })
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use crate::disk::stamp::Stamp;
 use crate::form::read::with_time;
 use crate::form::seen::{Seen, Signals};
 use crate::form::shown::Shown;
-use crate::judge::open::OpenTrial;
+use crate::judge::open::{OpenTrial, Short};
 use crate::judge::samples::import_findings;
 use crate::{Samples, Signal, StoreError, Trial};
 use std::collections::VecDeque;
@@ -33,7 +33,7 @@ struct Read {
     samples: Arc<Samples>,
     /// How long the device's clock ran, s.
     device_s: Option<f64>,
-    /// What was asked for, which its file may lack.
+    /// The requested signals, which the file may lack.
     signals: Vec<Signal>,
     channels: Vec<ChannelId>,
 }
@@ -74,12 +74,13 @@ impl Lately {
             return Ok(OpenTrial::of(read.meta, read.imported, shown));
         }
         let (trial, device_s) = match OpenTrial::read(&self.seen, path, signals, channels)? {
-            Ok(short) => short,
+            Ok(Short { trial, device_s }) => (trial, device_s),
             Err(long) => return Ok(long),
         };
         let Trial { meta, file, samples } = trial;
         let imported = import_findings(Path::new(""), &file);
         let samples = Arc::new(samples);
+        // One that changed while it was read is not kept: nobody knows which state was read.
         if let Some(stamp) = stamp.filter(|stamp| stamp_of(path) == Some(*stamp)) {
             self.seen.match_now(path, stamp, Signals::of(signals));
             self.keep(Read {
@@ -118,18 +119,14 @@ impl Lately {
         kept.push_front(read);
         let mut bytes = 0;
         let fits = kept.iter().take_while(|read| {
-            bytes += size(&read.samples);
+            let Read { samples, .. } = read;
+            let signals = Signal::all().filter(|signal| samples.get(*signal).is_some()).count();
+            bytes += samples.len() * (signals + samples.channels().count()) * size_of::<f64>();
             bytes <= MOST
         });
         let fits = fits.count();
         kept.truncate(fits);
     }
-}
-
-/// Bytes of samples.
-fn size(samples: &Samples) -> usize {
-    let signals = Signal::all().filter(|signal| samples.get(*signal).is_some()).count();
-    samples.len() * (signals + samples.channels().count()) * size_of::<f64>()
 }
 
 #[cfg(test)]

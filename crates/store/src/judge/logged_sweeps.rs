@@ -5,7 +5,7 @@ use crate::form::events::read_events_to;
 use crate::form::sweep::read_sweep_from;
 use crate::{Entry, Files, Layout, StoreError, SweepEntry};
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use zwidth_study::Event;
 
 /// The hash of each sweep that the log calls recorded, by its file.
@@ -33,37 +33,26 @@ pub(crate) fn logged_sweeps(
         Ok(logged) => logged,
         Err(error) => return (Vec::new(), vec![error]),
     };
-    let gone =
-        logged.keys().filter(|path| files.kind(path) != Some(Entry::File)).map(|path| gone(path));
-    let mut problems: Vec<StoreError> = gone.collect();
+    let mut problems = Vec::new();
+    for path in logged.keys().filter(|path| files.kind(path) != Some(Entry::File)) {
+        let what = "the log knows the sweep, but its file is missing";
+        problems.push(StoreError::new(path, what, "restore the file from a copy"));
+    }
     let mut kept = Vec::new();
     for sweep in sweeps {
         match logged.get(&sweep.path) {
             Some(hash) if *hash == sweep.blake3 => kept.push(sweep),
-            Some(_) => problems.push(other(files, &sweep.path)),
-            None => problems.push(unknown(layout, &sweep.path)),
+            // How the file came to differ: damage, where that can be seen.
+            Some(_) => problems.push(read_sweep_from(files, &sweep.path).err().unwrap_or_else(|| {
+                let what = "the file is not the one that was recorded: its hash differs from the log of the sweeps";
+                StoreError::new(&sweep.path, what, "restore the file from a copy")
+            })),
+            None => {
+                let what = "the log of the sweeps does not mention it: left out";
+                let remedy = format!("run `zwidth recover {}` to take it in", layout.study());
+                problems.push(StoreError::new(&sweep.path, what, remedy));
+            }
         }
     }
     (kept, problems)
-}
-
-fn gone(path: &Path) -> StoreError {
-    StoreError::new(
-        path,
-        "the log knows the sweep, but its file is missing",
-        "restore the file from a copy",
-    )
-}
-
-/// How a file whose hash is not the log's came to differ: damage where that can be seen.
-fn other(files: &dyn Files, path: &Path) -> StoreError {
-    read_sweep_from(files, path).err().unwrap_or_else(|| {
-        let what = "the file is not the one that was recorded: its hash differs from the log of the sweeps";
-        StoreError::new(path, what, "restore the file from a copy")
-    })
-}
-
-fn unknown(layout: &Layout, path: &Path) -> StoreError {
-    let what = "the log of the sweeps does not mention it: left out";
-    StoreError::new(path, what, format!("run `zwidth recover {}` to take it in", layout.study()))
 }

@@ -11,9 +11,9 @@ use zwidth_study::{Study, TrialForm};
 /// # Errors
 /// They have another form: which one, and what to do.
 pub fn check_form(files: &dyn Files, layout: &Layout, study: &Study) -> Result<(), StoreError> {
-    let there = parquet_below(files, &layout.trials())?;
+    let paths = parquet_below(files, &layout.trials())?;
     // What cannot be read is a finding of `verify`.
-    let first = there.iter().find_map(|path| read_footer_from(files, path).ok());
+    let first = paths.iter().find_map(|path| read_footer_from(files, path).ok());
     let form = study.trial_form();
     match first.filter(|first| first.form != form) {
         None => Ok(()),

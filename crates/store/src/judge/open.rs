@@ -15,9 +15,16 @@ use zwidth_study::{ChannelId, TrialMeta};
 pub struct OpenTrial {
     /// The trial's metadata.
     pub meta: TrialMeta,
-    /// What its import found ([`LOST`](crate::LOST), [`DOUBTS`](crate::DOUBTS)).
+    /// The findings of its import ([`LOST`](crate::LOST), [`DOUBTS`](crate::DOUBTS)).
     imported: Vec<StoreError>,
     columns: Box<dyn Columns + Send>,
+}
+
+/// A short trial, read.
+pub(crate) struct Short {
+    pub(crate) trial: Trial,
+    /// How long the device's clock ran, s.
+    pub(crate) device_s: Option<f64>,
 }
 
 impl OpenTrial {
@@ -42,7 +49,7 @@ impl OpenTrial {
         long: usize,
     ) -> Result<Self, StoreError> {
         Ok(match Self::read_from(&Seen::default(), path, signals, channels, long)? {
-            Ok((Trial { meta, file, samples }, device_s)) => {
+            Ok(Short { trial: Trial { meta, file, samples }, device_s }) => {
                 let signals = with_time(signals.iter().copied());
                 let shown = Shown::new(Arc::new(samples), device_s, &signals, channels);
                 Self::of(meta, import_findings(Path::new(""), &file), shown)
@@ -51,14 +58,14 @@ impl OpenTrial {
         })
     }
 
-    /// A short trial, read, and how long the device's clock ran (s); or a long one, opened. Signals
-    /// that matched their digests once are not held against them again.
+    /// A short trial, read, or a long one, opened. Signals that matched their digests once are not
+    /// held against them again.
     pub(crate) fn read(
         seen: &Seen,
         path: &Path,
         signals: &[Signal],
         channels: &[ChannelId],
-    ) -> Result<Result<(Trial, Option<f64>), Self>, StoreError> {
+    ) -> Result<Result<Short, Self>, StoreError> {
         Self::read_from(seen, path, signals, channels, LONG)
     }
 
@@ -68,11 +75,12 @@ impl OpenTrial {
         signals: &[Signal],
         channels: &[ChannelId],
         long: usize,
-    ) -> Result<Result<(Trial, Option<f64>), Self>, StoreError> {
+    ) -> Result<Result<Short, Self>, StoreError> {
         let mut open = OpenColumns::open(&RealFiles, path)?;
         if open.rows() > long {
-            let (meta, file) = open.said()?;
-            return Ok(Err(Self::of(meta, import_findings(Path::new(""), &file), open)));
+            let (meta, file) = open.meta_and_file()?;
+            let imported = import_findings(Path::new(""), &file);
+            return Ok(Err(Self::of(meta, imported, open)));
         }
         let wanted = with_time(signals.iter().copied());
         let signals = Signals::of(&wanted);
@@ -80,7 +88,7 @@ impl OpenTrial {
             open.matched = signals;
         }
         let trial = open.read(&wanted, &|channel| channels.contains(&channel.id))?;
-        Ok(Ok((trial, open.reach_of(Signal::DeviceTime)?)))
+        Ok(Ok(Short { trial, device_s: open.reach_of(Signal::DeviceTime)? }))
     }
 
     pub(crate) fn of(
@@ -92,9 +100,9 @@ impl OpenTrial {
     }
 
     /// Its doubts: those from its samples ([`check_samples`]), and those that its import found.
-    pub fn check(&self, asked: &Asked) -> Vec<StoreError> {
-        let found = check_samples(asked, Path::new(""), self.columns());
-        found.into_iter().chain(self.imported.clone()).collect()
+    pub fn check(&self, expected: &Asked) -> Vec<StoreError> {
+        let doubts = check_samples(expected, Path::new(""), self.columns());
+        doubts.into_iter().chain(self.imported.clone()).collect()
     }
 
     /// Its samples.

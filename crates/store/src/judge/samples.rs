@@ -9,7 +9,7 @@ use zwidth_study::Coordinate;
 /// at which the safety layer cuts the voltage).
 const WORK_SPACE_SLACK_RAD: f64 = 0.034_906_585_039_886_59;
 
-/// What samples say against their trial, of which it is known what was asked for.
+/// A check of a trial's samples against the study's requirements.
 pub(crate) type Check = fn(&Asked, &Path, &dyn Columns) -> Vec<StoreError>;
 
 /// What an import found that a trial's samples do not show, as its footer says: the trial counts, and is to be
@@ -18,9 +18,9 @@ pub(crate) fn import_findings(path: &Path, file: &TrialFile) -> Vec<StoreError> 
     let lost = "import a whole copy of the recording as another session, or exclude the trial if what is lost matters";
     let doubts =
         "mend the mapping or the recording and import it as another session, or exclude the trial";
-    let found = [(LOST, lost), (DOUBTS, doubts)]
+    let findings = [(LOST, lost), (DOUBTS, doubts)]
         .map(|(key, remedy)| file.get(key).map(|what| StoreError::new(path, what, remedy)));
-    found.into_iter().flatten().collect()
+    findings.into_iter().flatten().collect()
 }
 
 /// The signals that [`check_samples`] looks at. Of the device's clock it asks [`Columns::reach`] alone,
@@ -30,21 +30,25 @@ pub const CHECKED: [Signal; 5] =
 
 /// What the samples of a trial, which are whole, say against it: it counts, and is to be read with
 /// care.
-pub fn check_samples(asked: &Asked, path: &Path, samples: &dyn Columns) -> Vec<StoreError> {
-    [within_limits(asked, path, samples), implausible(asked, path, samples)].concat()
+pub fn check_samples(expected: &Asked, path: &Path, samples: &dyn Columns) -> Vec<StoreError> {
+    [within_limits(expected, path, samples), implausible(expected, path, samples)].concat()
 }
 
-/// Whether samples keep to what study.toml plans.
-pub(crate) fn within_limits(asked: &Asked, path: &Path, samples: &dyn Columns) -> Vec<StoreError> {
-    let found = [work_space(asked, path, samples), too_long(asked, path, samples)];
-    found.into_iter().flatten().collect()
+/// Checks samples against the limits in study.toml.
+pub(crate) fn within_limits(
+    expected: &Asked,
+    path: &Path,
+    samples: &dyn Columns,
+) -> Vec<StoreError> {
+    let findings = [work_space(expected, path, samples), too_long(expected, path, samples)];
+    findings.into_iter().flatten().collect()
 }
 
 /// A trial longer than the design allows: usually milliseconds taken for seconds.
-fn too_long(asked: &Asked, path: &Path, samples: &dyn Columns) -> Option<StoreError> {
+fn too_long(expected: &Asked, path: &Path, samples: &dyn Columns) -> Option<StoreError> {
     let t = samples.column(Signal::Time)?;
     let length = t.last()? - t.first()?;
-    let limit = asked.trial_limit_s;
+    let limit = expected.trial_limit_s;
     let is_too_long = length > limit;
     if !is_too_long {
         return None;
@@ -54,17 +58,17 @@ fn too_long(asked: &Asked, path: &Path, samples: &dyn Columns) -> Option<StoreEr
     Some(StoreError::new(path, what, remedy).column(Signal::Time.name()))
 }
 
-fn work_space(asked: &Asked, path: &Path, samples: &dyn Columns) -> Option<StoreError> {
+fn work_space(expected: &Asked, path: &Path, samples: &dyn Columns) -> Option<StoreError> {
     let theta = samples.column(Signal::Theta)?;
-    let low = asked.theta_min_rad.unwrap_or(f64::NEG_INFINITY) - WORK_SPACE_SLACK_RAD;
-    let high = asked.theta_max_rad.unwrap_or(f64::INFINITY) + WORK_SPACE_SLACK_RAD;
+    let low = expected.theta_min_rad.unwrap_or(f64::NEG_INFINITY) - WORK_SPACE_SLACK_RAD;
+    let high = expected.theta_max_rad.unwrap_or(f64::INFINITY) + WORK_SPACE_SLACK_RAD;
     let row = theta.iter().position(|v| !(low..=high).contains(v))?;
     let what = format!(
         "{} is more than {} outside of the work space",
-        asked.place(theta[row]),
-        match asked.coordinate {
+        expected.place(theta[row]),
+        match expected.coordinate {
             Coordinate::Rotational => "2°".to_owned(),
-            Coordinate::Linear { .. } => asked.place(WORK_SPACE_SLACK_RAD),
+            Coordinate::Linear { .. } => expected.place(WORK_SPACE_SLACK_RAD),
         }
     );
     let remedy = "exclude the trial if the angle was lost, or mend theta_min_deg and theta_max_deg in study.toml";

@@ -2,10 +2,10 @@
 
 use crate::StoreError;
 use std::path::Path;
-use zwidth_study::{Event, PlannedTrial, Seal, SealError, SealedTrial, SessionRecord};
+use zwidth_study::{Event, PlannedTrial, Seal, SealedTrial, SessionRecord};
 
 /// A session's trials as they are known now.
-pub(crate) struct Known {
+pub(crate) struct SessionTrials {
     pub(crate) trials: Vec<PlannedTrial>,
     /// The seal, once it was opened and verified.
     pub(crate) seal: Option<Seal>,
@@ -14,31 +14,37 @@ pub(crate) struct Known {
 
 /// Reads from record and events what is known of the trials. An unsealing that does not verify
 /// opens nothing.
-pub(crate) fn known(record: &SessionRecord, events: &[Event], events_path: &Path) -> Known {
-    let mut known = Known { trials: record.trials.clone(), seal: None, problems: Vec::new() };
+pub(crate) fn session_trials(
+    record: &SessionRecord,
+    events: &[Event],
+    events_path: &Path,
+) -> SessionTrials {
+    let mut session =
+        SessionTrials { trials: record.trials.clone(), seal: None, problems: Vec::new() };
     for (row, event) in events.iter().enumerate() {
         let Event::Unsealed { nonce, order } = event else { continue };
-        match opened(record, nonce, order) {
-            Ok((seal, trials)) => (known.seal, known.trials) = (Some(seal), trials),
+        match open(record, nonce, order) {
+            Ok((seal, trials)) => (session.seal, session.trials) = (Some(seal), trials),
             Err(why) => {
                 let remedy =
                     "nothing is unsealed by it; unseal with the seal that the session began with";
-                known.problems.push(StoreError::new(events_path, why, remedy).row0(row));
+                session.problems.push(StoreError::new(events_path, why, remedy).row0(row));
             }
         }
     }
     // Once the modes are open: a trial that was done again has the mode of the one it replaces.
     for event in events {
         let Event::Superseded { trial, by } = event else { continue };
-        let again = known.trials.iter().find(|t| t.trial == *trial).cloned();
-        if let Some(again) = again.filter(|_| !known.trials.iter().any(|t| t.trial == *by)) {
-            known.trials.push(PlannedTrial { trial: *by, ..again });
+        let again = session.trials.iter().find(|t| t.trial == *trial).cloned();
+        if let Some(again) = again.filter(|_| !session.trials.iter().any(|t| t.trial == *by)) {
+            session.trials.push(PlannedTrial { trial: *by, ..again });
         }
     }
-    known
+    session
 }
 
-fn opened(
+/// The seal that an event opens, and the trials with their modes.
+fn open(
     record: &SessionRecord,
     nonce: &str,
     order: &[SealedTrial],
@@ -46,11 +52,12 @@ fn opened(
     let Some(commitment) = &record.commitment else {
         return Err("the session was not sealed, so there is nothing to unseal".to_owned());
     };
-    let words = |e: SealError| e.to_string();
-    let seal = Seal::from_event(nonce, order).map_err(words)?;
-    seal.verify(commitment).map_err(words)?;
-    let trials = seal.opened(&record.trials).map_err(words)?;
-    Ok((seal, trials))
+    let opened = Seal::from_event(nonce, order).and_then(|seal| {
+        seal.verify(commitment)?;
+        let trials = seal.opened(&record.trials)?;
+        Ok((seal, trials))
+    });
+    opened.map_err(|e| e.to_string())
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! Sessions: their records and event logs, and what the events say about the trials.
 
+use crate::disk::atomic::folder_of;
 use crate::disk::regular::text;
 use crate::disk::walk::files_below;
 use crate::form::change_list::pending;
@@ -9,12 +10,12 @@ use crate::form::session_record::{MOST_RECORD, RESTORE, record_from};
 use crate::judge::alike::apart;
 use crate::judge::calibrated::check_calibration;
 use crate::judge::laid::{check_record, contradiction, read_copy};
-use crate::judge::sealed::known;
+use crate::judge::sealed::{SessionTrials, session_trials};
 use crate::{Entry, Files, Layout, SessionLog, Signal, StoreError, TrialEntry};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::ffi::OsStr;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use zwidth_study::{Event, SessionRecord};
 
 /// Every readable session, and the names (`<participant>_<session>`) of those that are not, or
@@ -26,13 +27,17 @@ pub(crate) fn read_sessions(
 ) -> (Vec<SessionLog>, BTreeSet<String>) {
     let mut sessions = Vec::new();
     let mut unreadable = BTreeSet::new();
-    let found = files_below(files, &layout.sessions()).unwrap_or_else(|error| {
+    let paths = files_below(files, &layout.sessions()).unwrap_or_else(|error| {
         problems.push(error);
         Vec::new()
     });
     let pending = pending(files, layout);
     // By logs too: one whose record is gone is a finding.
-    let names: BTreeSet<String> = found.iter().filter_map(|path| name_in(path)).collect();
+    let names = paths.iter().filter_map(|path| {
+        let name = path.file_name()?.to_str()?;
+        name.strip_suffix(".events.jsonl").or(name.strip_suffix(".json")).map(str::to_owned)
+    });
+    let names: BTreeSet<String> = names.collect();
     let read: Vec<_> = names
         .into_par_iter()
         .map(|name| {
@@ -40,8 +45,8 @@ pub(crate) fn read_sessions(
             (read_session(files, layout, &name, &pending, &mut problems), problems, name)
         })
         .collect();
-    for (session, found, name) in read {
-        problems.extend(found);
+    for (session, findings, name) in read {
+        problems.extend(findings);
         match session {
             Ok(session) => sessions.push(session),
             Err(problem) => {
@@ -56,12 +61,6 @@ pub(crate) fn read_sessions(
         problems.push(finding);
     }
     (sessions, unreadable)
-}
-
-/// A session's name in that of its record or its log.
-fn name_in(path: &Path) -> Option<String> {
-    let name = path.file_name()?.to_str()?;
-    name.strip_suffix(".events.jsonl").or(name.strip_suffix(".json")).map(str::to_owned)
 }
 
 /// One session by the name of its files, `<participant>_<session>`. Lines of a change that was not
@@ -86,17 +85,10 @@ pub(crate) fn read_session(
     check_record(&path, text.as_bytes(), &events)?;
     check_calibration(&path, &text)?;
     let study = read_copy(files, layout, &record)?;
-    let known = known(&record, &events, &events_path);
-    problems.extend(known.problems);
-    Ok(SessionLog {
-        record,
-        path,
-        events,
-        events_path,
-        trials: known.trials,
-        seal: known.seal,
-        study,
-    })
+    let SessionTrials { trials, seal, problems: unopened } =
+        session_trials(&record, &events, &events_path);
+    problems.extend(unopened);
+    Ok(SessionLog { record, path, events, events_path, trials, seal, study })
 }
 
 /// Joins the events to the trials, and says what does not fit together.
@@ -118,11 +110,17 @@ pub(crate) fn join(
         let name = format!("{}_{}", m.participant, m.session);
         match logs.get(&name).and_then(|log| join_one(trial, &log.events)) {
             Some(hash) if hash == trial.blake3 => {
-                changed.extend(logs.get(&name).and_then(|log| agree(layout, trial, log)));
+                changed.extend(logs.get(&name).and_then(|log| check_trial(layout, trial, log)));
                 continue;
             }
             Some(_) => {
-                changed.push(difference(files, &trial.path));
+                // How the file came to differ: damage, where that can be seen.
+                let damage = read_trial_from(files, &trial.path, Signal::all()).err();
+                changed.push(damage.unwrap_or_else(|| {
+                    let what = "the file is not the one that was recorded: its hash differs from the session's log";
+                    let remedy = "restore the file from a copy, or exclude the trial";
+                    StoreError::new(&trial.path, what, remedy)
+                }));
                 trial.excluded = Some("the file is not the one that was recorded".to_owned());
                 continue;
             }
@@ -146,7 +144,7 @@ pub(crate) fn join(
 
 /// Holds a trial's footer against its session's record; one that contradicts it is left out. Then
 /// opens its seal.
-fn agree(layout: &Layout, trial: &mut TrialEntry, log: &SessionLog) -> Option<StoreError> {
+fn check_trial(layout: &Layout, trial: &mut TrialEntry, log: &SessionLog) -> Option<StoreError> {
     match contradiction(trial, log) {
         Some(what) => {
             trial.excluded = Some(what.clone());
@@ -191,15 +189,6 @@ fn open(layout: &Layout, trial: &mut TrialEntry, log: &SessionLog) -> Option<Sto
     }
 }
 
-/// How a file whose hash is not the log's came to differ: damage where that can be seen.
-fn difference(files: &dyn Files, path: &Path) -> StoreError {
-    read_trial_from(files, path, Signal::all()).err().unwrap_or_else(|| {
-        let what =
-            "the file is not the one that was recorded: its hash differs from the session's log";
-        StoreError::new(path, what, "restore the file from a copy, or exclude the trial")
-    })
-}
-
 fn name(log: &SessionLog) -> String {
     format!("{}_{}", log.record.participant, log.record.session)
 }
@@ -224,12 +213,6 @@ fn join_one(trial: &mut TrialEntry, events: &[Event]) -> Option<String> {
     recorded
 }
 
-/// Whether the events leave a trial out.
-fn left_out(events: &[Event], trial: u32) -> bool {
-    let mut of_it = events.iter().filter(|event| event.trial() == Some(trial));
-    of_it.any(|event| matches!(event, Event::Superseded { .. } | Event::Excluded { .. }))
-}
-
 /// Trials of a session, by its record or its log, that were not left out and whose files are gone.
 pub(crate) fn lost(
     files: &dyn Files,
@@ -244,16 +227,20 @@ pub(crate) fn lost(
     let imported = record.source.is_imported();
     let planned = record.trials.iter().filter(|t| imported && t.samples).map(|t| t.trial);
     let trials: BTreeSet<u32> = recorded.chain(planned).collect();
-    let path = |trial: &u32| layout.trial(&record.participant, &record.session, *trial);
-    let folder = trials.first().map(path);
-    let entries = folder.and_then(|path| files.list(path.parent()?).ok()).unwrap_or_default();
-    let there = entries.iter().filter(|(_, kind)| *kind == Entry::File);
-    let there: HashSet<&OsStr> = there.filter_map(|(path, _)| path.file_name()).collect();
+    // One list of the folder: to ask for each trial takes far longer.
+    let folder = folder_of(&layout.trial(&record.participant, &record.session, 1)).to_owned();
+    let entries = if trials.is_empty() { None } else { files.list(&folder).ok() };
+    let entries = entries.unwrap_or_default();
+    let existing = entries.iter().filter(|(_, kind)| *kind == Entry::File);
+    let existing: HashSet<&OsStr> = existing.filter_map(|(path, _)| path.file_name()).collect();
     let mut lost = Vec::new();
     for trial in trials {
-        let path = path(&trial);
-        let is_there = path.file_name().is_some_and(|name| there.contains(name));
-        if !is_there && !left_out(events, trial) {
+        let path = layout.trial(&record.participant, &record.session, trial);
+        if path.file_name().is_some_and(|name| existing.contains(name)) {
+            continue;
+        }
+        let mut own = events.iter().filter(|event| event.trial() == Some(trial));
+        if !own.any(|event| matches!(event, Event::Superseded { .. } | Event::Excluded { .. })) {
             let what = "the trial belongs to the session, but its file is missing";
             let remedy = "restore the file from a copy, or exclude the trial";
             lost.push(StoreError::new(&path, what, remedy));

@@ -3,13 +3,12 @@
 
 use crate::disk::regular::text;
 use crate::disk::walk::files_below;
-use crate::form::footer::read_footer_from;
+use crate::form::footer::{TrialFooter, read_footer_from};
 use crate::form::opened::ParquetFile;
 use crate::form::session_record::{MOST_RECORD, record_from};
 use crate::{Files, Layout, SOURCE, StoreError};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::PathBuf;
 use zwidth_study::{ParticipantId, SessionId, SessionRecord};
 
 /// A trial of a study.
@@ -23,14 +22,13 @@ pub fn trial_sources(
     files: &dyn Files,
     layout: &Layout,
 ) -> Result<BTreeMap<String, BTreeSet<TrialName>>, StoreError> {
-    let there = files_below(files, &layout.trials())?;
-    let of_file = |path: &PathBuf| {
-        let found = read_footer_from(files, path).ok()?;
-        let name = (found.meta.participant, found.meta.session, found.meta.trial);
-        Some((found.file.get(SOURCE)?.clone(), name))
-    };
+    let paths = files_below(files, &layout.trials())?;
+    let trials = paths.par_iter().filter_map(|path| {
+        let TrialFooter { meta, file, .. } = read_footer_from(files, path).ok()?;
+        Some((file.get(SOURCE)?.clone(), (meta.participant, meta.session, meta.trial)))
+    });
     let mut sources: BTreeMap<String, BTreeSet<TrialName>> = BTreeMap::new();
-    for (source, name) in there.par_iter().filter_map(of_file).collect::<Vec<_>>() {
+    for (source, name) in trials.collect::<Vec<_>>() {
         sources.entry(source).or_default().insert(name);
     }
     Ok(sources)
@@ -44,13 +42,13 @@ pub fn sweep_sources(
     files: &dyn Files,
     layout: &Layout,
 ) -> Result<BTreeMap<String, String>, StoreError> {
-    let there = files_below(files, &layout.sweeps())?;
-    let of_file = |path: &PathBuf| {
+    let paths = files_below(files, &layout.sweeps())?;
+    let sweeps = paths.par_iter().filter_map(|path| {
         let footer = ParquetFile::open(files, path).ok()?.footer;
-        let named = format!("sweep {} of {}", footer.get("sweep")?, footer.get("actuator")?);
-        Some((footer.get(SOURCE)?.clone(), named))
-    };
-    Ok(there.par_iter().filter_map(of_file).collect())
+        let words = format!("sweep {} of {}", footer.get("sweep")?, footer.get("actuator")?);
+        Some((footer.get(SOURCE)?.clone(), words))
+    });
+    Ok(sweeps.collect())
 }
 
 /// The records of the study's sessions that can be read, in the order of their names.

@@ -23,11 +23,11 @@ use zwidth_study::{
 /// One answer that counts.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Answer {
-    /// Who.
+    /// The person who answered.
     pub participant: ParticipantId,
-    /// In which session.
+    /// The session.
     pub session: SessionId,
-    /// After which trial.
+    /// The trial before the answer.
     pub trial: u32,
     /// The trial's condition.
     pub condition: Condition,
@@ -55,7 +55,7 @@ pub struct LeftOutAnswer {
 pub struct StudyData {
     /// Where it is.
     pub layout: Layout,
-    /// What was planned.
+    /// The plan.
     pub study: Study,
     /// Every readable trial, by participant, session and number.
     pub trials: Vec<TrialEntry>,
@@ -63,7 +63,7 @@ pub struct StudyData {
     pub sweeps: Vec<SweepEntry>,
     /// Every session.
     pub sessions: Vec<SessionLog>,
-    /// What could not be read, and was left out.
+    /// The files that could not be read and were left out.
     pub problems: Vec<StoreError>,
     /// Trials to be read with care that count nevertheless.
     pub warnings: Vec<StoreError>,
@@ -77,7 +77,8 @@ pub struct StudyData {
 
 /// What was given, in this order, as an answer to a question after a trial of a session, and why the
 /// trial does not count.
-type Given = BTreeMap<((ParticipantId, SessionId, u32), QuestionId), Vec<(Answer, Option<String>)>>;
+type Answers =
+    BTreeMap<((ParticipantId, SessionId, u32), QuestionId), Vec<(Answer, Option<String>)>>;
 
 impl StudyData {
     /// Reads the study: its `study.toml`, all footers, sessions and events. Samples are not read.
@@ -110,23 +111,26 @@ impl StudyData {
         seen: Option<&Seen>,
         layout: &Layout,
     ) -> Result<Self, Vec<StoreError>> {
+        // Before anything is read: it would be read from behind a link.
         check_folders(files, layout).map_err(|error| vec![error])?;
         let study = read_study_from(files, layout);
-        let (found, trials) = rayon::join(
+        let (listed, trials) = rayon::join(
             || below(files, &layout.raw()),
             || read_trials(files, seen, layout, &layout.trials()),
         );
-        let mut problems = found.map_or_else(|error| vec![error], |found| found.strange);
+        let mut problems = listed.map_or_else(|error| vec![error], |below| below.strange);
         let mut trials = keep(&mut problems, trials);
         let sweeps = keep(&mut problems, list_sweeps(files, layout));
         let (sweeps, unsure) = logged_sweeps(files, layout, sweeps);
         problems.extend(unsure);
         let (sessions, unreadable) = read_sessions(files, layout, &mut problems);
         problems.extend(join(files, layout, &mut trials, &sessions, &unreadable));
+        // Only now: without a study.toml that can be read, the other findings are told too.
         let (study, study_blake3) = match study {
             Ok(read) => read,
             Err(findings) => return Err([findings, problems].concat()),
         };
+        // After `join`: the modes of sealed trials are codes, which study.toml does not have.
         problems.extend(trials.iter_mut().filter_map(|trial| unfit(&study, trial)));
         let changed =
             sessions.iter().filter_map(|log| study_warning(layout, log, &study, &study_blake3));
@@ -145,7 +149,7 @@ impl StudyData {
             answers: Vec::new(),
             answers_left_out: Vec::new(),
         };
-        let (answers, answers_left_out) = data.given();
+        let (answers, answers_left_out) = data.collect_answers();
         Ok(Self { answers, answers_left_out, ..data })
     }
 
@@ -156,16 +160,16 @@ impl StudyData {
 
     /// One session.
     pub fn session(&self, participant: &ParticipantId, session: &SessionId) -> Option<&SessionLog> {
-        let is = |log: &SessionLog| {
-            (&log.record.participant, &log.record.session) == (participant, session)
-        };
-        // They come in the order of their files' names, unless somebody put them otherwise.
-        let order = |log: &SessionLog| {
+        let by_name = self.sessions.binary_search_by(|log| {
             let SessionRecord { participant: p, session: s, .. } = &log.record;
             name(p.as_str(), s.as_str()).cmp(name(participant.as_str(), session.as_str()))
-        };
-        let found = self.sessions.binary_search_by(order).ok().map(|at| &self.sessions[at]);
-        found.filter(|log| is(log)).or_else(|| self.sessions.iter().find(|log| is(log)))
+        });
+        let by_name = by_name.ok().and_then(|place| self.sessions.get(place));
+        // They come in the order of their files' names, unless somebody put them otherwise.
+        by_name
+            .into_iter()
+            .chain(&self.sessions)
+            .find(|log| (&log.record.participant, &log.record.session) == (participant, session))
     }
 
     /// The trials of each session, whether or not they count.
@@ -173,15 +177,15 @@ impl StudyData {
         let mut sessions: BTreeMap<_, Vec<&TrialEntry>> = BTreeMap::new();
         // One after the other, as a rule: a session is looked up once.
         for trials in self.trials.chunk_by(|a, b| a.meta.is_of_session_of(&b.meta)) {
-            let of = (&trials[0].meta.participant, &trials[0].meta.session);
-            sessions.entry(of).or_default().extend(trials);
+            let key = (&trials[0].meta.participant, &trials[0].meta.session);
+            sessions.entry(key).or_default().extend(trials);
         }
         sessions
     }
 
     /// Every answer: those that count, and the others.
-    fn given(&self) -> (Vec<Answer>, Vec<LeftOutAnswer>) {
-        let mut given = Given::new();
+    fn collect_answers(&self) -> (Vec<Answer>, Vec<LeftOutAnswer>) {
+        let mut all = Answers::new();
         for t in &self.trials {
             let question =
                 self.study.environment(&t.meta.environment).and_then(|e| e.question.clone());
@@ -189,7 +193,7 @@ impl StudyData {
                 let m = &t.meta;
                 let who = (m.participant.clone(), m.session.clone(), m.trial);
                 let answer = new_answer(&who, m.condition(), &question, value.into(), None);
-                given.entry((who, question)).or_default().push((answer, t.why_not()));
+                all.entry((who, question)).or_default().push((answer, t.why_not()));
             }
         }
         // Behind the files, each log in its order: what is put in later takes the place of an
@@ -203,13 +207,12 @@ impl StudyData {
                 let Some((condition, why_not)) = conditions.get(trial) else { continue };
                 let who = (log.record.participant.clone(), log.record.session.clone(), *trial);
                 let answer = new_answer(&who, condition.clone(), question, *value, *time_ms);
-                let answers = given.entry((who, question.clone())).or_default();
-                answers.push((answer, why_not.clone()));
+                all.entry((who, question.clone())).or_default().push((answer, why_not.clone()));
             }
         }
         let mut counting = Vec::new();
         let mut left_out = Vec::new();
-        for mut answers in given.into_values() {
+        for mut answers in all.into_values() {
             let Some((last, why_not)) = answers.pop() else { continue };
             for i in 0..answers.len() {
                 let later = answers.get(i + 1).map_or(&last, |(later, _)| later);
@@ -294,8 +297,7 @@ fn new_answer(
 
 fn keep<T>(problems: &mut Vec<StoreError>, results: Vec<Result<T, StoreError>>) -> Vec<T> {
     // The list of a large study is long: it stays in its place.
-    let good = |result: Result<T, StoreError>| result.map_err(|found| problems.push(found)).ok();
-    results.into_iter().filter_map(good).collect()
+    results.into_iter().filter_map(|result| result.map_err(|e| problems.push(e)).ok()).collect()
 }
 
 /// Reads a study's `study.toml`.
@@ -308,12 +310,12 @@ pub fn read_study(layout: &Layout) -> Result<Study, Vec<StoreError>> {
 
 /// Whether the study's folder is one, and not a link to one.
 pub(crate) fn check_folders(files: &dyn Files, layout: &Layout) -> Result<(), StoreError> {
-    let folders = [layout.root().join("raw"), layout.raw()];
-    let found = folders.into_iter().find_map(|folder| match files.kind(&folder) {
-        Some(kind @ (Entry::Link | Entry::Special)) => Some(strange(&folder, kind)),
-        _ => None,
-    });
-    found.map_or(Ok(()), Err)
+    for folder in [layout.root().join("raw"), layout.raw()] {
+        if let Some(kind @ (Entry::Link | Entry::Special)) = files.kind(&folder) {
+            return Err(strange(&folder, kind));
+        }
+    }
+    Ok(())
 }
 
 /// The study and the hash of its file.
@@ -344,11 +346,11 @@ pub(crate) fn read_study_from(
 }
 
 fn list_sweeps(files: &dyn Files, layout: &Layout) -> Vec<Result<SweepEntry, StoreError>> {
-    let found = match parquet_below(files, &layout.sweeps()) {
-        Ok(found) => found,
+    let paths = match parquet_below(files, &layout.sweeps()) {
+        Ok(paths) => paths,
         Err(error) => return vec![Err(error)],
     };
-    found
+    paths
         .into_par_iter()
         .map(|path| {
             let actuator = crate::form::footer::from_path(&path, "actuator")?;

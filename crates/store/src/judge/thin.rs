@@ -25,7 +25,7 @@ pub fn read_thinned(
     if open.rows() <= most {
         return Ok((read_trial(path, signals)?, open.rows()));
     }
-    let (meta, file) = open.said()?;
+    let (meta, file) = open.meta_and_file()?;
     let rows = thinned(open.rows(), &signals, most, |signal, room| open.signal_in(signal, room))?;
     let mut samples = Samples::default();
     let mut room = Vec::new();
@@ -45,15 +45,15 @@ pub fn read_thinned(
 ///
 /// # Errors
 /// A file that cannot be read.
-pub fn check_trial(path: &Path, asked: &Asked) -> Result<Vec<StoreError>, StoreError> {
+pub fn check_trial(path: &Path, expected: &Asked) -> Result<Vec<StoreError>, StoreError> {
     let open = OpenColumns::open(&RealFiles, path)?;
     // Of a short one each column is decoded once.
-    let found = match open.rows() <= LONG {
-        true => check_samples(asked, Path::new(""), &read_trial(path, Signal::all())?.samples),
-        false => check_samples(asked, Path::new(""), &open),
+    let doubts = match open.rows() <= LONG {
+        true => check_samples(expected, Path::new(""), &read_trial(path, Signal::all())?.samples),
+        false => check_samples(expected, Path::new(""), &open),
     };
-    let imported = import_findings(Path::new(""), &open.said()?.1);
-    open.failure().map_or(Ok(found.into_iter().chain(imported).collect()), Err)
+    let imported = import_findings(Path::new(""), &open.meta_and_file()?.1);
+    open.failure().map_or(Ok(doubts.into_iter().chain(imported).collect()), Err)
 }
 
 /// The samples that stand for all of `rows`, in order.
@@ -71,12 +71,16 @@ fn thinned(
     for signal in signals {
         let Some(values) = column(*signal, std::mem::take(&mut room))? else { continue };
         for (i, stretch) in values.chunks(length).enumerate() {
-            let at = |better: fn(f64, f64) -> bool| {
-                i * length
-                    + (0..stretch.len())
-                        .fold(0, |best, j| if better(stretch[j], stretch[best]) { j } else { best })
-            };
-            kept.extend([at(|a, b| a < b), at(|a, b| a > b)]);
+            let [mut smallest, mut largest] = [0; 2];
+            for (j, value) in stretch.iter().enumerate() {
+                if *value < stretch[smallest] {
+                    smallest = j;
+                }
+                if *value > stretch[largest] {
+                    largest = j;
+                }
+            }
+            kept.extend([i * length + smallest, i * length + largest]);
         }
         room = values;
     }

@@ -15,7 +15,6 @@ use crate::{
 };
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
 use zwidth_study::{Condition, Event, Question, Source, Study};
 
 /// Checks a whole study: `study.toml`, every file byte by byte, every event. An empty list is a
@@ -52,15 +51,15 @@ fn verify_by(
             let Findings { left_out, with_care } = findings(files, &data);
             let all = data.trials.len() + data.sweeps.len();
             let trials = data.trials.par_iter().flat_map_iter(|entry| {
-                let found = trial(files, &data, entry, check);
+                let findings = trial(files, &data, entry, check);
                 progress(all);
-                found
+                findings
             });
             let trials: Vec<_> = trials.collect();
             let sweeps = data.sweeps.par_iter().filter_map(|entry| {
-                let found = sweep(files, entry);
+                let finding = sweep(files, entry);
                 progress(all);
-                found
+                finding
             });
             [left_out, with_care, trials, sweeps.collect()].concat()
         }
@@ -71,6 +70,7 @@ fn verify_by(
             [findings, left_out, with_care].concat()
         }
     };
+    // A fault may be found in two ways, and is told once.
     all.sort_by(|a, b| (&a.path, &a.column, a.row).cmp(&(&b.path, &b.column, b.row)));
     all.dedup();
     all
@@ -88,12 +88,12 @@ pub struct Findings {
 /// Every finding that needs no samples: those of loading the study, of its sessions and of things
 /// beside its files. [`check_samples`] gives the findings from samples, trial by trial.
 pub fn findings(files: &dyn Files, data: &StudyData) -> Findings {
-    let mut found = strays(files, &data.layout);
-    found.left_out.splice(0..0, data.problems.iter().cloned());
-    found.with_care.splice(0..0, data.warnings.iter().cloned());
-    found.with_care.extend(data.sessions.iter().flat_map(|s| session(data, s)));
-    found.with_care.extend(against_plan(data));
-    found
+    let mut findings = strays(files, &data.layout);
+    findings.left_out.splice(0..0, data.problems.iter().cloned());
+    findings.with_care.splice(0..0, data.warnings.iter().cloned());
+    findings.with_care.extend(data.sessions.iter().flat_map(|s| session(data, s)));
+    findings.with_care.extend(against_plan(data));
+    findings
 }
 
 /// Deviations from the plan: repeats that count twice, conditions with other numbers of trials,
@@ -104,29 +104,29 @@ pub fn against_plan(data: &StudyData) -> Vec<StoreError> {
 
 fn trial(files: &dyn Files, data: &StudyData, entry: &TrialEntry, check: Check) -> Vec<StoreError> {
     // Whether it fits study.toml and its session's log was told when the study was loaded.
-    let asked = Asked::of(&data.study, &entry.meta.environment);
+    let expected = Asked::of(&data.study, &entry.meta.environment);
     // A trial cut short may well hold a lever that never left its stop, and what is in no result
     // misleads nobody: excluding a trial settles what was found in it.
     let check = if entry.counts() { check } else { within_limits };
-    let found = match entry.rows <= LONG {
+    let doubts = match entry.rows <= LONG {
         true => read_whole_trial(files, &entry.path)
-            .map(|trial| check(&asked, &entry.path, &trial.samples)),
+            .map(|trial| check(&expected, &entry.path, &trial.samples)),
         false => OpenColumns::open(files, &entry.path).and_then(|trial| {
             trial.check()?;
-            Ok(check(&asked, &entry.path, &trial))
+            Ok(check(&expected, &entry.path, &trial))
         }),
     };
-    match found {
-        Ok(found) => {
+    match doubts {
+        Ok(doubts) => {
             let imported = entry.counts().then(|| import_findings(&entry.path, &entry.said.file));
             let imported = imported.into_iter().flatten();
-            found.into_iter().chain(imported).chain(off_scale(&data.study, entry)).collect()
+            doubts.into_iter().chain(imported).chain(off_scale(&data.study, entry)).collect()
         }
         Err(error) => vec![error],
     }
 }
 
-/// The same of a sweep.
+/// The finding of a sweep.
 fn sweep(files: &dyn Files, entry: &SweepEntry) -> Option<StoreError> {
     let remedy = "import a whole copy of the recording as another sweep, and remove this one from the study if what is lost \
                   matters";
@@ -186,7 +186,7 @@ fn unplanned(data: &StudyData) -> Vec<StoreError> {
         let is_whole = matches!(log.record.source, Source::Imported | Source::Simulated);
         let odd = counts.iter().filter(|(_, n)| **n > planned || (is_whole && **n < planned));
         let odd: Vec<String> =
-            odd.map(|(of, n)| format!("{n} of {} × {}", of.environment, of.mode)).collect();
+            odd.map(|(c, n)| format!("{n} of {} × {}", c.environment, c.mode)).collect();
         if odd.is_empty() {
             continue;
         }
@@ -240,124 +240,118 @@ fn stumps(data: &StudyData) -> Vec<StoreError> {
 fn session(data: &StudyData, log: &SessionLog) -> Vec<StoreError> {
     let mut findings = Vec::new();
     findings.extend(record(data, log));
-    let known: BTreeSet<u32> = log.trials.iter().map(|t| t.trial).collect();
+    let trials: BTreeSet<u32> = log.trials.iter().map(|t| t.trial).collect();
     // A log may be wrong in each of its lines.
     let mut events = FirstErrors::default();
     for (row, event) in log.events.iter().enumerate() {
-        events.extend(event_finding(data, log, &known, event).map(|e| e.row0(row)));
+        events.extend(event_finding(data, log, &trials, event).map(|e| e.row0(row)));
     }
     findings.extend(Vec::from(events));
     findings
 }
 
-/// What a session's record must not say, or not so.
+/// Values that a session's record must not have.
 fn record(data: &StudyData, log: &SessionLog) -> Vec<StoreError> {
     let record = &log.record;
-    let mut findings = Vec::new();
-    let mut finding =
-        |what: String, remedy: &str| findings.push(StoreError::new(&log.path, what, remedy));
+    let mut damage = Vec::new();
     if let Some(error) = record.calibration.as_ref().and_then(|c| c.check().err()) {
-        finding(error.to_string(), "restore the record from a copy");
+        damage.push(error.to_string());
     }
     if record.rate_hz.is_some_and(|rate| !(rate.is_finite() && rate > 0.0)) {
-        finding("rate_hz must be a number above 0".to_owned(), "restore the record from a copy");
+        damage.push("rate_hz must be a number above 0".to_owned());
     }
-    if record.commitment.as_ref().is_some_and(|commitment| !is_digest(commitment)) {
+    let commitment = record.commitment.as_ref();
+    if commitment.is_some_and(|c| c.len() != 64 || !c.bytes().all(|b| b.is_ascii_hexdigit())) {
         let what =
             "the commitment is not 64 hexadecimal digits, so that nothing can unseal the session";
-        finding(what.to_owned(), "restore the record from a copy");
+        damage.push(what.to_owned());
     }
-    let mut trials = record.trials.iter().filter(|_| record.commitment.is_some());
+    // Either tells the modes to whoever reads the record while the session runs.
+    let mut unblinding = Vec::new();
+    let mut trials = record.trials.iter().filter(|_| commitment.is_some());
     if let Some(t) = trials.find(|t| data.study.mode(&t.mode).is_some()) {
-        let what =
-            format!("the session is sealed, but its record names the mode of trial {}", t.trial);
-        finding(what, "the session was not blind: say so where it is reported");
+        let trial = t.trial;
+        unblinding
+            .push(format!("the session is sealed, but its record names the mode of trial {trial}"));
     }
-    if record.commitment.is_some() && record.seed.is_some() {
+    if commitment.is_some() && record.seed.is_some() {
         let what = "the session is sealed, but its record holds the seed its order was drawn with";
-        finding(what.to_owned(), "the session was not blind: say so where it is reported");
+        unblinding.push(what.to_owned());
     }
-    findings
-}
-
-/// Whether a text can be a digest: 64 hexadecimal digits.
-fn is_digest(text: &str) -> bool {
-    text.len() == 64 && text.bytes().all(|b| b.is_ascii_hexdigit())
+    let damage = damage.into_iter().map(|what| (what, "restore the record from a copy"));
+    let remedy = "the session was not blind: say so where it is reported";
+    let findings = damage.chain(unblinding.into_iter().map(|what| (what, remedy)));
+    findings.map(|(what, remedy)| StoreError::new(&log.path, what, remedy)).collect()
 }
 
 fn event_finding(
     data: &StudyData,
     log: &SessionLog,
-    known: &BTreeSet<u32>,
+    trials: &BTreeSet<u32>,
     event: &Event,
 ) -> Option<StoreError> {
-    let finding = |what: String| {
-        Some(StoreError::new(
-            &log.events_path,
-            what,
-            "the log only grows: add an event that puts it right",
-        ))
+    let stranger = event.trial().filter(|trial| !trials.contains(trial));
+    let what = match (stranger, event) {
+        (Some(trial), _) => {
+            format!("the event is about trial {trial}, which is not in the session's record")
+        }
+        (None, Event::Answer { trial, question, value, .. }) => {
+            match data.study.question(question) {
+                None => format!("question '{question}' is not in study.toml"),
+                Some(Question { scale, .. }) if !scale.has(*value) => {
+                    let range = scale.range();
+                    format!("the answer to trial {trial} is {value}; answers are {range}")
+                }
+                Some(_) => return None,
+            }
+        }
+        (None, Event::Superseded { by, .. }) if !trials.contains(by) => {
+            format!("trial {by}, said to take a trial's place, is not in the session's record")
+        }
+        _ => return None,
     };
-    if let Some(trial) = event.trial().filter(|t| !known.contains(t)) {
-        return finding(format!(
-            "the event is about trial {trial}, which is not in the session's record"
-        ));
-    }
-    match event {
-        Event::Answer { trial, question, value, .. } => match data.study.question(question) {
-            None => finding(format!("question '{question}' is not in study.toml")),
-            Some(Question { scale, .. }) if !scale.has(*value) => finding(format!(
-                "the answer to trial {trial} is {value}; answers are {}",
-                scale.range()
-            )),
-            Some(_) => None,
-        },
-        Event::Superseded { by, .. } if !known.contains(by) => finding(format!(
-            "trial {by}, said to take a trial's place, is not in the session's record"
-        )),
-        _ => None,
-    }
+    let remedy = "the log only grows: add an event that puts it right";
+    Some(StoreError::new(&log.events_path, what, remedy))
 }
 
 /// Files that do not belong where they lie, and left-overs of unfinished writes.
 fn strays(files: &dyn Files, layout: &Layout) -> Findings {
-    let stray = |path: &Path, what: &str, remedy: &str| StoreError::new(path, what, remedy);
-    let mut found = Findings::default();
-    let trees = || {
-        let trees = [layout.trials(), layout.sweeps()].into_iter();
-        let others = trees.flat_map(|tree| files_below(files, &tree).unwrap_or_default());
-        others.filter(|path| path.extension().is_none_or(|e| e != "parquet")).collect::<Vec<_>>()
-    };
-    let (others, unfinished) = rayon::join(trees, || unfinished(files, layout));
+    let mut findings = Findings::default();
+    let (others, unfinished) = rayon::join(
+        || {
+            let trees = [layout.trials(), layout.sweeps()].into_iter();
+            let paths = trees.flat_map(|tree| files_below(files, &tree).unwrap_or_default());
+            let others = paths.filter(|path| path.extension().is_none_or(|e| e != "parquet"));
+            others.collect::<Vec<_>>()
+        },
+        || unfinished(files, layout),
+    );
     for path in others {
         let what = "only Parquet files belong in this tree";
         let remedy = "move the file elsewhere; other tools read the whole tree";
-        found.with_care.push(stray(&path, what, remedy));
+        findings.with_care.push(StoreError::new(&path, what, remedy));
     }
     let recover = format!("run `zwidth recover {}`", layout.study());
     for path in unfinished {
-        found.left_out.push(stray(&path, "a write was cut short here", &recover));
+        findings.left_out.push(StoreError::new(&path, "a write was cut short here", &*recover));
     }
     if files.kind(&layout.unfinished()).is_some() {
         let what =
             "a change of several files was cut short here, or runs now: none of it is there yet";
         let remedy = format!("give the command again, or run `zwidth recover {}`", layout.study());
-        found.with_care.push(stray(&layout.unfinished(), what, &remedy));
+        findings.with_care.push(StoreError::new(&layout.unfinished(), what, remedy));
     }
     for path in files_below(files, &layout.journals()).unwrap_or_default() {
         let damaged = path.to_string_lossy().contains(DAMAGED);
         if damaged {
+            let what = "a journal that could not be read to its end";
             let remedy =
                 "what could be read of it is a trial; remove the file when nobody needs it";
-            found.with_care.push(stray(
-                &path,
-                "a journal that could not be read to its end",
-                remedy,
-            ));
+            findings.with_care.push(StoreError::new(&path, what, remedy));
         } else {
             let what = "a trial was cut short here, or is being recorded now";
-            found.left_out.push(stray(&path, what, &recover));
+            findings.left_out.push(StoreError::new(&path, what, &*recover));
         }
     }
-    found
+    findings
 }

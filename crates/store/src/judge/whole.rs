@@ -15,7 +15,7 @@ use crate::judge::laid::{RESTORE, check_record, is_copy};
 use crate::judge::sessions::{join, lost, read_session as read_named};
 use crate::{Files, Layout, SessionLog, StoreError, TrialEntry};
 use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 use zwidth_study::{Event, ParticipantId, SessionId, SessionRecord, Study};
 
@@ -78,7 +78,12 @@ pub(crate) fn check_session(
     let text = text(files, &path, MOST_RECORD)?;
     check_record(&path, text.as_bytes(), &events)?;
     if is_laid_down(&events) {
-        check_copy(files, layout, record)?;
+        let path = layout.study_copy(participant, session);
+        if files.kind(&path).is_none() {
+            return Err(no_copy(files, layout, record));
+        }
+        let bytes = files.read(&path, MOST_STUDY).map_err(|e| StoreError::io(&path, "read", &e))?;
+        is_copy(&path, &bytes, record)?;
     } else if record_from(&path, &text)? != *record {
         return Err(StoreError::new(
             &path,
@@ -87,20 +92,6 @@ pub(crate) fn check_session(
         ));
     }
     lost(files, layout, record, &events).into_iter().next().map_or(Ok(()), Err)
-}
-
-/// Whether the copy of `study.toml` is the one of the record.
-fn check_copy(
-    files: &dyn Files,
-    layout: &Layout,
-    record: &SessionRecord,
-) -> Result<(), StoreError> {
-    let path = layout.study_copy(&record.participant, &record.session);
-    if files.kind(&path).is_none() {
-        return Err(no_copy(files, layout, record));
-    }
-    let bytes = files.read(&path, MOST_STUDY).map_err(|e| StoreError::io(&path, "read", &e))?;
-    is_copy(&path, &bytes, record)
 }
 
 /// The study with which a session was set up, as its copy says; none for a session that does not
@@ -189,16 +180,17 @@ pub(crate) fn has_samples(
     participant: &ParticipantId,
     session: &SessionId,
 ) -> bool {
-    let some = |folder: &Path, is_one: &dyn Fn(&Path) -> bool| {
-        files_below(files, folder).is_ok_and(|found| found.iter().any(|path| is_one(path)))
-    };
+    let trials = files_below(files, &folder_of_trials(layout, participant, session));
+    if trials.is_ok_and(|paths| !paths.is_empty()) {
+        return true;
+    }
     // No id has a dot.
     let journal = format!("{participant}_{session}.trial-");
-    let is_journal = |path: &Path| {
-        path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(&journal))
-    };
-    some(&folder_of_trials(layout, participant, session), &|_| true)
-        || some(&layout.journals(), &is_journal)
+    let names = files_below(files, &layout.journals()).unwrap_or_default();
+    names
+        .iter()
+        .filter_map(|path| path.file_name())
+        .any(|name| name.to_string_lossy().starts_with(&journal))
 }
 
 fn folder_of_trials(layout: &Layout, participant: &ParticipantId, session: &SessionId) -> PathBuf {

@@ -60,10 +60,10 @@ pub fn accept_study(
 pub fn study_notes(files: &dyn Files, layout: &Layout) -> Vec<String> {
     let Ok((study, hash)) = read_study_from(files, layout) else { return Vec::new() };
     let (sessions, _) = read_sessions(files, layout, &mut Vec::new());
-    let accepted = sessions.iter().filter(|log| log.studies().any(|known| known == hash));
+    let accepted = sessions.iter().filter(|log| log.studies().any(|accepted| accepted == hash));
     let notes = accepted.filter_map(|log| {
         let participant = &log.record.participant;
-let session = &log.record.session;
+        let session = &log.record.session;
         let changes = matters(log, &study, &hash)?;
         Some(format!(
             "study.toml has changed since {participant} {session} began, and was accepted: {changes}"

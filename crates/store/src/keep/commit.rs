@@ -21,17 +21,17 @@ use crate::form::session_record::{MOST_RECORD, record_from};
 use crate::keep::recovered::{Done, Recovered};
 use crate::{Append, Entered, Entry, Files, Layout, StoreError, replace};
 use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use zwidth_study::{Event, Source};
 
-/// What was taken back.
+/// The result of taking a change back.
 #[derive(Debug, Default)]
 pub struct TakenBack {
     /// Files that were removed.
     pub files: usize,
     /// Logs that lost lines.
     pub logs: usize,
-    /// What could not be taken back.
+    /// The errors of everything that could not be taken back.
     pub left: Vec<StoreError>,
     /// A folder that could not be synced: what was removed from it may come back after a power
     /// cut.
@@ -76,10 +76,7 @@ impl<'a> Change<'a> {
         logs: &[(&'a Path, &[Event])],
     ) -> Result<Self, StoreError> {
         let raw = layout.raw();
-        let shown = |path: &Path| {
-            let below = path.strip_prefix(&raw).unwrap_or(path);
-            below.iter().map(|part| part.to_string_lossy()).collect::<Vec<_>>().join("/")
-        };
+        // Sorted, so that outer ones come first.
         let mut folders = BTreeSet::new();
         for (path, _) in files {
             let parents = path.ancestors().skip(1).take_while(|parent| parent.starts_with(&raw));
@@ -89,20 +86,20 @@ impl<'a> Change<'a> {
         let lines = with_lines
             .map(|(path, events)| NewLines::of(disk, path, entered, events))
             .collect::<Result<Vec<_>, _>>()?;
-        let longer = |new: &NewLines<'_>| Longer {
-            path: shown(new.path),
+        let new_files = files
+            .iter()
+            .map(|(path, blake3)| NewFile { path: listed(path, &raw), blake3: blake3.clone() });
+        let longer = lines.iter().map(|new| Longer {
+            path: listed(new.path, &raw),
             bytes_before: new.bytes_before,
             lines_before: new.lines_before,
             bytes: new.text.len() as u64,
             first: new.text.lines().next().unwrap_or_default().to_owned() + "\n",
-        };
+        });
         let list = List {
-            files: files
-                .iter()
-                .map(|(path, blake3)| NewFile { path: shown(path), blake3: blake3.clone() })
-                .collect(),
-            folders: folders.into_iter().map(shown).collect(),
-            logs: lines.iter().map(longer).collect(),
+            files: new_files.collect(),
+            folders: folders.into_iter().map(|folder| listed(folder, &raw)).collect(),
+            logs: longer.collect(),
         };
         Ok(Self { disk, layout, list, lines })
     }
@@ -124,13 +121,14 @@ impl<'a> Change<'a> {
             return Err(vec![StoreError::new(&path, what, remedy)]);
         }
         let mut open = Vec::new();
-        let made = self.begin().and_then(|()| write()).and_then(|()| self.append(&mut open));
-        let made = made.and_then(|()| end(self.disk, &path));
-        if let Err(mut error) = made {
+        let change = self.begin().and_then(|()| write()).and_then(|()| self.append(&mut open));
+        let change = change.and_then(|()| end(self.disk, &path));
+        if let Err(mut error) = change {
             let (outcome, left) = self.undo(done, open);
             error.what += &outcome;
             return Err([vec![error], left].concat());
         }
+        // Only now: a log whose head counts the lines says that the change was made.
         for lines in &self.lines {
             lines.count(self.disk);
         }
@@ -187,6 +185,12 @@ impl<'a> Change<'a> {
         };
         (outcome, back.left)
     }
+}
+
+/// A path as the list has it: below `raw`, with `/` between folders on any system.
+fn listed(path: &Path, raw: &Path) -> String {
+    let below = path.strip_prefix(raw).unwrap_or(path);
+    below.iter().map(|part| part.to_string_lossy()).collect::<Vec<_>>().join("/")
 }
 
 impl List {
@@ -286,7 +290,14 @@ impl TakenBack {
 /// to remove.
 fn is_imported(disk: &dyn Files, path: &Path) -> bool {
     if path.extension().is_some_and(|e| e == "parquet") {
-        return source_of(disk, path).is_some_and(Source::is_imported);
+        let source = match read_footer_from(disk, path) {
+            Ok(trial) => Some(trial.meta.source),
+            // No trial: a sweep, if anything of ours.
+            Err(_) => ParquetFile::open(disk, path)
+                .ok()
+                .and_then(|sweep| Source::from_word(sweep.footer.get("source")?)),
+        };
+        return source.is_some_and(Source::is_imported);
     }
     // `P01_S01.json`, `.study.toml`, `.events.jsonl`, `.events.head`: the record tells for all of
     // them. Log and head are written after it and removed before it; the copy of study.toml may
@@ -301,15 +312,6 @@ fn is_imported(disk: &dyn Files, path: &Path) -> bool {
     record.is_ok_and(|record| record.source.is_imported())
 }
 
-/// Where a recording comes from, a trial or else a sweep.
-fn source_of(disk: &dyn Files, path: &Path) -> Option<Source> {
-    if let Ok(trial) = read_footer_from(disk, path) {
-        return Some(trial.meta.source);
-    }
-    let sweep = ParquetFile::open(disk, path).ok()?;
-    Source::from_word(sweep.footer.get("source")?)
-}
-
 /// Removes the list.
 fn end(disk: &dyn Files, list: &Path) -> Result<(), StoreError> {
     let removed = disk.remove(list).and_then(|()| disk.sync_folder(folder_of(list)));
@@ -322,16 +324,16 @@ fn end(disk: &dyn Files, list: &Path) -> Result<(), StoreError> {
 /// # Errors
 /// One each for what could not be removed: it is not what a change wrote, or the disk failed.
 pub fn settle(disk: &dyn Files, layout: &Layout) -> Vec<Result<Recovered, StoreError>> {
-    let mut found: Vec<_> =
-        unfinished(disk, layout).into_iter().map(|path| swept(disk, path)).collect();
-    found.extend(take_back_listed(disk, layout));
-    found
-}
-
-fn swept(files: &dyn Files, path: PathBuf) -> Result<Recovered, StoreError> {
-    let removed = files.remove(&path).and_then(|()| files.sync_folder(folder_of(&path)));
-    removed.map_err(|e| StoreError::io(&path, "remove", &e))?;
-    Ok(Recovered { path, done: Done::Swept })
+    let mut results = Vec::new();
+    for path in unfinished(disk, layout) {
+        let removed = disk.remove(&path).and_then(|()| disk.sync_folder(folder_of(&path)));
+        results.push(match removed {
+            Ok(()) => Ok(Recovered { path, done: Done::Swept }),
+            Err(e) => Err(StoreError::io(&path, "remove", &e)),
+        });
+    }
+    results.extend(take_back_listed(disk, layout));
+    results
 }
 
 /// Takes back what the list of a change names, if there is one.

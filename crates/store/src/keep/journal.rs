@@ -40,16 +40,13 @@ impl Journal {
     ) -> Result<Self, StoreError> {
         let path = layout.journal(&meta.participant, &meta.session, meta.trial);
         let trial = layout.trial(&meta.participant, &meta.session, meta.trial);
-        for (there, remedy) in [
+        for (existing, remedy) in [
             (&trial, "finished files never change; do the trial again under a number of its own"),
             (&path, "an earlier run was cut short; run `zwidth recover` first"),
         ] {
-            if files.kind(there).is_some() {
-                return Err(StoreError::new(
-                    there,
-                    format!("trial {} is there already", meta.trial),
-                    remedy,
-                ));
+            if files.kind(existing).is_some() {
+                let what = format!("trial {} is there already", meta.trial);
+                return Err(StoreError::new(existing, what, remedy));
             }
         }
         let meta = meta.clone();
@@ -101,20 +98,14 @@ impl Journal {
             );
             return Err(StoreError::new(&self.path, what, "check the clock").column("t_s").row0(0));
         }
-        self.check_channels(rows)?;
-        Samples::from_rows(rows).check(&self.path)
-    }
-
-    fn check_channels(&self, rows: &[Sample]) -> Result<(), StoreError> {
+        // Apart from the samples, which have no column for the device's channels here.
         let mut channels = rows.iter().map(|row| row.extra.values());
-        match channels.position(|values| values.iter().any(|value| !value.is_finite())) {
-            None => Ok(()),
-            Some(row) => {
-                let what = "a value of one of the device's channels is not a finite number";
-                let remedy = "check the sensor of that channel and its cable";
-                Err(StoreError::new(&self.path, what, remedy).row0(row))
-            }
+        if let Some(row) = channels.position(|values| values.iter().any(|v| !v.is_finite())) {
+            let what = "a value of one of the device's channels is not a finite number";
+            let remedy = "check the sensor of that channel and its cable";
+            return Err(StoreError::new(&self.path, what, remedy).row0(row));
         }
+        Samples::from_rows(rows).check(&self.path)
     }
 
     /// The trial has run to its end. Without it, [`Journal::finish`] and [`crate::recover`] make it
@@ -168,8 +159,8 @@ impl Journal {
         likert: Option<Given>,
         record: impl FnOnce(&Trial, &Protocol, Option<u32>) -> Result<PathBuf, StoreError>,
     ) -> Result<Option<PathBuf>, StoreError> {
-        if let Some(given) = likert {
-            self.write(&Frame::Answer(given), &[])?;
+        if let Some(answer) = likert {
+            self.write(&Frame::Answer(answer), &[])?;
         }
         let Self { path, file, broken, .. } = self;
         drop(file); // before the file is removed: not every system removes an open one
@@ -178,6 +169,7 @@ impl Journal {
             // Each append was synced: what cannot be read of one is no append that was cut short.
             read.damaged += std::mem::take(&mut read.unfinished);
         }
+        // From the journal, not from memory: what is kept is what `recover` would have made.
         let written = match read.trial() {
             None => None,
             Some((trial, protocol)) => Some(record(&trial, &protocol, read.time_ms())?),
@@ -216,6 +208,7 @@ impl Journal {
 /// A removal that failed; a journal that stays, with where it lies now.
 pub(crate) fn clear(files: &dyn Files, path: &Path, read: &Journaled) -> Result<(), StoreError> {
     let folder = folder_of(path);
+    // Rows without a header are of an unknown trial: they are not to go with the journal.
     let is_all = read.damaged == 0 && (read.header.is_some() || read.rows.is_empty());
     if is_all {
         let removed = files.remove(path).and_then(|()| files.sync_folder(folder));
@@ -251,15 +244,16 @@ pub(crate) fn clear(files: &dyn Files, path: &Path, read: &Journaled) -> Result<
 /// A name beside `path` that no file has: what is set aside never takes the place of what was set
 /// aside before.
 fn free_name(files: &dyn Files, path: &Path) -> PathBuf {
-    let named = |ending: &str| {
-        let mut name = path.file_name().unwrap_or_default().to_owned();
-        name.push(DAMAGED);
-        name.push(ending);
+    let mut name = path.file_name().unwrap_or_default().to_owned();
+    name.push(DAMAGED);
+    let first = path.with_file_name(&name);
+    let numbered = (2_u32..).map(|n| {
+        let mut name = name.clone();
+        name.push(format!("-{n}"));
         path.with_file_name(name)
-    };
-    let numbered = (2_u32..).map(|n| named(&format!("-{n}")));
-    let mut names = std::iter::once(named("")).chain(numbered);
-    names.find(|path| files.kind(path).is_none()).unwrap_or_else(|| named(""))
+    });
+    let mut names = std::iter::once(first.clone()).chain(numbered);
+    names.find(|path| files.kind(path).is_none()).unwrap_or(first)
 }
 
 #[cfg(test)]

@@ -58,7 +58,7 @@ pub(crate) fn mend_log(files: &dyn Files, path: &Path) -> Result<Option<Done>, S
     Ok(Some(Done::Cut(cut)))
 }
 
-/// How many of the first lines of a log are whole and follow each other.
+/// The number of lines at the beginning of a log that are whole and follow each other.
 fn whole_lines(lines: &[&[u8]]) -> usize {
     let mut previous = String::new();
     for (whole, line) in lines.iter().enumerate() {

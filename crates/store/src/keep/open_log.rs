@@ -23,7 +23,7 @@ pub(crate) struct OpenLog {
     contents: Option<Contents>,
 }
 
-/// What a log held when it was last read or appended to.
+/// The contents of a log when it was last read or appended to.
 #[derive(Debug)]
 pub(crate) struct Contents {
     /// The log and its head, where the system tells whether they change.
@@ -90,7 +90,7 @@ impl OpenLog {
         before.is_some() && before == stamps(files, &self.path)
     }
 
-    /// What the log holds now; read only if it may have changed.
+    /// The log's present contents, read only if they may have changed.
     ///
     /// # Errors
     /// A log that cannot be read to its end, or lost lines by its head.
@@ -99,7 +99,7 @@ impl OpenLog {
         Ok(self.contents.insert(contents))
     }
 
-    /// The same, of which this handle knows nothing until it is put back.
+    /// The same, taken out of this handle until they are put back.
     fn take(&mut self, files: &dyn Files) -> Result<Contents, StoreError> {
         let is_unchanged = self.is_unchanged(files);
         match self.contents.take().filter(|_| is_unchanged) {
@@ -132,7 +132,7 @@ impl OpenLog {
     }
 }
 
-/// What the system says of a log and its head; nothing where it does not tell of both.
+/// The stamps of a log and its head; `None` if the system does not give both.
 fn stamps(files: &dyn Files, log: &Path) -> Option<[Stamp; 2]> {
     Some([files.stamp(log)?, files.stamp(&head_of(log))?])
 }

@@ -13,7 +13,7 @@ use crate::judge::whole::check_session;
 use crate::keep::open_log::OpenLog;
 use crate::keep::record::Ended;
 use crate::{Entered, Files, Layout, StoreError, Trial};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use zwidth_study::{Event, ParticipantId, SessionId, SessionRecord};
 
 /// A session that is being recorded.
@@ -25,11 +25,11 @@ pub struct OpenSession {
     /// The folder of its trials.
     trials: PathBuf,
     log: OpenLog,
-    /// What the system said when the session was last found whole.
+    /// The stamps when the session was last found whole.
     whole: Option<Stamps>,
 }
 
-/// What the system says of a session's files besides its log.
+/// The stamps of a session's files besides its log.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Stamps {
     record: Stamp,
@@ -51,7 +51,7 @@ impl OpenSession {
         }
     }
 
-    /// Whether the session still is as it was set up.
+    /// Checks that the session is still as it was set up.
     ///
     /// # Errors
     /// The first finding.
@@ -100,11 +100,10 @@ impl OpenSession {
     }
 
     fn stamps(&self, files: &dyn Files) -> Option<Stamps> {
-        let of = |path: &Path| files.stamp(path);
         Some(Stamps {
-            record: of(&self.record)?,
-            study_copy: of(&self.study_copy)?,
-            trials: of(&self.trials)?,
+            record: files.stamp(&self.record)?,
+            study_copy: files.stamp(&self.study_copy)?,
+            trials: files.stamp(&self.trials)?,
         })
     }
 }

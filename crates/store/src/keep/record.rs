@@ -16,7 +16,7 @@ use zwidth_study::{Event, QuestionId, TrialForm, TrialMeta};
 pub(crate) struct Ended<'a> {
     pub(crate) trial: &'a Trial,
     pub(crate) protocol: &'a Protocol,
-    /// What the answer took, where it was measured, ms.
+    /// The time that the answer took, ms, if it was measured.
     pub(crate) answer_time_ms: Option<u32>,
 }
 
@@ -33,7 +33,7 @@ impl Ended<'_> {
         let form = &self.protocol.form;
         let path = layout.trial(&m.participant, &m.session, m.trial);
         let blake3 = if files.kind(&path).is_some() {
-            is_this(files, &path, self.trial, form)?;
+            check_same(files, &path, self.trial, form)?;
             blake3_of(files, &path)?
         } else {
             let bytes = trial_bytes(self.trial, form, &path)?;
@@ -85,13 +85,14 @@ impl Ended<'_> {
     }
 }
 
-/// Whether the file at `path` holds `trial`.
-fn is_this(
+/// Checks that the file at `path` holds `trial`.
+fn check_same(
     files: &dyn Files,
     path: &Path,
     trial: &Trial,
     form: &TrialForm,
 ) -> Result<(), StoreError> {
+    // A form without a column for the answer leaves it to the log.
     let likert = trial.meta.likert.filter(|_| form.likert);
     let meta = TrialMeta { likert, ..trial.meta.clone() };
     let stored = Trial { meta, samples: as_stored(&trial.samples), ..trial.clone() };

@@ -28,32 +28,33 @@ pub fn recover(
     layout: &Layout,
     utc: &str,
 ) -> Vec<Result<Recovered, StoreError>> {
-    let mut found = settle(files, layout);
+    let mut results = settle(files, layout);
     // Logs before journals: a trial is called recorded in a log that is whole.
     for path in logs(files, layout) {
-        let mended = mend_log(files, &path);
-        found.extend(
-            mended.map(|done| done.map(|done| Recovered { path: path.clone(), done })).transpose(),
-        );
+        match mend_log(files, &path) {
+            Ok(None) => {}
+            Ok(Some(done)) => results.push(Ok(Recovered { path: path.clone(), done })),
+            Err(error) => results.push(Err(error)),
+        }
         // Not told: it is what a kill between a line and its count leaves.
-        found.extend(mend_head(files, &path).err().map(Err));
+        results.extend(mend_head(files, &path).err().map(Err));
     }
-    found.extend(laid_down(files, layout, utc));
+    results.extend(begin_logs(files, layout, utc));
     match take_in(files, layout, utc) {
         Ok(paths) => {
-            found.extend(paths.into_iter().map(|path| Ok(Recovered { path, done: Done::Logged })))
+            results.extend(paths.into_iter().map(|path| Ok(Recovered { path, done: Done::Logged })))
         }
-        Err(error) => found.push(Err(error)),
+        Err(error) => results.push(Err(error)),
     }
     for path in find_named(files, &layout.journals(), ".journal") {
-        found.extend(journal(files, layout, &path, utc));
+        results.extend(journal(files, layout, &path, utc));
     }
-    found
+    results
 }
 
-/// Records whose log was never begun.
-fn laid_down(files: &dyn Files, layout: &Layout, utc: &str) -> Vec<Result<Recovered, StoreError>> {
-    let mut found = Vec::new();
+/// Begins the logs of records that have none.
+fn begin_logs(files: &dyn Files, layout: &Layout, utc: &str) -> Vec<Result<Recovered, StoreError>> {
+    let mut results = Vec::new();
     for path in find_named(files, &layout.sessions(), ".json") {
         // What cannot be read is an error of whoever reads it.
         let Ok(text) = text(files, &path, MOST_RECORD) else { continue };
@@ -63,18 +64,18 @@ fn laid_down(files: &dyn Files, layout: &Layout, utc: &str) -> Vec<Result<Recove
         }
         match mend_laid_down(files, layout, &record, text.as_bytes(), utc) {
             Ok(false) => {}
-            Ok(true) => found.push(Ok(Recovered { path, done: Done::Logged })),
-            Err(error) => found.push(Err(error)),
+            Ok(true) => results.push(Ok(Recovered { path, done: Done::Logged })),
+            Err(error) => results.push(Err(error)),
         }
     }
-    found
+    results
 }
 
 /// The logs of sessions and of sweeps.
 fn logs(files: &dyn Files, layout: &Layout) -> Vec<PathBuf> {
-    let mut found = find_named(files, &layout.sessions(), ".events.jsonl");
-    found.extend(Some(layout.sweep_events()).filter(|path| files.kind(path) == Some(Entry::File)));
-    found
+    let mut logs = find_named(files, &layout.sessions(), ".events.jsonl");
+    logs.extend(Some(layout.sweep_events()).filter(|path| files.kind(path) == Some(Entry::File)));
+    logs
 }
 
 fn find_named(files: &dyn Files, folder: &Path, ending: &str) -> Vec<PathBuf> {
@@ -92,7 +93,10 @@ fn journal(
 ) -> Vec<Result<Recovered, StoreError>> {
     match take_out(files, layout, path, utc) {
         Err(error) => vec![Err(error)],
-        Ok((recovered, Ok(()))) => vec![Ok(recovered.unwrap_or_else(|| empty(path)))],
+        Ok((recovered, Ok(()))) => {
+            let empty = Recovered { path: path.to_owned(), done: Done::Empty };
+            vec![Ok(recovered.unwrap_or(empty))]
+        }
         Ok((recovered, Err(aside))) => recovered.map(Ok).into_iter().chain([Err(aside)]).collect(),
     }
 }
@@ -109,10 +113,6 @@ fn take_out(
     let read = read_journal(files, path)?;
     let recovered = trial(files, layout, path, &read, utc)?;
     Ok((recovered, clear(files, path, &read)))
-}
-
-fn empty(path: &Path) -> Recovered {
-    Recovered { path: path.to_owned(), done: Done::Empty }
 }
 
 fn trial(

@@ -9,11 +9,11 @@ use zwidth_study::Status;
 pub struct Recovered {
     /// The file it is about.
     pub path: PathBuf,
-    /// What was done.
+    /// The repair.
     pub done: Done,
 }
 
-/// What [`recover`](crate::recover) did with a file.
+/// The repair that [`recover`](crate::recover) made to a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Done {
     /// A journal became the trial at the path.

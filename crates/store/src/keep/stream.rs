@@ -26,7 +26,7 @@ pub struct TrialWriter {
     meta: TrialMeta,
     file: TrialFile,
     form: TrialForm,
-    /// Of each column that the trial has: all row groups have the same ones.
+    /// One for each of the trial's columns: all row groups have the same ones.
     digests: BTreeMap<String, ColumnDigest>,
     rows: usize,
     last_s: Option<f64>,
@@ -59,6 +59,7 @@ impl TrialWriter {
     ) -> Result<Self, StoreError> {
         let beside = temporary(near);
         let batch = trial_batch(&meta, &Samples::default(), form, path)?;
+        // The entries of the footer are known at the end: the digests are among them.
         let properties = recorded(&batch.schema(), Vec::new(), Some(GROUP_ROWS))
             .map_err(|e| cannot_encode(path, &e))?;
         let out = Out::begin(files, &beside).map_err(|e| StoreError::io(path, "write", &e))?;
@@ -84,7 +85,10 @@ impl TrialWriter {
     /// that the rows before did not have; the disk's.
     pub fn add(&mut self, samples: &Samples) -> Result<(), StoreError> {
         let before = self.rows;
-        samples.check(&self.path).map_err(|error| later(error, before))?;
+        // Rows are counted from the trial's beginning.
+        samples
+            .check(&self.path)
+            .map_err(|error| StoreError { row: error.row.map(|row| row + before), ..error })?;
         let t = samples.get(Signal::Time).unwrap_or_default();
         if let (Some(last_s), Some(first_s)) = (self.last_s, t.first().filter(|_| before > 0))
             && *first_s <= last_s
@@ -92,16 +96,16 @@ impl TrialWriter {
             return Err(backwards(&self.path, last_s, *first_s).row0(before));
         }
         self.last_s = t.last().copied();
-        let known = |name: &str| self.digests.contains_key(&format!("{DIGEST}{name}"));
-        let same = named(samples).all(|(name, ..)| known(name))
-            && named(samples).count() == self.digests.len();
+        let same = named(samples).count() == self.digests.len()
+            && named(samples)
+                .all(|(name, ..)| self.digests.contains_key(&format!("{DIGEST}{name}")));
         if before > 0 && !same {
             let what = "some of its rows have other columns than the rest";
             return Err(StoreError::new(&self.path, what, "leave that column out"));
         }
         for (name, storage, values) in named(samples) {
-            let new = || ColumnDigest::new(storage);
-            self.digests.entry(format!("{DIGEST}{name}")).or_insert_with(new).add(values);
+            let digest = self.digests.entry(format!("{DIGEST}{name}"));
+            digest.or_insert_with(|| ColumnDigest::new(storage)).add(values);
         }
         let batch = trial_batch(&self.meta, samples, &self.form, &self.path)?;
         self.rows += samples.len();
@@ -109,7 +113,7 @@ impl TrialWriter {
         written.map_err(|e| self.writer.inner_mut().error(&self.path, &e))
     }
 
-    /// Has the file say this of itself too, in its footer.
+    /// Adds an entry to the file's footer.
     pub fn note(&mut self, key: &str, value: String) {
         self.file.insert(key.to_owned(), value);
     }
@@ -147,9 +151,13 @@ impl Staged {
     ///
     /// # Errors
     /// It cannot be read again.
-    pub fn check(&self, files: &dyn Files, asked: &Asked) -> Result<Vec<StoreError>, StoreError> {
+    pub fn check(
+        &self,
+        files: &dyn Files,
+        expected: &Asked,
+    ) -> Result<Vec<StoreError>, StoreError> {
         let columns = OpenColumns::open(files, &self.beside)?;
-        Ok(check_samples(asked, Path::new(""), &columns))
+        Ok(check_samples(expected, Path::new(""), &columns))
     }
 
     /// Gives the trial its place.
@@ -209,11 +217,6 @@ pub fn replace_by<E>(
         (Err(_), Some(error)) => Ok(Err(error)),
         (placed, _) => placed.map(|()| Ok(blake3)),
     }
-}
-
-/// An error whose row is counted from the trial's beginning.
-fn later(error: StoreError, rows: usize) -> StoreError {
-    StoreError { row: error.row.map(|row| row + rows), ..error }
 }
 
 /// The columns that samples have, by the names and storage that they have in a file.

@@ -61,16 +61,16 @@ pub(crate) fn take_in(
     utc: &str,
 ) -> Result<Vec<PathBuf>, StoreError> {
     let logged = logged(files, layout)?;
-    let mut found = Vec::new();
+    let mut readable = Vec::new();
     for path in
         files_below(files, &layout.sweeps())?.into_iter().filter(|path| !logged.contains_key(path))
     {
         let Ok(sweep) = read_sweep_from(files, &path) else { continue };
         if let Ok(entry) = entry(files, layout, path, sweep.actuator.clone()) {
-            found.push((entry.path, (sweep.actuator, sweep.sweep, entry.blake3)));
+            readable.push((entry.path, (sweep.actuator, sweep.sweep, entry.blake3)));
         }
     }
-    let (paths, sweeps): (Vec<PathBuf>, Vec<_>) = found.into_iter().unzip();
+    let (paths, sweeps): (Vec<PathBuf>, Vec<_>) = readable.into_iter().unzip();
     log_sweeps(files, layout, utc, &sweeps)?;
     Ok(paths)
 }

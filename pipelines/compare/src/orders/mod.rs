@@ -16,7 +16,7 @@ use zwidth_stats::sharp_null::{self, Randomised, Statistic};
 use zwidth_study::order::{Rules, can_draw, draw_modes};
 use zwidth_study::{ParticipantId, SessionId};
 
-/// How many orders are drawn besides the actual one.
+/// The number of orders drawn besides the actual one, and their seed.
 pub(crate) const SAMPLING: Sampling = Sampling { draws: 9_999, seed: 1 };
 
 /// Why there is no randomisation over orders.
@@ -104,21 +104,22 @@ pub(crate) fn sharp_nulls(
         let places = environments[trial.environment].entry(session).or_default();
         places.push((trial.number, trial.mode, trial.value));
     }
-    let of_environment = |(environment, sessions): (usize, &BTreeMap<_, Places>)| {
+    let nulls = environments.iter().enumerate().map(|(environment, sessions)| {
         let redrawn = sessions.iter().map(|(&(participant, session), places)| {
             let who = (&trials.participants[participant], &trials.sessions[session]);
             redrawn(environment, who, places, parameters)
         });
         let redrawn: Result<Vec<Redrawn>, NoTest> = redrawn.collect();
-        let found = redrawn.and_then(|sessions| tests(&sessions, parameters, sampling));
-        let (any_effect, contrasts) = match found {
-            Ok(found) => found,
+        // One session that cannot be redrawn voids the environment: all are redrawn together.
+        let tests = redrawn.and_then(|sessions| tests(&sessions, parameters, sampling));
+        let (any_effect, contrasts) = match tests {
+            Ok(tests) => tests,
             Err(why) => (Err(why.clone()), vec![Err(why); parameters.contrasts.len()]),
         };
         let values = sessions.values().flatten().filter(|(.., value)| value.is_some());
         SharpNull { sessions: sessions.len(), trials: values.count(), any_effect, contrasts }
-    };
-    environments.iter().enumerate().map(of_environment).collect()
+    });
+    nulls.collect()
 }
 
 type Tests = (Result<Randomised, NoTest>, Vec<Result<Randomised, NoTest>>);
@@ -142,8 +143,8 @@ fn tests(
     let mut actual = vec![];
     let mut group = vec![];
     for (number, Redrawn { source, values: of_session }) in sessions.iter().enumerate() {
-        let known = sources.iter().find(|(known, _)| *known == source).map(|(_, start)| *start);
-        let start = known.unwrap_or_else(|| {
+        let existing = sources.iter().find(|(other, _)| *other == source).map(|(_, start)| *start);
+        let start = existing.unwrap_or_else(|| {
             let start = sources.last().map_or(0, |(last, start)| start + last.actual.len());
             sources.push((source, start));
             start
@@ -159,13 +160,14 @@ fn tests(
     let trials = sharp_null::Trials::new(&values, &block, &actual, parameters.modes.len())?;
     let trials = trials.moving_together(&group)?;
     let groups: BTreeSet<usize> = group.into_iter().collect();
-    let found = trials.each_against_drawn(&statistics, sampling, |seed| {
+    let tests = trials.each_against_drawn(&statistics, sampling, |seed| {
         let all: Vec<usize> = sources.iter().flat_map(|(source, _)| source.redraw(seed)).collect();
         groups.iter().filter_map(|group| all.get(*group).copied()).collect()
     });
-    let mut found = found.into_iter().map(|test| test.map_err(NoTest::from));
+    let mut tests = tests.into_iter().map(|test| test.map_err(NoTest::from));
     let none = Unestimable::TooFew { units: "trials", found: 0, needed: 1 };
-    Ok((found.next().unwrap_or_else(|| Err(none.into())), found.collect()))
+    // The statistic between all modes is the first.
+    Ok((tests.next().unwrap_or_else(|| Err(none.into())), tests.collect()))
 }
 
 /// A session's trials in one environment, if they are a whole order of its design.
@@ -175,33 +177,34 @@ fn redrawn(
     places: &Places,
     parameters: &Parameters,
 ) -> Result<Redrawn, NoTest> {
-    let name = || format!("{participant} {session}");
+    let name = format!("{participant} {session}");
     let mut orders = parameters.orders.iter();
     let order = orders
         .find(|o| (&o.participant, &o.session) == (participant, session))
         .and_then(|order| order.drawn.as_ref());
-    let order = order.ok_or_else(|| NoTest::NotDrawn { session: name() })?;
+    let Some(order) = order else { return Err(NoTest::NotDrawn { session: name }) };
     let planned = order.rules.trials_per_block();
     if places.len() != planned {
-        return Err(NoTest::NotWhole { session: name(), found: places.len(), planned });
+        return Err(NoTest::NotWhole { session: name, found: places.len(), planned });
     }
+    let other = NoTest::OtherOrder { session: name };
     let environment = &parameters.environments[environment];
     let environment = order.environments.iter().position(|e| e == environment);
     let modes = order.modes.iter().map(|mode| parameters.modes.iter().position(|m| m == mode));
     let modes: Option<Vec<usize>> = modes.collect();
-    let other = || NoTest::OtherOrder { session: name() };
-    let (environment, modes) = environment.zip(modes).ok_or_else(other)?;
+    let Some((environment, modes)) = environment.zip(modes) else { return Err(other) };
+    // A repeated trial has the place of the one that it replaces, so numbers may be out of order.
     let mut places: Places =
         places.iter().map(|(trial, mode, value)| (order.place(*trial), *mode, *value)).collect();
     places.sort_by_key(|(place, ..)| *place);
     let numbers: Option<Vec<usize>> =
         places.iter().map(|(_, mode, _)| modes.iter().position(|m| m == mode)).collect();
-    let numbers = numbers.ok_or_else(other)?;
+    let Some(numbers) = numbers else { return Err(other) };
     let in_block = places.iter().zip(order.first_of_block(places[0].0)..);
     if !in_block.clone().all(|((place, ..), expected)| *place == expected)
         || !can_draw(&order.rules, &numbers)
     {
-        return Err(other());
+        return Err(other);
     }
     let source = Source {
         rules: order.rules.shared(),
@@ -216,6 +219,7 @@ fn redrawn(
 /// The place of a seed among all that sessions were drawn with.
 fn seed_number(seed: Option<u64>, parameters: &Parameters) -> u64 {
     let drawn = parameters.orders.iter().filter_map(|order| order.drawn.as_ref());
+    // Its place is enough: seeds are drawn anew, and only which sessions share one matters.
     let seeds: BTreeSet<Option<u64>> = drawn.map(|drawn| drawn.seed).collect();
     seeds.range(..seed).count() as u64
 }

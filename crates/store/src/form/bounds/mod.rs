@@ -64,6 +64,7 @@ impl From<io::Error> for Why {
     fn from(error: io::Error) -> Self {
         match error.raw_os_error() {
             Some(_) => Self::System(error),
+            // Of ours, and about the file: it is shorter than it claims to be.
             None => Self::Claim(error.to_string()),
         }
     }
@@ -77,11 +78,11 @@ pub fn check_footer(bytes: &[u8]) -> Result<(), String> {
     claims_of(footer_of(bytes).ok_or(NO_FOOTER)?).map(drop)
 }
 
-/// What the footer of a file says, but for where its columns lie.
-pub(crate) struct Said {
+/// The contents of a file's footer, except for the places of the columns.
+pub(crate) struct FooterClaims {
     /// The bytes that are its schema.
     pub(crate) schema: Bytes,
-    /// How many rows it claims.
+    /// The claimed number of rows.
     pub(crate) rows: i64,
     /// Its keys and their values.
     pub(crate) entries: BTreeMap<String, String>,
@@ -91,25 +92,26 @@ pub(crate) struct Said {
 ///
 /// # Errors
 /// Those of [`check_footer`]; the disk's.
-pub(crate) fn check_footer_in(content: &Content) -> Result<Said, Why> {
-    let read = |from: u64, length: usize| content.range(from, length);
+pub(crate) fn check_footer_in(content: &Content) -> Result<FooterClaims, Why> {
     let end = content.length().checked_sub(TAIL as u64).ok_or(NO_FOOTER)?;
-    let tail = read(end, TAIL)?;
+    let tail = content.range(end, TAIL)?;
     let (length, magic) = tail.split_first_chunk::<4>().ok_or(NO_FOOTER)?;
     let length = u32::from_le_bytes(*length) as usize;
-    if magic != MAGIC || read(0, MAGIC.len())?.as_ref() != MAGIC {
+    if magic != MAGIC || content.range(0, MAGIC.len())?.as_ref() != MAGIC {
         return Err(NO_FOOTER.into());
     }
     let from = end.checked_sub(length as u64).ok_or(NO_FOOTER)?;
     // Before it is read.
     check_length(length)?;
-    let footer = read(from, length)?;
+    let footer = content.range(from, length)?;
     let Claims { schema, rows, entries, .. } = claims_of(&footer)?;
-    let text = |bytes: Range<usize>| String::from_utf8(footer[bytes].to_vec());
-    let entries = entries.into_iter().map(|(key, value)| Ok((text(key)?, text(value)?)));
+    let entries = entries.into_iter().map(|(key, value)| {
+        let [key, value] = [key, value].map(|bytes| String::from_utf8(footer[bytes].to_vec()));
+        Ok((key?, value?))
+    });
     let entries: Result<_, FromUtf8Error> = entries.collect();
     let entries = entries.map_err(|_| "its footer is no text")?;
-    Ok(Said { schema: footer.slice(schema), rows, entries })
+    Ok(FooterClaims { schema: footer.slice(schema), rows, entries })
 }
 
 const NO_FOOTER: &str = "its end is missing: it was cut short, or is not a Parquet file";
@@ -165,27 +167,23 @@ pub(crate) fn check_size(
     metadata: &ParquetMetaData,
     remedy: &str,
 ) -> Result<(), StoreError> {
-    let error = |what: String| Err(StoreError::new(path, what, remedy));
     let columns = metadata.file_metadata().schema_descr().num_columns();
-    if columns > MOST_COLUMNS {
-        return error(format!(
-            "the file claims {columns} columns, and at most {MOST_COLUMNS} are read"
-        ));
-    }
     let rows = metadata.file_metadata().num_rows();
-    if !usize::try_from(rows).is_ok_and(|rows| rows <= MOST_ROWS) {
-        return error(format!("the file claims {rows} rows, and at most {MOST_ROWS} are read"));
-    }
     // The decoder goes by the groups, and a run of one value takes a few bytes whatever its length.
     let left = metadata.row_groups().iter().try_fold(rows, |left, group| {
         let n = group.num_rows();
         (0..=left).contains(&n).then(|| left - n)
     });
-    if left == Some(0) {
-        Ok(())
+    let what = if columns > MOST_COLUMNS {
+        format!("the file claims {columns} columns, and at most {MOST_COLUMNS} are read")
+    } else if !usize::try_from(rows).is_ok_and(|rows| rows <= MOST_ROWS) {
+        format!("the file claims {rows} rows, and at most {MOST_ROWS} are read")
+    } else if left != Some(0) {
+        format!("the file claims {rows} rows, and its row groups others")
     } else {
-        error(format!("the file claims {rows} rows, and its row groups others"))
-    }
+        return Ok(());
+    };
+    Err(StoreError::new(path, what, remedy))
 }
 
 /// Checks the pages of the columns that `wanted` picks by their place: their unpacked size, and
@@ -198,15 +196,19 @@ pub fn check_pages(
     metadata: &ParquetMetaData,
     wanted: impl Fn(usize) -> bool,
 ) -> Result<u64, String> {
-    let pages = |from: u64, length: usize| {
-        let from = usize::try_from(from).ok()?;
-        bytes.get(from..from.checked_add(length)?)
-    };
-    check_each_chunk(|from, length| Ok(pages(from, length)), metadata, MOST_COLUMN_BYTES, wanted)
-        .map_err(|why| match why {
-            Why::Claim(words) => words,
-            Why::System(error) => error.to_string(),
-        })
+    let unpacked = check_each_chunk(
+        |from, length| {
+            let from = usize::try_from(from).ok();
+            Ok(from.and_then(|from| bytes.get(from..from.checked_add(length)?)))
+        },
+        metadata,
+        MOST_COLUMN_BYTES,
+        wanted,
+    );
+    unpacked.map_err(|why| match why {
+        Why::Claim(words) => words,
+        Why::System(error) => error.to_string(),
+    })
 }
 
 /// [`check_pages`] of a file of which one column chunk is read at a time; a column may unpack to
@@ -220,11 +222,15 @@ pub(crate) fn check_pages_in(
     most: u64,
     wanted: impl Fn(usize) -> bool,
 ) -> Result<u64, Why> {
-    let pages = |from: u64, length: usize| match content.range(from, length) {
-        Err(error) if error.raw_os_error().is_some() => Err(Why::System(error)),
-        read => Ok(read.ok()),
-    };
-    check_each_chunk(pages, metadata, most, wanted)
+    check_each_chunk(
+        |from, length| match content.range(from, length) {
+            Err(error) if error.raw_os_error().is_some() => Err(Why::System(error)),
+            read => Ok(read.ok()),
+        },
+        metadata,
+        most,
+        wanted,
+    )
 }
 
 /// `pages_at` gives the bytes of a file from a place on, so many of them, if it has them.
@@ -239,15 +245,19 @@ fn check_each_chunk<B: AsRef<[u8]>>(
         for (place, column) in
             group.columns().iter().enumerate().filter(|(place, _)| wanted(*place))
         {
-            let name = || column.column_path().string();
-            let damaged = || format!("the pages of column {} are damaged", name());
-            let (from, length) = place_of(column).ok_or_else(damaged)?;
-            let pages = pages_at(from, length)?.ok_or_else(damaged)?;
-            let length = unpacked_length(pages.as_ref()).ok_or_else(damaged)?;
+            let pages = match place_of(column) {
+                Some((from, length)) => pages_at(from, length)?,
+                None => None,
+            };
+            let Some(length) = pages.and_then(|pages| unpacked_length(pages.as_ref())) else {
+                let name = column.column_path().string();
+                return Err(format!("the pages of column {name} are damaged").into());
+            };
+            // Over all row groups: the values of a column are joined in memory.
             unpacked[place] = unpacked[place].saturating_add(length);
             if unpacked[place] > most {
-                let most = format!("column {} unpacks to more than {most} bytes", name());
-                return Err(most.into());
+                let name = column.column_path().string();
+                return Err(format!("column {name} unpacks to more than {most} bytes").into());
             }
         }
     }
@@ -273,7 +283,7 @@ fn unpacked_length(pages: &[u8]) -> Option<u64> {
     Some(total)
 }
 
-/// What the header of a page says, as far as it matters to a column without lists.
+/// The header of a page, as far as it matters for a column without lists.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct PageHeader {
     /// Bytes of the header itself.
@@ -284,11 +294,11 @@ pub(crate) struct PageHeader {
     pub(crate) unpacked: i64,
     /// Bytes of the page in the file.
     packed: i64,
-    /// How many values it has.
+    /// The number of values.
     pub(crate) values: i64,
-    /// How they are laid out.
+    /// The encoding of the values.
     pub(crate) encoding: i64,
-    /// How it is laid out which of them are null.
+    /// The encoding of the nulls.
     pub(crate) nulls: i64,
 }
 
@@ -327,6 +337,7 @@ pub(crate) fn run_of_ones(levels: &[u8]) -> Option<u64> {
     let mut walk = Walk { bytes: levels, at: 0 };
     let run = walk.varint()?;
     let level = walk.byte()?;
+    // An odd number begins values that are packed bit by bit (parquet-format, `Encodings.md`, RLE).
     (run & 1 == 0 && level == 1 && walk.at == levels.len()).then_some(run >> 1)
 }
 
@@ -416,6 +427,7 @@ impl Walk<'_> {
 
     fn zigzag(&mut self) -> Option<i64> {
         let n = self.varint()?;
+        // The lowest bit is the sign.
         Some((n >> 1).cast_signed() ^ -(n & 1).cast_signed())
     }
 
@@ -437,10 +449,12 @@ impl Walk<'_> {
         }
         loop {
             let head = self.byte()?;
+            // A structure ends with a stop field.
             if head == 0 {
                 return Some(());
             }
             number = match head >> 4 {
+                // Too far for four bits: the number itself follows.
                 0 => self.zigzag()?,
                 step => i64::from(step).checked_add(number)?,
             };
@@ -465,6 +479,7 @@ impl Walk<'_> {
     fn skip(&mut self, kind: u8, depth: usize) -> Option<()> {
         match kind {
             _ if depth > MOST_DEPTH => None,
+            // The type is the value.
             TRUE | FALSE => Some(()),
             BYTE => self.pass(1),
             I16 | I32 | I64 => self.varint().map(drop),
@@ -493,8 +508,8 @@ impl Walk<'_> {
         let mut value = 0..0;
         // In `KeyValue` 1 is the key, and 2 the value.
         self.fields(1, &mut |walk, field, kind| match (field, kind) {
-            (1, BINARY) => walk.binary().map(|found| key = found),
-            (2, BINARY) => walk.binary().map(|found| value = found),
+            (1, BINARY) => walk.binary().map(|bytes| key = bytes),
+            (2, BINARY) => walk.binary().map(|bytes| value = bytes),
             _ => walk.skip(kind, 2),
         })?;
         Some((key, value))

@@ -52,7 +52,7 @@ pub(crate) fn read_copy(
     let text = text(files, &path, MOST_STUDY)?;
     is_copy(&path, text.as_bytes(), record)?;
     let hash = &record.study_blake3;
-    if let Some(study) = LAST.with_borrow(|last| last.known(|known| known == hash)) {
+    if let Some(study) = LAST.with_borrow(|last| last.get(|kept| kept == hash)) {
         return Ok(Some(study));
     }
     let study = Arc::new(Study::from_toml(&text).map_err(|errors| {
@@ -75,38 +75,37 @@ pub(crate) fn is_copy(path: &Path, bytes: &[u8], record: &SessionRecord) -> Resu
     Err(StoreError::new(path, what, RESTORE))
 }
 
-/// What a trial's footer says of it that its session's record says otherwise.
+/// The first contradiction between a trial's footer and its session's record, in words.
 pub(crate) fn contradiction(trial: &TrialEntry, log: &SessionLog) -> Option<String> {
     let record = &log.record;
     let meta = &trial.meta;
-    let differs = |what: &str, footer: &str, record: &str| {
-        (footer != record)
-            .then(|| format!("its {what} is '{footer}' and '{record}' in its session's record"))
-    };
-    let footer = |key: &str| trial.said.file.get(key).map(String::as_str);
-    // What one of the two does not say contradicts nothing.
-    let both =
-        |what: &str, key: &str, of_record: Option<&str>| differs(what, footer(key)?, of_record?);
     // A trial that was done again, or sealed, stands in the session's trials as they are known now.
     let planned = log.record.trials.iter().find(|t| t.trial == meta.trial);
-    let of_plan = planned.and_then(|t| {
-        differs("environment", meta.environment.as_str(), t.environment.as_str())
-            .or_else(|| differs("mode", meta.mode.as_str(), t.mode.as_str()))
-            .or_else(|| differs("kind", meta.kind.as_str(), t.kind.as_str()))
-            .or_else(|| differs("repeat", &meta.repeat.to_string(), &t.repeat.to_string()))
-    });
-    let accepted =
-        log.studies().any(|hash| footer("study_blake3").is_none_or(|of_trial| of_trial == hash));
+    let repeats = planned.map(|t| (meta.repeat.to_string(), t.repeat.to_string()));
     let seed = record.seed.map(|seed| seed.to_string());
-    differs("source", meta.source.as_str(), record.source.as_str())
-        .or(of_plan)
-        .or_else(|| both("calibration", "calibration_blake3", record.calibration_blake3.as_deref()))
-        .or_else(|| both("device", "device", record.device.as_deref()))
-        .or_else(|| both("seed", "seed", seed.as_deref()))
-        .or_else(|| {
-            (!accepted)
-                .then(|| "it was recorded with a study.toml that its session never had".to_owned())
-        })
+    let [calibration, device, own_seed, study] =
+        ["calibration_blake3", "device", "seed", "study_blake3"]
+            .map(|key| trial.said.file.get(key).map(String::as_str));
+    // What one of the two does not say contradicts nothing.
+    let both_say = [
+        ("source", Some((meta.source.as_str(), record.source.as_str()))),
+        ("environment", planned.map(|t| (meta.environment.as_str(), t.environment.as_str()))),
+        ("mode", planned.map(|t| (meta.mode.as_str(), t.mode.as_str()))),
+        ("kind", planned.map(|t| (meta.kind.as_str(), t.kind.as_str()))),
+        ("repeat", repeats.as_ref().map(|(own, planned)| (own.as_str(), planned.as_str()))),
+        ("calibration", calibration.zip(record.calibration_blake3.as_deref())),
+        ("device", device.zip(record.device.as_deref())),
+        ("seed", own_seed.zip(seed.as_deref())),
+    ];
+    for (what, pair) in both_say {
+        if let Some((footer, record)) = pair.filter(|(footer, record)| footer != record) {
+            return Some(format!(
+                "its {what} is '{footer}' and '{record}' in its session's record"
+            ));
+        }
+    }
+    let accepted = log.studies().any(|hash| study.is_none_or(|study| study == hash));
+    (!accepted).then(|| "it was recorded with a study.toml that its session never had".to_owned())
 }
 
 /// What changed in `study.toml` since a session was laid down and matters to it, in words, accepted
@@ -120,8 +119,8 @@ pub(crate) fn matters(log: &SessionLog, study: &Study, hash: &str) -> Option<Str
     };
     let mut changes = study_changes(then, study);
     changes.retain(|change| change.affects == Affects::Recording);
-    let told: Vec<String> = changes.iter().map(ToString::to_string).collect();
-    (!told.is_empty()).then(|| told.join("; "))
+    let words: Vec<String> = changes.iter().map(ToString::to_string).collect();
+    (!words.is_empty()).then(|| words.join("; "))
 }
 
 /// What changed in `study.toml` since a session was laid down and may matter to it: a warning,
@@ -132,7 +131,7 @@ pub(crate) fn study_warning(
     study: &Study,
     hash: &str,
 ) -> Option<StoreError> {
-    if log.studies().any(|known| known == hash) {
+    if log.studies().any(|accepted| accepted == hash) {
         return None;
     }
     let changes = matters(log, study, hash)?;

@@ -29,7 +29,7 @@ const SPIKE: usize = 3;
 const SPIKES: usize = 2;
 /// … which is as long as it is this share of its range from where it began.
 const AT_REST: f64 = 0.05;
-/// What a derivative of equal values differs by from 0, in any unit of ours.
+/// The largest derivative of equal values, in any unit used here.
 const ROUNDING: f64 = 1e-9;
 /// By how much two clocks may differ over a trial.
 const CLOCKS_DIFFER: f64 = 0.1;
@@ -61,31 +61,37 @@ const ALONE_FORCE: f64 = 3.0;
 const FAR: f64 = 10.0;
 /// Neighbours before a value, and as many behind it, that tell what it should be.
 const NEIGHBOURS: usize = 6;
-/// So much of a signal's values is as usual.
+/// The share of a signal's values that counts as usual.
 const USUAL: f64 = 0.95;
 /// Samples at the ends of a trial that tell whether it moves there.
 const AN_END: usize = 5;
 
-pub(super) fn doubts(asked: &Asked, samples: &dyn Columns) -> Vec<Doubt> {
+pub(super) fn doubts(expected: &Asked, samples: &dyn Columns) -> Vec<Doubt> {
     let least = samples.column(Signal::Time).map_or(0, |t| least_held(&t));
     let doubtful = samples.column(Signal::Time).filter(|t| has_doubtful_interval(t));
     let usual_s = doubtful.and_then(|t| usual_interval_s(&t));
     let time =
         [interval(usual_s).or_else(|| span(samples)), jump(samples, usual_s), clocks(samples)];
     // All of a signal together: of a long recording a file gives few columns at a time.
-    let stopped = |signal| stopped(asked, samples, signal, least);
-    let alone = |signal, share| alone_there(asked, samples, signal, share);
     let theta = [
-        too_far(asked, samples),
-        wrapped(asked, samples),
-        stopped(Signal::Theta),
-        alone(Signal::Theta, ALONE),
+        too_far(expected, samples),
+        wrapped(expected, samples),
+        stopped(expected, samples, Signal::Theta, least),
+        alone(expected, samples, Signal::Theta, ALONE),
     ];
-    let velocity =
-        [noisy_onset(asked, samples), begins_moving(asked, samples), stopped(Signal::ThetaDot)];
+    let velocity = [
+        noisy_onset(expected, samples),
+        begins_moving(expected, samples),
+        stopped(expected, samples, Signal::ThetaDot, least),
+    ];
     let strong = too_strong(samples);
-    let [force, torque] = [Signal::ForceEx, Signal::TorqueEx]
-        .map(|signal| [stopped(signal), at_the_end(samples, signal), alone(signal, ALONE_FORCE)]);
+    let [force, torque] = [Signal::ForceEx, Signal::TorqueEx].map(|signal| {
+        [
+            stopped(expected, samples, signal, least),
+            at_the_end(samples, signal),
+            alone(expected, samples, signal, ALONE_FORCE),
+        ]
+    });
     let all = time.into_iter().chain(theta).chain(velocity).chain([strong]);
     all.chain(force).chain(torque).flatten().collect()
 }
@@ -97,11 +103,12 @@ fn has_doubtful_interval(t: &[f64]) -> bool {
     first(1..t.len(), |i| !usual.contains(&(t[i] - t[i - 1]))).is_some()
 }
 
-/// So many samples has a value that is held for longer than [`HELD_S`], at least.
+/// The least number of samples of a value that is held for longer than [`HELD_S`].
 fn least_held(t: &[f64]) -> usize {
     let [first_s, .., last_s] = *t else { return 0 };
     let most_s = 2.0 * (last_s - first_s) / (t.len() - 1) as f64;
     let is_even = first(1..t.len(), |i| t[i] - t[i - 1] > most_s).is_none();
+    // By a clock with gaps, few samples may last as long: then every stretch counts.
     if is_even { (HELD_S / most_s) as usize } else { 0 }
 }
 
@@ -112,6 +119,7 @@ fn usual_interval_s(t: &[f64]) -> Option<f64> {
         return None;
     }
     let middle = (t.len() - 1) / 2;
+    // A copy would be one more long column in memory.
     if t.len() > LONG {
         return Some(ranked(steps, middle));
     }
@@ -148,15 +156,15 @@ fn span(samples: &dyn Columns) -> Option<Doubt> {
 }
 
 /// A movement of which the recording lacks the beginning, and has the end.
-fn begins_moving(asked: &Asked, samples: &dyn Columns) -> Option<Doubt> {
+fn begins_moving(expected: &Asked, samples: &dyn Columns) -> Option<Doubt> {
     let velocity = samples.column(Signal::ThetaDot).filter(|v| v.len() >= LEAST_SAMPLES)?;
-    let [first, last] = [&velocity[..AN_END], &velocity[velocity.len() - AN_END..]].map(|of| {
-        let mut speeds: Vec<f64> = of.iter().map(|v| v.abs()).collect();
-        *speeds.select_nth_unstable_by(of.len() / 2, f64::total_cmp).1
+    let [first, last] = [&velocity[..AN_END], &velocity[velocity.len() - AN_END..]].map(|end| {
+        let mut speeds: Vec<f64> = end.iter().map(|v| v.abs()).collect();
+        *speeds.select_nth_unstable_by(end.len() / 2, f64::total_cmp).1
     });
     let (low, high) = ends(&velocity);
     let fastest = low.abs().max(high.abs());
-    if first <= asked.onset_rad_s.max(ALONE * fastest) || last > asked.onset_rad_s {
+    if first <= expected.onset_rad_s.max(ALONE * fastest) || last > expected.onset_rad_s {
         return None;
     }
     let what = format!(
@@ -171,26 +179,21 @@ fn begins_moving(asked: &Asked, samples: &dyn Columns) -> Option<Doubt> {
 
 /// Values that are far off their neighbours on both sides, or one value far off all others, however often
 /// it comes.
-fn alone_there(asked: &Asked, samples: &dyn Columns, signal: Signal, share: f64) -> Option<Doubt> {
+fn alone(expected: &Asked, samples: &dyn Columns, signal: Signal, share: f64) -> Option<Doubt> {
     let values = samples.column(signal).filter(|values| values.len() >= LEAST_SAMPLES)?;
     let least = ALONE * range(&values) / 2.0;
-    let is_step = |i: usize| (values[i] - values[i - 1]).abs() > least;
     // Of most recordings this is all: no step is so large.
-    first(1..values.len(), is_step)?;
-    let shown = |value: f64| match signal {
-        Signal::Theta => asked.place(value),
-        _ => format!("{value:.4}"),
-    };
-    let returns = first(1..values.len(), |i| is_step(i) && comes_back(&values, i));
+    first(1..values.len(), |i| step(&values, i) > least)?;
+    let returns = first(1..values.len(), |i| step(&values, i) > least && comes_back(&values, i));
     let off = returns.and_then(|_| off_neighbours(&values, share));
     let (row, words) = match (off, apart(&values)) {
         (Some(Off { row, usual, count }), _) => {
-            let value = shown(values[row]);
-            let usual = shown(usual);
+            let [value, usual] = [values[row], usual].map(|value| shown(expected, signal, value));
             (row, format!("{value} where its neighbours are {usual}, in {count} samples"))
         }
         (None, Some((row, count))) => {
-            (row, format!("{} in {count} samples, far from all others", shown(values[row])))
+            let value = shown(expected, signal, values[row]);
+            (row, format!("{value} in {count} samples, far from all others"))
         }
         (None, None) => return None,
     };
@@ -200,17 +203,28 @@ fn alone_there(asked: &Asked, samples: &dyn Columns, signal: Signal, share: f64)
     Some(Doubt { row: Some(row), ..Doubt::new(signal, what, remedy) })
 }
 
+fn step(values: &[f64], i: usize) -> f64 {
+    (values[i] - values[i - 1]).abs()
+}
+
+fn shown(expected: &Asked, signal: Signal, value: f64) -> String {
+    match signal {
+        Signal::Theta => expected.place(value),
+        _ => format!("{value:.4}"),
+    }
+}
+
 /// Whether the step to a value is undone soon after it, or undoes one soon before: what stands alone
 /// has such a step. At the ends of a signal nothing tells.
 fn comes_back(values: &[f64], i: usize) -> bool {
-    let half = (values[i] - values[i - 1]).abs() / 2.0;
-    let is_near = |other: &[f64], place: f64| other.iter().any(|v| (v - place).abs() <= half);
-    let from = i.saturating_sub(NEIGHBOURS + 1);
-    let to = (i + NEIGHBOURS + 1).min(values.len());
-    i <= NEIGHBOURS
-        || i + NEIGHBOURS >= values.len()
-        || is_near(&values[i + 1..to], values[i - 1])
-        || is_near(&values[from..i - 1], values[i])
+    if i <= NEIGHBOURS || i + NEIGHBOURS >= values.len() {
+        return true;
+    }
+    let half = step(values, i) / 2.0;
+    let after = &values[i + 1..i + NEIGHBOURS + 1];
+    let before = &values[i - NEIGHBOURS - 1..i - 1];
+    after.iter().any(|v| (v - values[i - 1]).abs() <= half)
+        || before.iter().any(|v| (v - values[i]).abs() <= half)
 }
 
 /// Values off their neighbours: the first, what its neighbours are, and how many.
@@ -232,12 +246,12 @@ fn off_neighbours(values: &[f64], share: f64) -> Option<Off> {
             *near.select_nth_unstable_by(middle, f64::total_cmp).1
         })
         .collect();
-    let off = |i: usize| (values[i] - middles[i]).abs();
-    let mut offs: Vec<f64> = (0..values.len()).map(off).collect();
+    let offs: Vec<f64> =
+        values.iter().zip(&middles).map(|(v, middle)| (v - middle).abs()).collect();
     let usual = (USUAL * offs.len() as f64) as usize;
-    let usual = *offs.select_nth_unstable_by(usual, f64::total_cmp).1;
+    let usual = *offs.clone().select_nth_unstable_by(usual, f64::total_cmp).1;
     let least = (share * range(&middles)).max(FAR * usual);
-    let alone: Vec<usize> = (0..values.len()).filter(|i| off(*i) > least).collect();
+    let alone: Vec<usize> = (0..values.len()).filter(|i| offs[*i] > least).collect();
     let row = *alone.first()?;
     Some(Off { row, usual: middles[row], count: alone.len() })
 }
@@ -261,14 +275,19 @@ fn apart(values: &[f64]) -> Option<(usize, usize)> {
             last_but_one = last_but_one.max(*value);
         }
     }
-    let of = |end: f64, count: usize, rest: f64, gap: f64| {
+    for (end, count, rest, gap) in [
+        (low, lows, high - second, second - low),
+        (high, highs, last_but_one - low, high - last_but_one),
+    ] {
         let is_apart =
             values.len() - count >= LEAST_SAMPLES && rest > 0.0 && gap > ALONE_FORCE * rest;
-        let is_end = |value: &f64| value.to_bits() == end.to_bits();
-        is_apart.then(|| values.iter().position(is_end)).flatten().map(|at| (at, count))
-    };
-    of(low, lows, high - second, second - low)
-        .or_else(|| of(high, highs, last_but_one - low, high - last_but_one))
+        if is_apart
+            && let Some(place) = values.iter().position(|value| value.to_bits() == end.to_bits())
+        {
+            return Some((place, count));
+        }
+    }
+    None
 }
 
 fn jump(samples: &dyn Columns, usual_s: Option<f64>) -> Option<Doubt> {
@@ -304,14 +323,13 @@ fn clocks(samples: &dyn Columns) -> Option<Doubt> {
     Some(Doubt::new(Signal::DeviceTime, what, remedy))
 }
 
-fn too_far(asked: &Asked, samples: &dyn Columns) -> Option<Doubt> {
+fn too_far(expected: &Asked, samples: &dyn Columns) -> Option<Doubt> {
     let theta = samples.column(Signal::Theta)?;
-    let size = |value: f64| match asked.coordinate {
-        Coordinate::Rotational => value.abs() / FARTHEST_RAD,
-        Coordinate::Linear { lever_m } => value.abs() * lever_m / FARTHEST_M,
-    };
-    let row = first(0..theta.len(), |i| size(theta[i]) > 1.0)?;
-    let what = match asked.coordinate {
+    let row = first(0..theta.len(), |i| match expected.coordinate {
+        Coordinate::Rotational => theta[i].abs() / FARTHEST_RAD > 1.0,
+        Coordinate::Linear { lever_m } => theta[i].abs() * lever_m / FARTHEST_M > 1.0,
+    })?;
+    let what = match expected.coordinate {
         Coordinate::Rotational => format!(
             "{:.0}° is more than two turns of a lever: degrees taken for radians, or counts for an angle?",
             theta[row].to_degrees()
@@ -326,10 +344,10 @@ fn too_far(asked: &Asked, samples: &dyn Columns) -> Option<Doubt> {
 }
 
 /// An angle that starts over at a full turn.
-fn wrapped(asked: &Asked, samples: &dyn Columns) -> Option<Doubt> {
+fn wrapped(expected: &Asked, samples: &dyn Columns) -> Option<Doubt> {
     let theta =
-        samples.column(Signal::Theta).filter(|_| asked.coordinate == Coordinate::Rotational)?;
-    let row = first(1..theta.len(), |i| (theta[i] - theta[i - 1]).abs() > WRAPPED_RAD)?;
+        samples.column(Signal::Theta).filter(|_| expected.coordinate == Coordinate::Rotational)?;
+    let row = first(1..theta.len(), |i| step(&theta, i) > WRAPPED_RAD)?;
     let what = format!(
         "the angle goes from {:.0}° to {:.0}° within a sample: one that starts over at a full turn?",
         theta[row - 1].to_degrees(),
@@ -342,7 +360,7 @@ fn wrapped(asked: &Asked, samples: &dyn Columns) -> Option<Doubt> {
 
 /// A velocity whose noise passes the onset, forwards and backwards, while the lever rests: the
 /// movement would begin too early.
-fn noisy_onset(asked: &Asked, samples: &dyn Columns) -> Option<Doubt> {
+fn noisy_onset(expected: &Asked, samples: &dyn Columns) -> Option<Doubt> {
     let leaves = {
         let theta = samples.column(Signal::Theta)?;
         let first = *theta.first()?;
@@ -351,8 +369,9 @@ fn noisy_onset(asked: &Asked, samples: &dyn Columns) -> Option<Doubt> {
     };
     let velocity = samples.column(Signal::ThetaDot)?;
     // 0 below the onset, else the direction.
-    let side =
-        |value: &f64| i8::from(*value > asked.onset_rad_s) - i8::from(-*value > asked.onset_rad_s);
+    let side = |value: &f64| {
+        i8::from(*value > expected.onset_rad_s) - i8::from(-*value > expected.onset_rad_s)
+    };
     let mut from = 0;
     let mut first = None;
     let mut spikes = [0, 0];
@@ -393,7 +412,7 @@ fn too_strong(samples: &dyn Columns) -> Option<Doubt> {
 
 /// A signal that holds one value: throughout, or for a second in which the lever moves on, which takes
 /// `least` samples. No more than one column is there at a time.
-fn stopped(asked: &Asked, samples: &dyn Columns, signal: Signal, least: usize) -> Option<Doubt> {
+fn stopped(expected: &Asked, samples: &dyn Columns, signal: Signal, least: usize) -> Option<Doubt> {
     let values = samples.column(signal)?;
     if values.len() < LEAST_SAMPLES {
         return None;
@@ -404,20 +423,22 @@ fn stopped(asked: &Asked, samples: &dyn Columns, signal: Signal, least: usize) -
     let (from, to) = longest_hold(&values, least)?;
     let held = values[from];
     let is_whole = to - from == values.len();
+    // Let go before others are looked at: of a long recording few columns may be in memory.
     drop(values);
     if is_whole {
         let others = [Signal::Theta, Signal::ThetaDot, Signal::ForceEx, Signal::TorqueEx];
-        let moves = |other: &Signal| samples.column(*other).is_some_and(|v| range(&v) > ROUNDING);
-        let other = others.iter().find(|other| moves(other))?;
+        let mut others = others.into_iter();
+        let other =
+            others.find(|other| samples.column(*other).is_some_and(|v| range(&v) > ROUNDING))?;
         // Of an isometric trial the angle is one value and the velocity none, whatever the force does.
-        let of_motion = |signal: &Signal| matches!(signal, Signal::Theta | Signal::ThetaDot);
+        let motion = [Signal::Theta, Signal::ThetaDot];
         let rests = signal == Signal::Theta || held == 0.0;
-        let is_isometric = of_motion(&signal) && rests && !of_motion(other);
+        let is_isometric = motion.contains(&signal) && rests && !motion.contains(&other);
         if is_isometric {
             return None;
         }
         // Nobody pushes against nothing: no force is what is to be measured there.
-        let nothing = held == 0.0 && matches!(asked.scene, Scene::Free | Scene::None);
+        let nothing = held == 0.0 && matches!(expected.scene, Scene::Free | Scene::None);
         if nothing {
             return None;
         }
@@ -466,7 +487,7 @@ pub struct Plateau {
     pub value: f64,
     /// The first sample there, from 0.
     pub first: usize,
-    /// How much of all samples is there.
+    /// The share of all samples there.
     pub share: f64,
 }
 
@@ -475,11 +496,11 @@ pub struct Plateau {
 pub fn plateau(values: &[f64]) -> Option<Plateau> {
     let (low, high) = ends(values);
     let end = *values.iter().find(|value| value.abs() >= low.abs().max(high.abs()))?;
-    let is_there = |value: &f64| value.to_bits() == end.to_bits();
-    let there = values.iter().filter(|value| is_there(value)).count();
+    let bits = end.to_bits();
+    let held = values.iter().filter(|value| value.to_bits() == bits).count();
     let n = values.len() as f64;
-    let count = there as f64;
-    if there < LEAST_AT_THE_END || count < AT_THE_END * n {
+    let count = held as f64;
+    if held < LEAST_AT_THE_END || count < AT_THE_END * n {
         return None;
     }
     let changes = values.windows(2).filter(|w| w[0].to_bits() != w[1].to_bits()).count();
@@ -487,12 +508,12 @@ pub fn plateau(values: &[f64]) -> Option<Plateau> {
     if count < LONGER * usual || changes == 0 {
         return None;
     }
-    let first = values.iter().position(is_there)?;
-    let last = values.iter().rposition(is_there)?;
+    let first = values.iter().position(|value| value.to_bits() == bits)?;
+    let last = values.iter().rposition(|value| value.to_bits() == bits)?;
     // A load that is held scatters about its value: where a sensor ends, nothing lies just below.
     let close = NEAR_THE_END * (high - low);
-    let is_close = |value: &&f64| !is_there(value) && (**value - end).abs() < close;
-    if values[first..=last].iter().filter(is_close).count() as f64 > FEW * count {
+    let others = values[first..=last].iter().filter(|value| value.to_bits() != bits);
+    if others.filter(|value| (**value - end).abs() < close).count() as f64 > FEW * count {
         return None;
     }
     let is_slowing = slows(values, end, COARSE * (high - low));
@@ -502,21 +523,22 @@ pub fn plateau(values: &[f64]) -> Option<Plateau> {
 /// Whether a signal of coarse steps (of this size at least) slows down on its way to its largest value, as
 /// a hand does before it turns: it dwells longer on the step before than on those before that.
 fn slows(values: &[f64], end: f64, coarse: f64) -> bool {
-    let below = |from: f64| {
-        let lower =
+    // How far the three steps next to the end are from it.
+    let mut offs = [0.0; 3];
+    let mut from = 0.0;
+    for off in &mut offs {
+        let farther =
             values.iter().map(|value| (value - end).abs()).filter(|off| *off > from + ROUNDING);
-        lower.fold(f64::INFINITY, f64::min)
-    };
-    let first = below(0.0);
-    let second = below(first);
-    let third = below(second);
-    if first < coarse || !third.is_finite() {
+        from = farther.fold(f64::INFINITY, f64::min);
+        *off = from;
+    }
+    if offs[0] < coarse || !offs[2].is_finite() {
         return false;
     }
-    let at = |off: f64| {
+    let [first, second, third] = offs.map(|off| {
         values.iter().filter(|value| ((**value - end).abs() - off).abs() <= ROUNDING).count() as f64
-    };
-    at(first) > SLOWS * (at(second) + at(third)) / 2.0
+    });
+    first > SLOWS * (second + third) / 2.0
 }
 
 /// The value that `rank` others of `values` come before, in the order of [`f64::total_cmp`]. By
@@ -527,8 +549,10 @@ fn ranked<I: Iterator<Item = f64>>(values: impl Fn() -> I, mut rank: usize) -> f
     for place in (0..u64::BITS / BITS).rev().map(|i| i * BITS) {
         const COUNTS: usize = 1 << BITS;
         let mut counts = vec![0_usize; COUNTS];
-        let above = |key: u64| key.checked_shr(place + BITS).unwrap_or(0);
-        for key in values().map(ordered).filter(|key| above(*key) == above(prefix)) {
+        // Only those that begin with the bits found so far; at first there are none.
+        let above = place + BITS;
+        let keys = values().map(ordered);
+        for key in keys.filter(|key| key.checked_shr(above) == prefix.checked_shr(above)) {
             counts[(key >> place) as usize & (COUNTS - 1)] += 1;
         }
         let mut at = 0;
@@ -551,8 +575,9 @@ fn ordered(value: f64) -> u64 {
 /// no stretch has `least` samples.
 fn longest_hold(values: &[f64], least: usize) -> Option<(usize, usize)> {
     // A stretch of so many has two that are half as far apart.
-    let some = || values.iter().step_by((least / 2).max(1));
-    if !some().zip(some().skip(1)).any(|(a, b)| a.to_bits() == b.to_bits()) && least > 1 {
+    let some = values.iter().step_by((least / 2).max(1));
+    let mut pairs = some.clone().zip(some.skip(1));
+    if !pairs.any(|(a, b)| a.to_bits() == b.to_bits()) && least > 1 {
         return None;
     }
     let mut longest = (0, 0);

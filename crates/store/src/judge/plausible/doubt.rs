@@ -40,7 +40,8 @@ pub(super) fn range(values: &[f64]) -> f64 {
 pub(super) fn first(places: Range<usize>, is_so: impl Fn(usize) -> bool) -> Option<usize> {
     const TOGETHER: usize = 64;
     let starts = places.clone().step_by(TOGETHER);
-    let some = |from: usize| from..(from + TOGETHER).min(places.end);
-    let found = starts.map(some).find(|some| some.clone().fold(false, |any, i| any | is_so(i)));
-    found?.find(|i| is_so(*i))
+    let mut blocks = starts.map(|from| from..(from + TOGETHER).min(places.end));
+    // Without a way out of a block, a processor looks at several places at once.
+    let block = blocks.find(|block| block.clone().fold(false, |any, i| any | is_so(i)));
+    block?.find(|i| is_so(*i))
 }

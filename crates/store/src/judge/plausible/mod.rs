@@ -21,8 +21,8 @@ use std::path::Path;
 
 /// What the samples of a trial say against its units, signs, clock and sensors: one finding a
 /// cause, with its remedy.
-pub(crate) fn implausible(asked: &Asked, path: &Path, samples: &dyn Columns) -> Vec<StoreError> {
+pub(crate) fn implausible(expected: &Asked, path: &Path, samples: &dyn Columns) -> Vec<StoreError> {
     let doubts =
-        columns::doubts(asked, samples).into_iter().chain(relations::doubts(asked, samples));
+        columns::doubts(expected, samples).into_iter().chain(relations::doubts(expected, samples));
     doubts.map(|doubt| doubt.at(path)).collect()
 }

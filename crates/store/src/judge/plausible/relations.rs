@@ -27,10 +27,10 @@ const TURN: f64 = 0.05;
 /// metrics).
 const FAST_S: f64 = 0.1;
 
-pub(super) fn doubts(asked: &Asked, samples: &dyn Columns) -> Vec<Doubt> {
-    let turn = asked.scene.spring().and_then(|_| way_out(&samples.column(Signal::Theta)?));
+pub(super) fn doubts(expected: &Asked, samples: &dyn Columns) -> Vec<Doubt> {
+    let turn = expected.scene.spring().and_then(|_| way_out(&samples.column(Signal::Theta)?));
     let sign = turn.and_then(|turn| sign_of_force(samples, turn));
-    let size = turn.and_then(|turn| size_of_force(asked, samples, turn));
+    let size = turn.and_then(|turn| size_of_force(expected, samples, turn));
     [velocity(samples), sign, size].into_iter().flatten().collect()
 }
 
@@ -53,20 +53,20 @@ fn velocity(samples: &dyn Columns) -> Option<Doubt> {
         return None;
     }
     // Two columns at a time.
-    let (length, said): (usize, Vec<f64>) = {
+    let (length, ways): (usize, Vec<f64>) = {
         let t = samples.column(Signal::Time)?;
         let theta_dot = samples.column(Signal::ThetaDot)?;
         if t.len() < LEAST_SAMPLES {
             return None;
         }
         let length = (t.len() / STRETCHES).max(LEAST_STRETCH);
-        let said = stretches(t.len(), length)
+        let ways = stretches(t.len(), length)
             .map(|(from, to)| integral(&t[from..=to], &theta_dot[from..=to]));
-        (length, said.collect())
+        (length, ways.collect())
     };
     let theta = samples.column(Signal::Theta)?;
     let moved = stretches(theta.len(), length).map(|(from, to)| theta[to] - theta[from]);
-    let (ratio, correlation) = ratio(moved, said.into_iter())?;
+    let (ratio, correlation) = ratio(moved, ways.into_iter())?;
     if correlation < ALIKE || (1.0 / NEAR..NEAR).contains(&ratio) {
         return None;
     }
@@ -96,10 +96,9 @@ fn ratio(a: impl Iterator<Item = f64>, b: impl Iterator<Item = f64>) -> Option<(
     (aa > 0.0 && bb > 0.0).then(|| (ab / aa, ab.abs() / (aa.sqrt() * bb.sqrt())))
 }
 
-/// What a known ratio comes of.
-fn named(known: &[(f64, &'static str)], ratio: f64) -> Option<&'static str> {
-    let is_close = |of: f64| (ratio / of - 1.0).abs() < CLOSE;
-    known.iter().find(|(of, _)| is_close(*of)).map(|(_, why)| *why)
+/// The cause of a ratio, if it is close to one of these.
+fn named(ratios: &[(f64, &'static str)], ratio: f64) -> Option<&'static str> {
+    ratios.iter().find(|(other, _)| (ratio / other - 1.0).abs() < CLOSE).map(|(_, why)| *why)
 }
 
 /// Three digits, whatever the size.
@@ -119,7 +118,7 @@ fn way_out(theta: &[f64]) -> Option<usize> {
     (moved && theta.len() >= LEAST_SAMPLES).then_some(turn)
 }
 
-/// How often the angle turns by more than a share of its range.
+/// The number of turns of the angle by more than a share of its range.
 fn turns(theta: &[f64]) -> usize {
     let least = TURN * range(theta);
     let Some(first) = theta.first() else { return 0 };
@@ -150,7 +149,8 @@ fn swings_fast(samples: &dyn Columns, turn: usize) -> bool {
 /// A hand that moves a spring away from rest works on it: ∫ F dθ > 0 on the way out. Of a lever that
 /// swings by itself the device does the work.
 fn sign_of_force(samples: &dyn Columns, turn: usize) -> Option<Doubt> {
-    let signal = recorded(samples)?;
+    let mut signals = [Signal::ForceEx, Signal::TorqueEx].into_iter();
+    let signal = signals.find(|signal| samples.has(*signal))?;
     if swings_fast(samples, turn) {
         return None;
     }
@@ -174,23 +174,19 @@ fn sign_of_force(samples: &dyn Columns, turn: usize) -> Option<Doubt> {
     Some(Doubt::new(signal, what, remedy))
 }
 
-fn recorded(samples: &dyn Columns) -> Option<Signal> {
-    [Signal::ForceEx, Signal::TorqueEx].into_iter().find(|signal| samples.has(*signal))
-}
-
 /// The stiffness that the way out shows, over the one asked for: a unit that is wrong is off by a
 /// known factor.
-fn size_of_force(asked: &Asked, samples: &dyn Columns, turn: usize) -> Option<Doubt> {
-    let spring = asked.scene.spring()?;
+fn size_of_force(expected: &Asked, samples: &dyn Columns, turn: usize) -> Option<Doubt> {
+    let spring = expected.scene.spring()?;
     let theta = samples.column(Signal::Theta)?;
     let force = samples.column(Signal::ForceEx)?;
     // The slope alone: where the angle's 0 lies may be wrong too.
-    let asked_for = from_mean(&theta[..=turn]).map(|x| x * spring.stiffness_n_per_rad);
-    let (ratio, correlation) = ratio(asked_for, from_mean(&force[..=turn]))?;
+    let commanded = from_mean(&theta[..=turn]).map(|x| x * spring.stiffness_n_per_rad);
+    let (ratio, correlation) = ratio(commanded, from_mean(&force[..=turn]))?;
     if correlation < ALIKE || ratio <= 0.0 {
         return None;
     }
-    let why = asked.lever_m.and_then(|lever_m| named(&torques(lever_m), ratio));
+    let why = expected.lever_m.and_then(|lever_m| named(&torques(lever_m), ratio));
     let why = why.or_else(|| named(&FORCES, ratio))?;
     let what =
         format!("the force grows by {} times what the spring asks for: {why}?", digits(ratio));
@@ -207,11 +203,11 @@ fn from_mean(values: &[f64]) -> impl Iterator<Item = f64> {
 /// What a torque makes of a force; nothing for a lever about 1 m long, which hardly changes the
 /// number.
 fn torques(lever_m: f64) -> Vec<(f64, &'static str)> {
-    let known = [
+    let ratios = [
         (lever_m, "a torque in N·m taken for a force in N"),
         (1.0 / lever_m, "a force in N taken for a torque in N·m"),
     ];
-    known.into_iter().filter(|(of, _)| !(0.2..5.0).contains(of)).collect()
+    ratios.into_iter().filter(|(ratio, _)| !(0.2..5.0).contains(ratio)).collect()
 }
 
 /// Ratios of a force to the one asked for that a wrong unit makes.
