@@ -34,6 +34,7 @@ impl<F: Front> Front for Auto<F> {
             Phase::Stopped { .. } | Phase::Done => Some(Input::Quit),
             _ => None,
         };
+        // An input of its own waits for nobody; what the front end says comes before it.
         let wait = if own.is_some() { Duration::ZERO } else { wait };
         Ok(self.front.next(wait)?.or(own))
     }

@@ -28,17 +28,6 @@ impl<F: Front> Careful<F> {
     pub fn new(front: F) -> Self {
         Self { auto: Auto::new(front), begun: false, says: None, tries: 0, stops: 0 }
     }
-
-    /// Looks at the trial that ended.
-    fn judge(&mut self, view: &View) {
-        self.begun = false;
-        if is_whole(view) || self.tries >= MOST_TRIES {
-            self.tries = 0;
-        } else {
-            self.tries += 1;
-            self.says = Some(Input::Repeat);
-        }
-    }
 }
 
 impl<F: Front> Front for Careful<F> {
@@ -48,11 +37,18 @@ impl<F: Front> Front for Careful<F> {
             Phase::Question { .. } | Phase::Pause { .. } | Phase::Ready | Phase::Done
                 if self.begun =>
             {
-                self.judge(view);
+                self.begun = false;
+                if is_whole(view) || self.tries >= MOST_TRIES {
+                    self.tries = 0;
+                } else {
+                    self.tries += 1;
+                    self.says = Some(Input::Repeat);
+                }
             }
             Phase::Stopped { .. } if self.begun => {
                 self.begun = false;
                 self.stops += 1;
+                // After so many stops `Auto` ends the session.
                 self.says = (self.stops <= MOST_TRIES).then_some(Input::Start);
             }
             _ => {}

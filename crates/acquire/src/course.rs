@@ -8,27 +8,24 @@ use zwidth_study::{Kind, ModeId, Study};
 /// has: that stays as it is while trials are done, and takes long to find for a long session.
 pub(crate) struct Conditions {
     cells: Vec<Cell>,
-    /// None where a place is not counted.
-    of_places: Vec<Option<usize>>,
+    /// The cell of each place; none where a place is not counted.
+    cell_of_place: Vec<Option<usize>>,
 }
 
 impl Conditions {
     /// Modes are those of the places, or none where they are hidden.
     pub(crate) fn new(flow: &Flow, modes: Option<&[ModeId]>, study: &Study) -> Self {
-        let cell = |i: usize, place: &Place| {
-            let environment = &place.trial.environment;
-            let label = study.environment(environment).map(|e| e.label.clone());
+        let mut each: Vec<Option<Cell>> = Vec::new();
+        for (i, Place { trial, .. }) in flow.places().iter().enumerate() {
+            let label = study.environment(&trial.environment).map(|e| e.label.clone());
             let mode = modes.and_then(|modes| study.mode(modes.get(i)?));
-            Cell {
-                environment: label.unwrap_or_else(|| environment.to_string()),
+            each.push((trial.kind == Kind::Trial).then(|| Cell {
+                environment: label.unwrap_or_else(|| trial.environment.to_string()),
                 mode: mode.map(|m| m.label.clone()),
                 done: 0,
                 of: 0,
-            }
-        };
-        let places = flow.places().iter().enumerate();
-        let each: Vec<Option<Cell>> =
-            places.map(|(i, place)| is_counted(place).then(|| cell(i, place))).collect();
+            }));
+        }
         let mut cells: Vec<Cell> = Vec::new();
         for cell in each.iter().flatten() {
             if !cells.contains(cell) {
@@ -40,30 +37,27 @@ impl Conditions {
             let environment = study.environments.iter().position(|e| e.label == cell.environment);
             (environment, study.modes.iter().position(|m| Some(&m.label) == cell.mode.as_ref()))
         });
-        let of_places: Vec<Option<usize>> = each
+        // Before any cell is counted: they are compared whole, and a count makes them differ.
+        let cell_of_place: Vec<Option<usize>> = each
             .iter()
-            .map(|of_place| cells.iter().position(|cell| Some(cell) == of_place.as_ref()))
+            .map(|wanted| cells.iter().position(|cell| Some(cell) == wanted.as_ref()))
             .collect();
-        for cell in of_places.iter().flatten() {
+        for cell in cell_of_place.iter().flatten() {
             cells[*cell].of += 1;
         }
-        Self { cells, of_places }
+        Self { cells, cell_of_place }
     }
 
     /// What is done of each condition now.
     pub(crate) fn counted(&self, flow: &Flow) -> Vec<Cell> {
         let mut cells = self.cells.clone();
-        for (place, cell) in flow.places().iter().zip(&self.of_places) {
+        for (place, cell) in flow.places().iter().zip(&self.cell_of_place) {
             if let Some(cell) = cell {
                 cells[*cell].done += usize::from(place.is_settled());
             }
         }
         cells
     }
-}
-
-fn is_counted(place: &Place) -> bool {
-    place.trial.kind == Kind::Trial
 }
 
 /// How long the rest will take: each trial as long as those since the first one took, pauses and

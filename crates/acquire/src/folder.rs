@@ -26,7 +26,7 @@ impl StudyFolder {
         Ok(Self { path: path.to_owned(), held })
     }
 
-    /// Nothing, as long as its path leads to it.
+    /// Checks that the folder is still at its path.
     ///
     /// # Errors
     /// It was moved or removed.
@@ -55,14 +55,15 @@ impl<'a> Within<'a> {
         self.folder.check()
     }
 
-    fn there(&self) -> io::Result<&'a dyn Files> {
-        still_there(&self.folder).map(|()| self.files)
+    /// The disk, if the study's folder is where it was.
+    fn checked(&self) -> io::Result<&'a dyn Files> {
+        check_place(&self.folder).map(|()| self.files)
     }
 
     /// The same for a folder that is created: the study's own is never made here, not even if it
     /// went since that look.
-    fn where_folders_are_made(&self, path: &Path) -> io::Result<&'a dyn Files> {
-        let files = self.there()?;
+    fn checked_for_folder(&self, path: &Path) -> io::Result<&'a dyn Files> {
+        let files = self.checked()?;
         if self.folder.path.starts_with(path) {
             return Err(io::ErrorKind::NotFound.into());
         }
@@ -70,10 +71,12 @@ impl<'a> Within<'a> {
     }
 }
 
-/// What a write is told; the runner tells the whole of it ([`AcquireError::Gone`]).
-fn still_there(folder: &StudyFolder) -> io::Result<()> {
-    let gone = || io::Error::new(io::ErrorKind::NotFound, "the study's folder is not where it was");
-    if folder.held.is_there() { Ok(()) } else { Err(gone()) }
+/// An error for a write; the runner's says more ([`AcquireError::Gone`]).
+fn check_place(folder: &StudyFolder) -> io::Result<()> {
+    if folder.held.is_there() {
+        return Ok(());
+    }
+    Err(io::Error::new(io::ErrorKind::NotFound, "the study's folder is not where it was"))
 }
 
 impl Files for Within<'_> {
@@ -98,40 +101,40 @@ impl Files for Within<'_> {
     }
 
     fn make_private(&self, path: &Path) -> io::Result<()> {
-        self.there()?.make_private(path)
+        self.checked()?.make_private(path)
     }
 
     fn create_folder(&self, path: &Path) -> io::Result<()> {
-        self.where_folders_are_made(path)?.create_folder(path)
+        self.checked_for_folder(path)?.create_folder(path)
     }
 
     fn create_private_folder(&self, path: &Path) -> io::Result<()> {
-        self.where_folders_are_made(path)?.create_private_folder(path)
+        self.checked_for_folder(path)?.create_private_folder(path)
     }
 
     fn write_synced(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
-        self.there()?.write_synced(path, bytes)
+        self.checked()?.write_synced(path, bytes)
     }
 
     fn rename(&self, from: &Path, to: &Path) -> io::Result<()> {
-        self.there()?.rename(from, to)
+        self.checked()?.rename(from, to)
     }
 
     fn sync_folder(&self, path: &Path) -> io::Result<()> {
-        self.there()?.sync_folder(path)
+        self.checked()?.sync_folder(path)
     }
 
     fn open_append(&self, path: &Path) -> io::Result<Box<dyn Append>> {
-        let file = self.there()?.open_append(path)?;
+        let file = self.checked()?.open_append(path)?;
         Ok(Box::new(WithinFile { file, folder: Arc::clone(&self.folder) }))
     }
 
     fn remove(&self, path: &Path) -> io::Result<()> {
-        self.there()?.remove(path)
+        self.checked()?.remove(path)
     }
 
     fn remove_folder(&self, path: &Path) -> io::Result<()> {
-        self.there()?.remove_folder(path)
+        self.checked()?.remove_folder(path)
     }
 }
 
@@ -145,7 +148,7 @@ impl Append for WithinFile {
     fn append_synced(&mut self, bytes: &[u8]) -> io::Result<()> {
         // First the bytes: the file went with its folder, and keeps them there.
         self.file.append_synced(bytes)?;
-        still_there(&self.folder)
+        check_place(&self.folder)
     }
 
     fn take_back(&mut self) -> io::Result<()> {

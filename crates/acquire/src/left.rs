@@ -10,6 +10,7 @@ pub fn left_to_do<'t>(trials: impl IntoIterator<Item = &'t TrialEntry>, log: &Se
     if log.record.order.is_none() {
         return 0;
     }
+    // Without questions: one that is open is no trial to be done.
     let order = log.record.trials.iter().map(|t| (t.clone(), Vec::new())).collect();
     let (flow, _) = Flow::begin(order, 0.0, &recorded(trials, log), &log.events);
     flow.places().len() - flow.done()

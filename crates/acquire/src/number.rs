@@ -9,7 +9,7 @@ use std::path::Path;
 use zwidth_store::{Files, Layout, StoreError, read_records};
 use zwidth_study::{ParticipantId, SessionId, SessionRecord};
 
-/// The numbers of a session, and what is to be told of them.
+/// The numbers of a session, and remarks on them for the operator.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Numbers {
     pub(crate) participant: u32,
@@ -37,7 +37,7 @@ pub(crate) fn numbers(
     // Where every id has its number, nothing need be read: a whole simulated study is as fast as
     // its trials.
     let records = read_records(files, layout, &|path| all || may_lack_a_number(path))?;
-    Ok(among(&records, participant, session))
+    Ok(numbers_after(&records, participant, session))
 }
 
 /// Whether the ids in a record's name, `<participant>_<session>`, may be without a number; an id
@@ -50,27 +50,27 @@ fn may_lack_a_number(record: &Path) -> bool {
 }
 
 /// The numbers of a session that comes after these.
-fn among(records: &[SessionRecord], participant: &ParticipantId, session: &SessionId) -> Numbers {
-    let ordered = || records.iter().filter_map(|r| Some((r, r.order?)));
-    let participants =
-        ordered().map(|(r, order)| (r.participant.as_str(), order.participant_number)).collect();
-    let sessions = ordered().map(|(r, order)| (r.session.as_str(), order.session_number)).collect();
-    let mut remarks = Vec::new();
-    let mut of = |kind, id, known| {
-        let (number, remark) = one(kind, id, &known);
-        remarks.extend(remark);
-        number
-    };
-    let participant = of("participant", participant.as_str(), participants);
-    let session = of("session", session.as_str(), sessions);
-    Numbers { participant, session, remarks }
+fn numbers_after(
+    records: &[SessionRecord],
+    participant: &ParticipantId,
+    session: &SessionId,
+) -> Numbers {
+    let (mut participants, mut sessions) = (BTreeMap::new(), BTreeMap::new());
+    for record in records {
+        // An imported session has no order, and so no numbers.
+        let Some(order) = record.order else { continue };
+        participants.insert(record.participant.as_str(), order.participant_number);
+        sessions.insert(record.session.as_str(), order.session_number);
+    }
+    let (participant, first) = number_of("participant", participant.as_str(), &participants);
+    let (session, second) = number_of("session", session.as_str(), &sessions);
+    Numbers { participant, session, remarks: first.into_iter().chain(second).collect() }
 }
 
-/// The number of an id, and what is to be told of it; `known` are the numbers of those that
-/// appeared before.
-fn one(kind: &str, id: &str, known: &BTreeMap<&str, u32>) -> (u32, Option<String>) {
+/// The number of an id, and a remark on it; `earlier` has the numbers of the ids before it.
+fn number_of(kind: &str, id: &str, earlier: &BTreeMap<&str, u32>) -> (u32, Option<String>) {
     if let Some(digits) = number(id) {
-        let namesake = known.iter().find(|(other, n)| **n == digits && number(other).is_none());
+        let namesake = earlier.iter().find(|(other, n)| **n == digits && number(other).is_none());
         return (digits, namesake.map(|(other, _)| {
             format!(
                 "{kind} {id} has number {digits} in the counterbalancing, as {kind} {other} has, which got it by order of \
@@ -78,16 +78,18 @@ fn one(kind: &str, id: &str, known: &BTreeMap<&str, u32>) -> (u32, Option<String
             )
         }));
     }
-    let told = |n: u32, how: &str| {
-        format!("{kind} {id} ends in no number: it is counterbalanced as number {n}, {how}")
+    let (n, how) = match earlier.get(id) {
+        Some(n) => (*n, "as before"),
+        None => {
+            let place = u32::try_from(earlier.len()).unwrap_or(u32::MAX).saturating_add(1);
+            // An id with digits may have the number of that place already.
+            let free = (place..=u32::MAX).find(|n| !earlier.values().any(|other| other == n));
+            (free.unwrap_or(place), "by order of appearance")
+        }
     };
-    if let Some(n) = known.get(id) {
-        return (*n, Some(told(*n, "as before")));
-    }
-    let taken = |n: &u32| known.values().any(|other| other == n);
-    let place = u32::try_from(known.len()).unwrap_or(u32::MAX).saturating_add(1);
-    let n = (place..=u32::MAX).find(|n| !taken(n)).unwrap_or(place);
-    (n, Some(told(n, "by order of appearance")))
+    let remark =
+        format!("{kind} {id} ends in no number: it is counterbalanced as number {n}, {how}");
+    (n, Some(remark))
 }
 
 #[cfg(test)]

@@ -24,8 +24,7 @@ pub fn own_study(
     })
 }
 
-/// What is to be told, and kept in the log, of a `study.toml` that is another than the session's
-/// own.
+/// The events for the log where `study.toml` differs from the session's own copy.
 ///
 /// # Errors
 /// A change of what is recorded that nobody has accepted; a session without a copy, of which nobody
@@ -33,12 +32,19 @@ pub fn own_study(
 pub(crate) fn opening(plan: &Plan, log: &SessionLog) -> Result<Vec<Event>, AcquireError> {
     let hash = hex_blake3(&plan.study_toml);
     let Some(own) = log.study.as_deref() else {
-        return if hash == log.record.study_blake3 {
-            Ok(Vec::new())
-        } else {
-            Err(unknown_change(log))
-        };
+        if hash == log.record.study_blake3 {
+            return Ok(Vec::new());
+        }
+        return Err(AcquireError::Refused {
+            what: format!(
+                "{}: study.toml has changed since the session began, and the session has no copy of it, so what changed \
+                 is not known",
+                log.path.display()
+            ),
+            remedy: "put study.toml back as it was, or begin a new session".to_owned(),
+        });
     };
+    // The rate may be another by request, and was compared with the record's before this.
     let control = Control { rate_hz: plan.study.control.rate_hz, ..own.control };
     if plan.study != (Study { control, ..own.clone() }) {
         return Err(AcquireError::Refused {
@@ -47,10 +53,15 @@ pub(crate) fn opening(plan: &Plan, log: &SessionLog) -> Result<Vec<Event>, Acqui
             remedy: "this is a defect of zwidth, please report it".to_owned(),
         });
     }
-    if log.studies().any(|known| known == hash) {
+    if log.studies().any(|accepted| accepted == hash) {
         return Ok(Vec::new());
     }
-    let changes = study_changes(own, &parsed(&plan.study_toml)?);
+    let text = String::from_utf8_lossy(&plan.study_toml);
+    let present = Study::from_toml(&text).map_err(|errors| AcquireError::Refused {
+        what: errors.first().map_or_else(String::new, |e| format!("study.toml: {e}")),
+        remedy: "mend it".to_owned(),
+    })?;
+    let changes = study_changes(own, &present);
     let (matter, rest): (Vec<_>, Vec<_>) =
         changes.iter().partition(|c| c.affects == Affects::Recording);
     let words =
@@ -83,23 +94,4 @@ pub(crate) fn opening(plan: &Plan, log: &SessionLog) -> Result<Vec<Event>, Acqui
     // Noted once, however often the session is gone on with.
     let note = (!log.events.contains(&note)).then_some(note);
     Ok(accepted.into_iter().chain(note).collect())
-}
-
-fn unknown_change(log: &SessionLog) -> AcquireError {
-    AcquireError::Refused {
-        what: format!(
-            "{}: study.toml has changed since the session began, and the session has no copy of it, so what changed \
-             is not known",
-            log.path.display()
-        ),
-        remedy: "put study.toml back as it was, or begin a new session".to_owned(),
-    }
-}
-
-fn parsed(study_toml: &[u8]) -> Result<Study, AcquireError> {
-    let text = String::from_utf8_lossy(study_toml);
-    Study::from_toml(&text).map_err(|errors| AcquireError::Refused {
-        what: errors.first().map_or_else(String::new, |e| format!("study.toml: {e}")),
-        remedy: "mend it".to_owned(),
-    })
 }

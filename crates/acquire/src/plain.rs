@@ -81,11 +81,12 @@ impl<W: Write> Plain<W> {
 
 impl<W: Write> Front for Plain<W> {
     fn show(&mut self, view: &View) -> Result<(), AcquireError> {
+        // Of those since the last view only as many are still kept.
         let fresh = (view.said - self.view.said).min(view.messages.len());
         for message in view.messages.iter().skip(view.messages.len() - fresh) {
             writeln!(self.out, "{}", printable(message))?;
         }
-        let now = (still(&view.phase), view.held, view.trial.as_ref().map(|t| t.trial));
+        let now = (without_time(&view.phase), view.held, view.trial.as_ref().map(|t| t.trial));
         if self.shown.as_ref() != Some(&now) {
             writeln!(self.out, "{}", printable(&line(view)))?;
             self.shown = Some(now);
@@ -106,6 +107,7 @@ impl<W: Write> Front for Plain<W> {
                 Err(RecvTimeoutError::Disconnected) if self.waiting.is_empty() && self.ends => {
                     self.waiting.push_back(Ok(Input::Quit));
                 }
+                // The input has ended and the session goes on: not in a busy loop.
                 Err(RecvTimeoutError::Disconnected) => std::thread::sleep(wait),
             }
         }
@@ -136,7 +138,7 @@ fn parse(line: &str) -> Result<Input, String> {
         ("hold", "") => Ok(Input::Hold),
         ("stop", _) => Ok(Input::Stop),
         ("quit", "") => Ok(Input::Quit),
-        ("trial", about) => of_trial(about),
+        ("trial", about) => parse_about(about),
         ("exclude", reason) => Ok(Input::Exclude(reason.to_owned())),
         ("note", text) => Ok(Input::Note(text.to_owned())),
         ("answer", n) => n
@@ -152,7 +154,7 @@ fn parse(line: &str) -> Result<Input, String> {
 }
 
 /// What is said of a trial: its number, and what.
-fn of_trial(words: &str) -> Result<Input, String> {
+fn parse_about(words: &str) -> Result<Input, String> {
     let (number, rest) = words.split_once(char::is_whitespace).unwrap_or((words, ""));
     let trial = number.parse().map_err(|_| format!("'{number}' is no trial: a number"))?;
     let (word, text) = rest.trim().split_once(char::is_whitespace).unwrap_or((rest.trim(), ""));
@@ -171,7 +173,7 @@ fn of_trial(words: &str) -> Result<Input, String> {
 }
 
 /// The phase without what runs on in it.
-fn still(phase: &Phase) -> Phase {
+fn without_time(phase: &Phase) -> Phase {
     match phase {
         Phase::Trial { limit_s, .. } => Phase::Trial { t_s: 0.0, limit_s: *limit_s },
         Phase::Pause { pause_s, .. } => Phase::Pause { left_s: 0.0, pause_s: *pause_s },

@@ -17,9 +17,9 @@ pub struct Plan {
     /// A session whose copy differs from that in what is recorded continues with its copy; its log
     /// says so.
     pub accept_study_change: bool,
-    /// Who.
+    /// The participant.
     pub participant: ParticipantId,
-    /// Which session.
+    /// The session.
     pub session: SessionId,
     /// The calibration in force.
     pub calibration: Calibration,

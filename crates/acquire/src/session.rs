@@ -30,7 +30,7 @@ pub struct Session {
     pub modes: Vec<ModeId>,
     /// Earlier recordings.
     pub recorded: Vec<Recorded>,
-    /// What the log holds.
+    /// The events of its log.
     pub events: Vec<Event>,
     /// Events to report and keep in its log as soon as it is set up or continued.
     pub opening: Vec<Event>,
@@ -63,7 +63,7 @@ impl Session {
             vault::check_apart(&plan.keys, &plan.layout)?;
         }
         match read_session(files, &plan.layout, &plan.participant, &plan.session) {
-            Ok(Some(whole)) => found(plan, device, files, whole),
+            Ok(Some(whole)) => resume_session(plan, device, files, whole),
             Ok(None) => {
                 check_session_ids(files, &plan.layout, &plan.participant, &plan.session)?;
                 check_form(files, &plan.layout, &plan.study)?;
@@ -75,12 +75,12 @@ impl Session {
 
     /// The order, each trial with the questions that follow it.
     pub(crate) fn order(&self, study: &Study) -> Vec<(PlannedTrial, Vec<Question>)> {
-        let asked = |t: &PlannedTrial| {
-            let environment = study.environment(&t.environment).into_iter();
+        let order = self.record.trials.iter().map(|trial| {
+            let environment = study.environment(&trial.environment).into_iter();
             let ids = environment.flat_map(|environment| environment.questions());
-            ids.filter_map(|id| study.question(id).cloned()).collect()
-        };
-        self.record.trials.iter().map(|t| (t.clone(), asked(t))).collect()
+            (trial.clone(), ids.filter_map(|id| study.question(id).cloned()).collect())
+        });
+        order.collect()
     }
 
     /// What a trial's file says of it: in a sealed session its code in place of the mode.
@@ -111,6 +111,7 @@ impl Session {
         files: &dyn Files,
         utc: &str,
     ) -> Result<(), AcquireError> {
+        // The seal first: a blinded session on the disk without one could never be unsealed.
         if let Some(seal) = &self.seal {
             vault::keep(files, &plan.keys, plan.layout.study(), &self.record, seal)?;
         }
@@ -141,25 +142,25 @@ pub fn calibration_blake3(calibration: &Calibration) -> Result<String, AcquireEr
 
 /// A channel of the study that the device gives in another unit would be recorded wrongly.
 fn check_channels(study: &Study, device: &Capabilities) -> Result<(), AcquireError> {
-    let given =
-        |asked: &Channel| device.channels.iter().find(|c| c.id == asked.id && c.unit != asked.unit);
-    match study.channels.iter().find_map(|asked| Some((asked, given(asked)?))) {
-        None => Ok(()),
-        Some((asked, given)) => Err(AcquireError::Refused {
-            what: format!(
-                "channel '{}' is in '{}' in study.toml, and {} gives it in '{}'",
-                asked.id.as_str(),
-                asked.unit,
-                device.name,
-                given.unit
-            ),
-            remedy: "give it the device's unit in study.toml, or another id".to_owned(),
-        }),
+    for Channel { id, unit, .. } in &study.channels {
+        let other = device.channels.iter().find(|other| other.id == *id && other.unit != *unit);
+        if let Some(other) = other {
+            return Err(AcquireError::Refused {
+                what: format!(
+                    "channel '{}' is in '{unit}' in study.toml, and {} gives it in '{}'",
+                    id.as_str(),
+                    device.name,
+                    other.unit
+                ),
+                remedy: "give it the device's unit in study.toml, or another id".to_owned(),
+            });
+        }
     }
+    Ok(())
 }
 
 /// A record without its trials: what must stay the same while the session lasts.
-fn bare(plan: &Plan, device: &Capabilities) -> Result<SessionRecord, AcquireError> {
+fn bare_record(plan: &Plan, device: &Capabilities) -> Result<SessionRecord, AcquireError> {
     let mut record = SessionRecord::new(
         plan.participant.clone(),
         plan.session.clone(),
@@ -180,10 +181,11 @@ fn draw_session(
     device: &Capabilities,
     files: &dyn Files,
 ) -> Result<Session, AcquireError> {
-    let mut record = bare(plan, device)?;
+    let mut record = bare_record(plan, device)?;
     let seed = match plan.seed {
         Some(seed) => seed,
         None if plan.study.design.blinded => {
+            // From outside the data: any reader can find what `seed_of` gives.
             vault::seed(files, &plan.keys, plan.layout.study(), || {
                 first_u64(&derived(plan, "seed"))
             })?
@@ -199,6 +201,7 @@ fn draw_session(
     let seal = if plan.study.design.blinded {
         let seal = Seal::new(derived(plan, "nonce"), &trials);
         record.commitment = Some(seal.commitment());
+        // The record has codes in place of modes, and no seed, from which the modes would follow.
         record.trials = seal.masked(&trials);
         Some(seal)
     } else {
@@ -213,25 +216,26 @@ fn draw_session(
     Ok(Session { record, laid_down: false, seal, blinded, modes, recorded, events, opening })
 }
 
-fn found(
+fn resume_session(
     plan: &Plan,
     device: &Capabilities,
     files: &dyn Files,
     whole: WholeSession,
 ) -> Result<Session, AcquireError> {
     let WholeSession { log, trials } = whole;
-    let differences = differences(&log.record, &bare(plan, device)?, plan.seed);
+    let differences = differences(&log.record, &bare_record(plan, device)?, plan.seed);
     if !differences.is_empty() {
         return Err(AcquireError::Differs { session: log.path, differences });
     }
     let opening = opening(plan, &log)?;
     let seal = match (&log.seal, &log.record.commitment) {
         (Some(seal), _) => Some(seal.clone()),
+        // Not unsealed yet: the log has no seal.
         (None, Some(_)) => Some(vault::find(files, &plan.keys, plan.layout.study(), &log.record)?),
         (None, None) => None,
     };
     let modes = match &seal {
-        Some(seal) => opened(seal, &log.record)?,
+        Some(seal) => open_modes(seal, &log.record)?,
         None => log.record.trials.iter().map(|t| t.mode.clone()).collect(),
     };
     Ok(Session {
@@ -251,18 +255,19 @@ pub(crate) fn recorded<'t>(
     trials: impl IntoIterator<Item = &'t TrialEntry>,
     log: &SessionLog,
 ) -> Vec<Recorded> {
-    let of_session = |t: &&TrialEntry| {
-        t.meta.participant == log.record.participant && t.meta.session == log.record.session
-    };
-    let one = |t: &TrialEntry| Recorded {
-        trial: t.meta.trial,
-        complete: t.meta.status == Status::Complete,
-        settled: t.meta.likert.is_some() || t.excluded.is_some(),
-    };
-    trials.into_iter().filter(of_session).map(one).collect()
+    let own = trials.into_iter().filter(|trial| {
+        let TrialMeta { participant, session, .. } = &trial.meta;
+        *participant == log.record.participant && *session == log.record.session
+    });
+    let recorded = own.map(|trial| Recorded {
+        trial: trial.meta.trial,
+        complete: trial.meta.status == Status::Complete,
+        settled: trial.meta.likert.is_some() || trial.excluded.is_some(),
+    });
+    recorded.collect()
 }
 
-fn opened(seal: &Seal, record: &SessionRecord) -> Result<Vec<ModeId>, AcquireError> {
+fn open_modes(seal: &Seal, record: &SessionRecord) -> Result<Vec<ModeId>, AcquireError> {
     let trials = seal.opened(&record.trials).map_err(|e| AcquireError::Refused {
         what: format!("session {} of {}: {e}", record.session, record.participant),
         remedy: "restore the session's record and its seal from copies".to_owned(),
@@ -272,20 +277,25 @@ fn opened(seal: &Seal, record: &SessionRecord) -> Result<Vec<ModeId>, AcquireErr
 
 /// What a session on the disk began with that is not at hand now, in words.
 fn differences(record: &SessionRecord, now: &SessionRecord, seed: Option<u64>) -> Vec<String> {
-    let words = |value: &Option<String>| value.clone().unwrap_or_else(|| "none".to_owned());
-    let rate = |r: &SessionRecord| r.rate_hz.map(|hz| format!("{hz} Hz"));
-    let calibration = |r: &SessionRecord| r.calibration_blake3.as_deref().map(short);
+    let [rate_then, rate_now] =
+        [record, now].map(|record| record.rate_hz.map(|hz| format!("{hz} Hz")));
+    let [calibration_then, calibration_now] =
+        [record, now].map(|record| record.calibration_blake3.as_deref().map(short));
+    // Only where both have one: a seed need not be named again, and a blinded record has none.
     let seeds = [record.seed.filter(|_| seed.is_some()), seed.filter(|_| record.seed.is_some())];
     let [seed_then, seed_now] = seeds.map(|s| s.map(|s| s.to_string()));
     [
         ("the device is", record.device.clone(), now.device.clone()),
-        ("the calibration is", calibration(record), calibration(now)),
-        ("the rate is", rate(record), rate(now)),
+        ("the calibration is", calibration_then, calibration_now),
+        ("the rate is", rate_then, rate_now),
         ("the seed is", seed_then, seed_now),
     ]
     .into_iter()
     .filter(|(_, then, now)| then != now)
-    .map(|(what, then, now)| format!("{what} {}, and was {}", words(&now), words(&then)))
+    .map(|(what, then, now)| {
+        let [then, now] = [then, now].map(|value| value.unwrap_or_else(|| "none".to_owned()));
+        format!("{what} {now}, and was {then}")
+    })
     .collect()
 }
 
@@ -298,12 +308,7 @@ fn short(hash: &str) -> String {
 /// The order's seed of an open study: from its id, the same for every participant.
 pub fn seed_of(study: &Study) -> u64 {
     // 32 bits, which every reader of JSON keeps.
-    hashed(study.id.as_str()).into()
-}
-
-/// A number from a text's hash.
-fn hashed(text: &str) -> u32 {
-    (first_u64(blake3::hash(text.as_bytes()).as_bytes()) >> u32::BITS) as u32
+    first_u64(blake3::hash(study.id.as_str().as_bytes()).as_bytes()) >> u32::BITS
 }
 
 /// 32 bytes from the secret. Of two for different purposes neither tells the other: a nonce is

@@ -1,4 +1,4 @@
-//! What the device check found, as a person would say it.
+//! The findings of the device check, as a person would say them.
 
 use zwidth_study::Check;
 

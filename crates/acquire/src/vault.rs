@@ -30,9 +30,9 @@ pub fn check_apart(folder: &Path, layout: &Layout) -> Result<(), AcquireError> {
     // The study's own folder in it counts as well: a study may be called `raw`.
     let seals = [folder.to_owned(), folder.join(layout.study().as_str())];
     for data in ["raw", "derived", "reports"].map(|name| layout.root().join(name)) {
-        let real_data = leads_to(&data)?;
+        let real_data = resolve(&data)?;
         for seals in &seals {
-            if leads_to(seals)?.starts_with(&real_data) {
+            if resolve(seals)?.starts_with(&real_data) {
                 return Err(AcquireError::Refused {
                     what: format!(
                         "the folder of the seals, {}, is inside {}, where all who read the data could read the seals",
@@ -48,7 +48,7 @@ pub fn check_apart(folder: &Path, layout: &Layout) -> Result<(), AcquireError> {
     Ok(())
 }
 
-fn leads_to(path: &Path) -> Result<PathBuf, StoreError> {
+fn resolve(path: &Path) -> Result<PathBuf, StoreError> {
     real_path(path).map_err(|e| {
         let what = format!("cannot tell where this folder leads: {e}");
         StoreError::new(path, what, "see that it can be looked into, or name another with --key")
@@ -83,22 +83,22 @@ pub fn keep(
     let text = seal.to_json().map_err(|e| {
         StoreError::new(&path, e.to_string(), "this is a defect of zwidth, please report it")
     })?;
-    if files.read(&path, MOST_SEAL).is_ok_and(|there| there == text.as_bytes()) {
-        ours_alone(files, &path)?;
+    if files.read(&path, MOST_SEAL).is_ok_and(|existing| existing == text.as_bytes()) {
+        restrict_to_user(files, &path)?;
     } else {
         write_private(files, &path, text.as_bytes())?;
     }
-    last(files, folder, &path)
+    sync_seal_names(files, folder, &path)
 }
 
 /// Sees to it that a power cut leaves what is kept: without its seal a session could not go on.
-fn last(files: &dyn Files, folder: &Path, path: &Path) -> Result<(), AcquireError> {
+fn sync_seal_names(files: &dyn Files, folder: &Path, path: &Path) -> Result<(), AcquireError> {
     Ok(sync_names(files, path, folder.parent().unwrap_or(folder))?)
 }
 
 /// Keeps a file that is there, and its folder, for this user alone: it may come from where nobody
 /// saw to that.
-fn ours_alone(files: &dyn Files, path: &Path) -> Result<(), AcquireError> {
+fn restrict_to_user(files: &dyn Files, path: &Path) -> Result<(), AcquireError> {
     path.parent().map_or(Ok(()), |folder| keep_private(files, folder))?;
     Ok(keep_private(files, path)?)
 }
@@ -125,10 +125,8 @@ pub fn find(
             "the seal is where the session was begun: name that folder with --key, or copy the file here";
         StoreError::new(&path, format!("cannot read the session's seal: {e}"), remedy)
     })?;
-    let wrong = |e: zwidth_study::SealError| StoreError::new(&path, e.to_string(), "see --key");
-    let seal = Seal::from_json(&text).map_err(wrong)?;
-    seal.verify(commitment).map_err(wrong)?;
-    Ok(seal)
+    let seal = Seal::from_json(&text).and_then(|seal| seal.verify(commitment).map(|()| seal));
+    Ok(seal.map_err(|e| StoreError::new(&path, e.to_string(), "see --key"))?)
 }
 
 fn text(files: &dyn Files, path: &Path) -> io::Result<String> {
@@ -151,9 +149,9 @@ pub fn seed(
     if files.kind(&path).is_none() {
         write_private(files, &path, format!("{}\n", draw()).as_bytes())?;
     } else {
-        ours_alone(files, &path)?;
+        restrict_to_user(files, &path)?;
     }
-    last(files, folder, &path)?;
+    sync_seal_names(files, folder, &path)?;
     let text = text(files, &path).map_err(|e| StoreError::io(&path, "read", &e))?;
     Ok(text.trim().parse().map_err(|_| {
         StoreError::new(

@@ -5,7 +5,7 @@
 //! known whatever the caller is waiting for: a disk, a screen, a person. On a simulated clock no
 //! time passes between two tasks, and everything happens on the caller's thread.
 
-use crate::trial::{Collected, read_on, run_caught, said};
+use crate::trial::{Collected, POLL, panic_trip, read_on, run_caught};
 use crate::{
     BatchSink, Clock, Controller, Device, DeviceError, Guard, Priority, Refusal, TrialEnd,
     TrialPlan, TrialRun, Trip, run_trial,
@@ -16,14 +16,9 @@ use std::slice::from_ref;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::thread::{self, Scope};
-use std::time::Duration;
 use zwidth_study::{Calibration, Mode, Sample, Voltages};
 
-/// A caller that waits looks so often whether samples have come: no more is lost by a kill than
-/// this and one write of the journal.
-const POLL: Duration = Duration::from_millis(5);
-
-/// Without a known turn there is nothing to read for, and questions are looked for so often, s.
+/// Without a known turn there is nothing to read for, and orders are looked for so often, s.
 const UNHOMED_S: f64 = 0.005;
 
 /// A device with all that belongs to it.
@@ -34,19 +29,19 @@ pub struct Station<'a> {
     pub clock: &'a mut dyn Clock,
     /// The guard before its actuators.
     pub guard: Guard,
-    /// Ticks a second while nothing is asked, Hz.
+    /// Ticks per second between tasks, Hz.
     rate_hz: f64,
-    /// What was found while nothing was asked. The device is not homed since.
+    /// The fault that was found between tasks. The device is not homed since.
     fault: Option<Trip>,
 }
 
 /// A trial to be run.
 pub struct TrialTask<'a> {
-    /// What it is to be.
+    /// Its plan.
     pub plan: TrialPlan<'a>,
-    /// The voltages it may use.
+    /// The mode, whose voltages it may use.
     pub mode: &'a Mode,
-    /// Which forces they stand for.
+    /// The forces that these voltages stand for.
     pub calibration: &'a Calibration,
     /// The control, at its beginning.
     pub controller: Controller,
@@ -90,8 +85,8 @@ impl<'a> Station<'a> {
         if trip == Trip::NotHomed { self.fault.take().unwrap_or(trip) } else { trip }
     }
 
-    /// Reads on at 0 V while nothing is asked, as `idle` says at each tick; whether something was
-    /// found.
+    /// Reads on at 0 V between tasks, for as long as `idle` says so at each tick; returns whether a
+    /// fault was found.
     fn read_on(&mut self, idle: &mut dyn FnMut(f64) -> bool) -> bool {
         if !self.guard.is_homed() {
             let now_s = self.clock.now_s();
@@ -101,22 +96,23 @@ impl<'a> Station<'a> {
         let device = &mut *self.device;
         let clock = &mut *self.clock;
         let guard = &mut self.guard;
-        let found = catch_unwind(AssertUnwindSafe(|| {
+        let outcome = catch_unwind(AssertUnwindSafe(|| {
             read_on(device, clock, guard, self.rate_hz, idle, &mut |_, _, _| {})
         }))
-        .unwrap_or_else(|panic| Err(said(&*panic)));
-        self.fault = found.err();
+        .unwrap_or_else(|panic| Err(panic_trip(&*panic)));
+        self.fault = outcome.err();
         if self.fault.is_some() {
+            // Nobody reads the device after this, so its turn may be lost.
             self.guard.lose();
         }
         self.fault.is_some()
     }
 }
 
-/// What is asked of a station.
+/// A task for a station.
 type Order<'a> = Box<dyn FnOnce(&mut Station<'a>) + Send + 'a>;
 
-/// Asks a station for one thing after another. Once it is dropped, the last thing written is 0 V.
+/// Gives a station one task after another. Once it is dropped, the last thing written is 0 V.
 pub struct Attendant<'a>(Place<'a>);
 
 /// Where the station is.
@@ -127,14 +123,14 @@ enum Place<'a> {
     There { orders: Producer<Order<'a>>, shared: Arc<Shared> },
 }
 
-/// What the two threads tell each other besides.
+/// What the two threads share besides the orders.
 #[derive(Default)]
 struct Shared {
     /// The station's time, s, by its bits.
     now: AtomicU64,
-    /// Something was found while nothing was asked.
+    /// A fault was found between tasks.
     fault: AtomicBool,
-    /// Nothing more will be asked.
+    /// No more orders will come.
     closing: AtomicBool,
 }
 
@@ -145,7 +141,7 @@ impl Shared {
 }
 
 impl<'a> Attendant<'a> {
-    /// On the caller's thread: between two questions no time passes.
+    /// On the caller's thread: between two tasks no time passes.
     pub fn here(station: Station<'a>) -> Self {
         Self(Place::Here(Box::new(station)))
     }
@@ -156,10 +152,11 @@ impl<'a> Attendant<'a> {
         'a: 'scope,
     {
         let shared = Arc::<Shared>::default();
+        // Before the thread runs: the caller may ask for the time at once.
         shared.tell_time(station.clock.now_s());
-        let (orders, received) = RingBuffer::new(1); // one question at a time
-        let of_thread = Arc::clone(&shared);
-        scope.spawn(move || attend(station, received, &of_thread));
+        let (orders, received) = RingBuffer::new(1); // one order at a time
+        let shared_by_thread = Arc::clone(&shared);
+        scope.spawn(move || attend(station, received, &shared_by_thread));
         Self(Place::There { orders, shared })
     }
 
@@ -175,8 +172,11 @@ impl<'a> Attendant<'a> {
     /// known.
     pub fn fault(&mut self) -> Option<Trip> {
         let Place::There { shared, .. } = &self.0 else { return None };
-        let found = shared.fault.swap(false, Ordering::Relaxed);
-        if found { self.ask(|station| station.fault.take()).unwrap_or_else(Some) } else { None }
+        if !shared.fault.swap(false, Ordering::Relaxed) {
+            return None;
+        }
+        // A panic on the station's thread is a fault, too.
+        self.ask(|station| station.fault.take()).unwrap_or_else(Some)
     }
 
     /// Gives the station a task, and waits for the result.
@@ -210,25 +210,24 @@ impl<'a> Attendant<'a> {
         batch: &mut BatchSink<'_>,
     ) -> Result<TrialRun, Refusal> {
         match &mut self.0 {
-            Place::Here(station) => {
+            Place::Here(station) => task.run(station, |station, controller, plan, stop| {
+                let Station { device, clock, guard, .. } = station;
                 let mut sink = |sample: &Sample| batch(from_ref(sample));
-                task.run(station, |station, controller, plan, stop| {
-                    let Station { device, clock, guard, .. } = station;
-                    run_trial(*device, *clock, controller, guard, plan, stop, &mut sink)
-                })
-            }
+                run_trial(*device, *clock, controller, guard, plan, stop, &mut sink)
+            }),
             Place::There { orders, shared } => {
-                let (mut collected, mut sink) = Collected::new(task.plan.rate_hz);
+                let (mut collected, mut ring) = Collected::new(task.plan.rate_hz);
                 let work = move |station: &mut Station<'a>| {
                     task.run(station, |station, controller, plan, stop| {
                         let Station { device, clock, guard, .. } = station;
-                        let mut sink = |sample: &Sample| sink.push(sample);
+                        let mut sink = |sample: &Sample| ring.push(sample);
                         run_caught(*device, *clock, controller, guard, plan, stop, &mut sink)
                     })
                 };
                 let abandon = collected.abandon_on_panic();
                 let run = wait_for(orders, shared, work, &mut || collected.hand_over(batch));
                 drop(abandon);
+                // Samples that came after the last look at the ring.
                 collected.hand_over(batch);
                 let run = run.unwrap_or_else(|trip| Ok(TrialRun::tripped(trip)))?;
                 Ok(collected.conclude(run))
@@ -238,8 +237,8 @@ impl<'a> Attendant<'a> {
 }
 
 impl<'a> TrialTask<'a> {
-    /// Arms the guard and runs the trial. One that could not begin for want of a known turn says
-    /// why it is not known.
+    /// Arms the guard and runs the trial. If it could not begin because the turn is not known, its
+    /// end says why the turn was lost.
     fn run(
         mut self,
         station: &mut Station<'a>,
@@ -264,7 +263,7 @@ impl Drop for Attendant<'_> {
     }
 }
 
-/// Has the station's thread do something; meanwhile this one does something else, again and again.
+/// Has the station's thread do `work`, and calls `meanwhile` again and again until it is done.
 fn wait_for<'a, T: Send + 'a>(
     orders: &mut Producer<Order<'a>>,
     shared: &Arc<Shared>,
@@ -274,15 +273,17 @@ fn wait_for<'a, T: Send + 'a>(
     let (mut answer, mut answered) = RingBuffer::new(1);
     let shared = Arc::clone(shared);
     let caller = thread::current();
-    let order = move |station: &mut Station<'a>| {
-        let done = catch_unwind(AssertUnwindSafe(|| work(station))).map_err(|panic| said(&*panic));
-        shared.tell_time(station.clock.now_s()); // before the answer: whoever has it may ask for the time
-        let _ = answer.push(done); // it has room for one
+    // Neither ring is ever full: each has room for one, and the order before was answered.
+    let _ = orders.push(Box::new(move |station: &mut Station<'a>| {
+        let done = catch_unwind(AssertUnwindSafe(|| work(station)));
+        // Before the answer: whoever has that may ask for the time at once.
+        shared.tell_time(station.clock.now_s());
+        let _ = answer.push(done.map_err(|panic| panic_trip(&*panic)));
         caller.unpark();
-    };
-    let _ = orders.push(Box::new(order)); // it has room for one, and the last one was answered
+    }));
     loop {
         meanwhile();
+        // Before `pop`: a thread may answer and end between the two, and its answer counts.
         let gone = answered.is_abandoned() || orders.is_abandoned();
         match answered.pop() {
             Ok(done) => return done,
@@ -292,25 +293,27 @@ fn wait_for<'a, T: Send + 'a>(
     }
 }
 
-/// The station's thread: what is asked, and in between reads on, tick by tick.
+/// The station's thread: carries out orders, and reads on between them, tick by tick.
 fn attend<'a>(mut station: Station<'a>, mut orders: Consumer<Order<'a>>, shared: &Shared) {
     Priority::raise();
     loop {
         match orders.pop() {
+            // Orders first: what was given before the closing is still carried out.
             Ok(order) => order(&mut station),
             Err(_) if shared.closing.load(Ordering::Relaxed) => break,
             Err(_) => {
-                let mut idle = |now_s| {
+                let is_faulty = station.read_on(&mut |now_s| {
                     shared.tell_time(now_s);
                     orders.is_empty() && !shared.closing.load(Ordering::Relaxed)
-                };
-                if station.read_on(&mut idle) {
+                });
+                if is_faulty {
                     shared.fault.store(true, Ordering::Relaxed);
                 }
             }
         }
     }
-    let _ = station.off(); // a device that is lost was told, and has its watchdog
+    // A device that is lost was reported, and has its watchdog.
+    let _ = station.off();
 }
 
 #[cfg(test)]

@@ -77,13 +77,6 @@ impl SimulatedClock {
     pub fn new(seed: u64) -> Self {
         Self { now_s: 0.0, jitter: ChaCha8Rng::seed_from_u64(seed) }
     }
-
-    /// An exponential variate by its inverse distribution, s.
-    fn late_s(&mut self) -> f64 {
-        // The upper 53 bits as a number in (0, 1].
-        let uniform = ((self.jitter.next_u64() >> 11) as f64 + 1.0) / (1_u64 << 53) as f64;
-        JITTER_S * (-libm::log(uniform)).min(JITTER_MOST)
-    }
 }
 
 impl Clock for SimulatedClock {
@@ -92,7 +85,11 @@ impl Clock for SimulatedClock {
     }
 
     fn wait_until(&mut self, deadline_s: f64) -> f64 {
-        self.now_s = self.now_s.max(next_tick(deadline_s + self.late_s()));
+        // An exponential variate by its inverse distribution: the upper 53 bits are a number in
+        // (0, 1], never 0, whose logarithm is not finite.
+        let uniform = ((self.jitter.next_u64() >> 11) as f64 + 1.0) / (1_u64 << 53) as f64;
+        let late_s = JITTER_S * (-libm::log(uniform)).min(JITTER_MOST);
+        self.now_s = self.now_s.max(next_tick(deadline_s + late_s));
         self.now_s
     }
 }

@@ -128,6 +128,7 @@ impl Controller {
                 .voltage_v(demand.force_n)
                 .clamp(-self.motor_max_v, self.motor_max_v)
         };
+        // Never −0.0, which a recording would keep as another number than 0.
         let motor_v = if resisting_v == 0.0 { 0.0 } else { -resisting_v };
         (Voltages { motor_v, brake_v: 0.0 }, demand.wall || demand.force_n.abs() > most_n)
     }

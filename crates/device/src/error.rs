@@ -39,6 +39,12 @@ pub enum DeviceError {
     },
 }
 
+/// A device that cannot do what is asked.
+pub(crate) fn unable(device: &str, what: &str, remedy: &str) -> DeviceError {
+    let [device, what, remedy] = [device, what, remedy].map(str::to_owned);
+    DeviceError::Unable { device, what, remedy }
+}
+
 /// A parameter that must be above 0 and finite.
 pub(crate) fn positive(name: &'static str, value: f64) -> Result<f64, DeviceError> {
     let allowed = "above 0 and finite";

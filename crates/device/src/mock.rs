@@ -77,8 +77,8 @@ pub fn capabilities() -> Capabilities {
 /// Forward by 60° and back within 2 s, and at rest from then on; a push of up to 3 N on the way.
 pub fn forward_and_back(t_s: f64) -> (f64, f64) {
     let phase = PI * t_s.clamp(0.0, 2.0);
-    let there = 0.5 * (1.0 - libm::cos(phase));
-    (-FRAC_PI_4 + PI / 3.0 * there, 3.0 * there)
+    let share = 0.5 * (1.0 - libm::cos(phase));
+    (-FRAC_PI_4 + PI / 3.0 * share, 3.0 * share)
 }
 
 impl Default for Mock {
@@ -119,10 +119,10 @@ impl Mock {
     /// What the board gives its actuators at a host time, s: what was last written, unless its
     /// watchdog has run out.
     pub fn output(&self, now_s: f64) -> Voltages {
-        let fresh =
-            |at_s: f64| self.capabilities.watchdog_s.is_none_or(|wait_s| now_s - at_s < wait_s);
-        let written = self.writes.iter().rev().find(|(at_s, _)| *at_s <= now_s);
-        written.filter(|(at_s, _)| fresh(*at_s)).map_or(Voltages::OFF, |(_, voltages)| *voltages)
+        let last = self.writes.iter().rev().find(|(at_s, _)| *at_s <= now_s);
+        let Some((at_s, voltages)) = last else { return Voltages::OFF };
+        let is_fresh = self.capabilities.watchdog_s.is_none_or(|wait_s| now_s - at_s < wait_s);
+        if is_fresh { *voltages } else { Voltages::OFF }
     }
 
     /// When this fault began, if it has.
@@ -134,11 +134,11 @@ impl Mock {
     }
 
     fn connected(&self, now_s: f64) -> Result<(), DeviceError> {
-        let lost = || DeviceError::Lost {
-            device: self.capabilities.name.clone(),
-            what: "unplugged".to_owned(),
-        };
-        self.since(now_s, Fault::Unplugged).map_or(Ok(()), |_| Err(lost()))
+        if self.since(now_s, Fault::Unplugged).is_none() {
+            return Ok(());
+        }
+        let device = self.capabilities.name.clone();
+        Err(DeviceError::Lost { device, what: "unplugged".to_owned() })
     }
 
     fn angle(&self, theta_rad: f64) -> Angle {
@@ -159,7 +159,7 @@ impl Mock {
             match fault {
                 Fault::AngleOff(off_rad) => theta_rad += off_rad,
                 Fault::AngleNan => theta_rad = f64::NAN,
-                Fault::Force(found_n) => force_n = *found_n,
+                Fault::Force(false_n) => force_n = *false_n,
                 Fault::ForceNan => force_n = f64::NAN,
                 _ => {}
             }

@@ -1,5 +1,6 @@
 //! A recorded trial as a device.
 
+use crate::error::unable;
 use crate::{Angle, Capabilities, Cue, Device, DeviceError, Reading};
 use zwidth_study::{Extra, Sample, Source, Voltages};
 
@@ -28,29 +29,16 @@ impl Playback {
     /// # Errors
     /// No rows, or times that do not rise.
     pub fn new(rows: Vec<Sample>, stop_rad: f64) -> Result<Self, DeviceError> {
-        let unable = |what: &str| {
-            let device = "playback".to_owned();
-            let remedy = "choose another trial".to_owned();
-            Err(DeviceError::Unable { device, what: what.to_owned(), remedy })
-        };
+        let remedy = "choose another trial";
         if rows.len() < 2 {
-            return unable("a trial of fewer than two samples");
+            return Err(unable("playback", "a trial of fewer than two samples", remedy));
         }
         if !rows.windows(2).all(|pair| pair[1].t_s > pair[0].t_s) {
-            return unable("a trial whose time does not rise");
+            return Err(unable("playback", "a trial whose time does not rise", remedy));
         }
         let duration_s = rows[rows.len() - 1].t_s - rows[0].t_s;
         let capabilities = capabilities(rows.len() as f64 / duration_s);
         Ok(Self { capabilities, rows, stop_rad, began_s: 0.0, at: 0 })
-    }
-
-    /// Moves on to the row that stands so long after the trial's begin; its age, s.
-    fn seek(&mut self, t_s: f64) -> f64 {
-        while self.rows.get(self.at + 1).is_some_and(|next| next.t_s <= t_s) {
-            self.at += 1;
-        }
-        let played_out = self.at + 1 == self.rows.len();
-        if played_out { 0.0 } else { (t_s - self.rows[self.at].t_s).max(0.0) }
     }
 }
 
@@ -89,8 +77,14 @@ impl Device for Playback {
     }
 
     fn read(&mut self, now_s: f64) -> Result<Reading, DeviceError> {
-        let age_s = self.seek(now_s - self.began_s);
+        let t_s = now_s - self.began_s;
+        while self.rows.get(self.at + 1).is_some_and(|next| next.t_s <= t_s) {
+            self.at += 1;
+        }
         let row = &self.rows[self.at];
+        // The last row stays new, or the guard would trip on its age before the trial's limit.
+        let played_out = self.at + 1 == self.rows.len();
+        let age_s = if played_out { 0.0 } else { (t_s - row.t_s).max(0.0) };
         Ok(Reading {
             t_device_s: row.t_device_s,
             angle: Angle::Lever(row.theta_rad),

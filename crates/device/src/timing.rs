@@ -26,7 +26,8 @@ impl Default for Histogram {
 impl Histogram {
     /// Counts a duration, s. Below 0 counts as 0, above a minute as a minute.
     pub fn add(&mut self, duration_s: f64) {
-        self.counts[bucket((duration_s * 1e9) as u64)] += 1; // a float to an integer saturates, NaN is 0
+        // A float to an integer saturates, and NaN is 0.
+        self.counts[bucket((duration_s * 1e9) as u64)] += 1;
         self.count += 1;
         self.max_s = self.max_s.max(duration_s);
     }
@@ -39,13 +40,15 @@ impl Histogram {
     /// The duration that `percent` % of all do not exceed, s: the upper end of its bucket, at most
     /// 3 % too long; 0 if none was counted.
     pub fn percentile_s(&self, percent: f64) -> f64 {
+        // At least the first one, where `percent` is 0 or next to it.
         let rank = (percent / 100.0 * self.count as f64).ceil().max(1.0) as u64;
         let mut seen = 0;
-        let reached = |count: &u64| {
+        let reached = self.counts.iter().position(|count| {
             seen += count;
             seen >= rank
-        };
-        self.counts.iter().position(reached).map_or(0.0, |i| (upper_ns(i) * 1e-9).min(self.max_s))
+        });
+        // A bucket ends above its values: the longest duration is the better bound where it is less.
+        reached.map_or(0.0, |bucket| (upper_ns(bucket) * 1e-9).min(self.max_s))
     }
 
     /// Takes in another's counts.
@@ -84,7 +87,7 @@ pub struct Timing {
 }
 
 impl Timing {
-    /// Counts a waking up.
+    /// Counts the start of a tick.
     pub(crate) fn woke(&mut self, tick: &Tick) {
         self.missed += tick.missed;
         self.lateness.add(tick.late_s);
@@ -138,6 +141,7 @@ impl Pace {
         let deadline_s = self.start_s + self.next as f64 * self.period_s;
         let now_s = clock.wait_until(deadline_s);
         let late_s = now_s - deadline_s;
+        // Whole periods: a tick that is late by less still runs as its own.
         let missed = (late_s / self.period_s) as u64;
         self.next += 1 + missed;
         Tick { now_s, late_s, missed, missed_s: missed as f64 * self.period_s }

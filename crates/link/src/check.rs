@@ -26,15 +26,21 @@ pub(crate) fn within(
 }
 
 pub(crate) fn positive(name: &'static str, value: f64) -> Result<(), DeviceError> {
-    let allowed = "above 0 and finite";
-    let fine = value.is_finite() && value > 0.0;
-    if fine { Ok(()) } else { Err(DeviceError::Parameter { name, value, allowed }) }
+    require(value.is_finite() && value > 0.0, name, value, "above 0 and finite")
 }
 
 pub(crate) fn not_below_0(name: &'static str, value: f64) -> Result<(), DeviceError> {
-    let allowed = "0 or more, and finite";
-    let fine = value.is_finite() && value >= 0.0;
-    if fine { Ok(()) } else { Err(DeviceError::Parameter { name, value, allowed }) }
+    require(value.is_finite() && value >= 0.0, name, value, "0 or more, and finite")
+}
+
+/// An error about a number, unless it is fine.
+pub(crate) fn require(
+    is_fine: bool,
+    name: &'static str,
+    value: f64,
+    allowed: &'static str,
+) -> Result<(), DeviceError> {
+    if is_fine { Ok(()) } else { Err(DeviceError::Parameter { name, value, allowed }) }
 }
 
 pub(crate) fn unable(what: String, remedy: &str) -> DeviceError {

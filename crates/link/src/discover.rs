@@ -36,10 +36,11 @@ pub enum Found {
 }
 
 /// Asks who is at a wire of so many bits a second.
-type Ask = fn(&mut dyn Wire, u32) -> Result<Option<Found>, Fault>;
+type Probe = fn(&mut dyn Wire, u32) -> Result<Option<Found>, Fault>;
 
-/// How a port is asked, one after another, and at how many bits a second.
-const ASKED: [(Ask, u32); 4] =
+/// How a port is asked, one after another, and at how many bits a second. Lines come first,
+/// because a sketch could take the question of another link for a command.
+const PROBES: [(Probe, u32); 4] =
     [(lines, 115_200), (framed, 500_000), (framed, 1_000_000), (firmata, 57_600)];
 /// So long each time: many boards begin anew when their port is opened.
 const PATIENCE: Duration = Duration::from_secs(3);
@@ -49,7 +50,7 @@ const LINES: u32 = 3;
 
 /// The bits per second at which a port is asked, in ascending order.
 pub fn bauds() -> Vec<u32> {
-    let mut bauds: Vec<u32> = ASKED.iter().map(|(_, baud)| *baud).collect();
+    let mut bauds: Vec<u32> = PROBES.iter().map(|(_, baud)| *baud).collect();
     bauds.sort_unstable();
     bauds
 }
@@ -59,12 +60,12 @@ pub fn bauds() -> Vec<u32> {
 /// # Errors
 /// A system that does not tell them.
 pub fn ports() -> Result<Vec<Port>, DeviceError> {
-    let known = serialport::available_ports().map_err(|e| DeviceError::Unable {
+    let available = serialport::available_ports().map_err(|e| DeviceError::Unable {
         device: "serial ports".to_owned(),
         what: format!("the system does not list them: {e}"),
         remedy: "name the port: --device rig:PORT".to_owned(),
     })?;
-    let mut ports: Vec<Port> = known
+    let mut ports: Vec<Port> = available
         .into_iter()
         .map(|port| Port { path: port.port_name.into(), usb: usb(&port.port_type) })
         .collect();
@@ -94,7 +95,7 @@ pub fn who_is_at(port: &Path) -> Result<Option<(u32, Found)>, DeviceError> {
     })
 }
 
-/// Why a port tells nothing.
+/// Why a port could not be asked.
 #[derive(Debug)]
 enum Fault {
     Port(DeviceError),
@@ -107,40 +108,40 @@ impl From<io::Error> for Fault {
     }
 }
 
+/// The first answer of a port, and at how many bits a second it came.
 fn who<W: Wire>(
     mut open: impl FnMut(u32) -> Result<W, DeviceError>,
 ) -> Result<Option<(u32, Found)>, Fault> {
-    for (ask, baud) in ASKED {
+    for (probe, baud) in PROBES {
         let mut wire = open(baud).map_err(Fault::Port)?;
-        let found = ask(&mut wire, baud)?;
-        if found.is_some() {
-            return Ok(found.map(|found| (baud, found)));
+        if let Some(board) = probe(&mut wire, baud)? {
+            return Ok(Some((baud, board)));
         }
     }
     Ok(None)
 }
 
-/// Asks again and again, and hears each byte until one tells something.
-fn heard<T>(
+/// Asks again and again, and gives each byte to `hear` until one completes an answer.
+fn ask<T>(
     wire: &mut dyn Wire,
     question: &[u8],
     mut hear: impl FnMut(u8) -> Option<T>,
 ) -> Result<Option<T>, Fault> {
     let began = wire.now();
     let mut bytes = [0; 256];
-    let mut asks = began;
+    let mut next_question = began;
     loop {
         let now = wire.now();
         if now - began >= PATIENCE {
             return Ok(None);
         }
-        if now >= asks {
+        if now >= next_question {
             wire.send(question)?;
-            asks = now + AGAIN_EVERY;
+            next_question = now + AGAIN_EVERY;
         }
-        let came = wire.receive(&mut bytes, asks - now)?;
-        if let Some(told) = bytes[..came].iter().find_map(|byte| hear(*byte)) {
-            return Ok(Some(told));
+        let came = wire.receive(&mut bytes, next_question - now)?;
+        if let Some(answer) = bytes[..came].iter().find_map(|byte| hear(*byte)) {
+            return Ok(Some(answer));
         }
     }
 }
@@ -149,7 +150,7 @@ fn heard<T>(
 fn lines(wire: &mut dyn Wire, _: u32) -> Result<Option<Found>, Fault> {
     let mut lines = Lines::from_anywhere();
     let mut read = 0;
-    heard(wire, &[], |byte| {
+    ask(wire, &[], |byte| {
         let line = lines.push(byte)?;
         let reads = line.iter().any(u8::is_ascii_digit)
             && line.iter().all(|byte| byte.is_ascii_graphic() || matches!(byte, b' ' | b'\t'));
@@ -161,7 +162,7 @@ fn lines(wire: &mut dyn Wire, _: u32) -> Result<Option<Found>, Fault> {
 fn framed(wire: &mut dyn Wire, _: u32) -> Result<Option<Found>, Fault> {
     let mut frames = Frames::default();
     let (question, length) = ToBoard::Hello.frame(1).encode();
-    heard(wire, &question[..length], |byte| match FromBoard::read(&frames.push(byte)?)? {
+    ask(wire, &question[..length], |byte| match FromBoard::read(&frames.push(byte)?)? {
         FromBoard::Description(board) => Some(Found::Framed(board)),
         FromBoard::Seen(_) => None,
     })
@@ -182,9 +183,9 @@ fn firmata(wire: &mut dyn Wire, baud: u32) -> Result<Option<Found>, Fault> {
     let mut host = Host::new(&pins, baud).map_err(Fault::Port)?;
     let mut question = Vec::new();
     host.hello(&mut question);
-    heard(wire, &question, |byte| {
+    ask(wire, &question, |byte| {
         host.push(byte);
-        host.found().map(Found::Firmata)
+        host.described().map(Found::Firmata)
     })
 }
 

@@ -14,37 +14,37 @@ pub struct Drive {
 impl Drive {
     /// Voltages as shares of the full scale, rounded towards 0: never more than the command.
     pub fn of(voltages: Voltages, full: Voltages) -> Self {
-        let share = |volts: f64, full_v: f64| match full_v > 0.0 {
+        let both = [(voltages.motor_v, full.motor_v), (voltages.brake_v, full.brake_v)];
+        // A board that has no such actuator has a full scale of 0 V.
+        let [motor, brake] = both.map(|(volts, full_v)| match full_v > 0.0 {
             true => (volts / full_v * f64::from(i16::MAX)) as i16,
             false => 0,
-        };
-        let brake = share(voltages.brake_v, full.brake_v).max(0);
-        Self { motor: share(voltages.motor_v, full.motor_v), brake }
+        });
+        Self { motor, brake: brake.max(0) }
     }
 
     /// The voltages again.
     pub fn voltages(self, full: Voltages) -> Voltages {
-        let share = |part: i16| f64::from(part) / f64::from(i16::MAX);
-        Voltages {
-            motor_v: share(self.motor) * full.motor_v,
-            brake_v: share(self.brake) * full.brake_v,
-        }
+        let [motor, brake] =
+            [self.motor, self.brake].map(|part| f64::from(part) / f64::from(i16::MAX));
+        Voltages { motor_v: motor * full.motor_v, brake_v: brake * full.brake_v }
     }
 
     /// As whole steps of outputs with this many steps each; none exceeds the command.
     pub fn steps(self, motor: u16, brake: u16) -> [i32; 2] {
-        let steps = |part: i16, full: u16| i32::from(part) * i32::from(full) / i32::from(i16::MAX);
-        [steps(self.motor, motor), steps(self.brake, brake)]
+        [(self.motor, motor), (self.brake, brake)]
+            .map(|(part, full)| i32::from(part) * i32::from(full) / i32::from(i16::MAX))
     }
 
     /// From such steps, at least what they are: [`Drive::steps`] gives the same ones again.
     pub fn of_steps([motor, brake]: [i32; 2], motor_full: u16, brake_full: u16) -> Self {
-        let part = |steps: i32, full: u16| {
+        let [motor, brake] = [(motor, motor_full), (brake, brake_full)].map(|(steps, full)| {
             let full = i32::from(full).max(1);
+            // Rounded up: `steps` rounds down, and would else give one step less.
             let up = (steps.abs().min(full) * i32::from(i16::MAX) + full - 1) / full;
             (up * steps.signum()) as i16
-        };
-        Self { motor: part(motor, motor_full), brake: part(brake, brake_full).max(0) }
+        });
+        Self { motor, brake: brake.max(0) }
     }
 }
 

@@ -24,19 +24,18 @@ pub struct Told {
 /// # Errors
 /// Settings that make no sense; a board that cannot do what they say.
 pub fn hear(settings: &Settings, bytes: &[u8]) -> Result<Told, DeviceError> {
-    let (Some(mut talk), mut told) = (settings.host()?, Told::default()) else {
-        return Ok(Told::default());
-    };
+    let mut heard = Told::default();
+    let Some(mut talk) = settings.host()? else { return Ok(heard) };
     for byte in bytes {
         if let Some(Heard::Reading { counts, .. }) = talk.push(*byte) {
-            told.counts.push(counts);
+            heard.counts.push(counts);
         }
     }
-    told.damaged = talk.damaged();
-    let Some(facts) = talk.facts() else { return Ok(told) };
-    told.counts_per_turn = Some(facts?.counts_per_turn);
-    talk.begin(&mut told.said);
-    talk.write(Drive { motor: i16::MIN, brake: i16::MAX }, &mut told.said);
-    talk.mark(u8::MAX, u16::MAX, &mut told.said);
-    Ok(told)
+    heard.damaged = talk.damaged();
+    let Some(facts) = talk.facts() else { return Ok(heard) };
+    heard.counts_per_turn = Some(facts?.counts_per_turn);
+    talk.begin(&mut heard.said);
+    talk.write(Drive { motor: i16::MIN, brake: i16::MAX }, &mut heard.said);
+    talk.mark(u8::MAX, u16::MAX, &mut heard.said);
+    Ok(heard)
 }

@@ -24,6 +24,7 @@ pub fn open(
     })?;
     let streams = settings.streams()?.is_some();
     let wire = Serial::open(port, settings.baud())?;
+    // A board that is asked for readings sends the force with them.
     let cell = settings.hx711.as_ref().filter(|_| streams);
     let cell = cell.map(|cell| Serial::open(&cell.port, cell.baud)).transpose()?;
     over(wire, cell, settings, environments)

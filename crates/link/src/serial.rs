@@ -27,18 +27,19 @@ impl Serial {
     /// # Errors
     /// A port that is not there, or that somebody else has.
     pub fn open(port: &Path, baud: u32) -> Result<Self, DeviceError> {
-        let opened = opened(port, baud).map_err(|e| DeviceError::Unable {
+        let open = open_port(port, baud).map_err(|e| DeviceError::Unable {
             device: format!("rig at {}", port.display()),
             what: format!("the port cannot be opened: {e}"),
             remedy: "plug the board in, name its port with --device rig:PORT (`zwidth ports` lists those that there are), and close what else uses it".to_owned(),
         })?;
-        Ok(Self { open: Some(opened), at: Some((port.to_owned(), baud)) })
+        Ok(Self { open: Some(open), at: Some((port.to_owned(), baud)) })
     }
 
     /// Does something with the port; one that fails at it is gone.
     fn with<T>(&mut self, act: impl FnOnce(&mut dyn SerialPort) -> io::Result<T>) -> io::Result<T> {
         let port = self.open.as_deref_mut().ok_or(io::ErrorKind::NotConnected)?;
         let done = act(port);
+        // A port that is only slow stays open.
         if done.as_ref().is_err_and(|e| e.kind() != io::ErrorKind::TimedOut) {
             self.open = None;
         }
@@ -46,7 +47,7 @@ impl Serial {
     }
 }
 
-fn opened(port: &Path, baud: u32) -> serialport::Result<Box<dyn SerialPort>> {
+fn open_port(port: &Path, baud: u32) -> serialport::Result<Box<dyn SerialPort>> {
     serialport::new(port.to_string_lossy(), baud).timeout(WRITE).open()
 }
 
@@ -70,9 +71,10 @@ impl Wire for Serial {
     }
 
     fn reopen(&mut self) -> io::Result<()> {
+        // Closed first: a port has one owner, and a board that comes back wants its old name.
         self.open = None;
         let (port, baud) = self.at.as_ref().ok_or(io::ErrorKind::Unsupported)?;
-        self.open = Some(opened(port, *baud)?);
+        self.open = Some(open_port(port, *baud)?);
         Ok(())
     }
 }

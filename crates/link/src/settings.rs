@@ -1,7 +1,7 @@
 //! What a host must be told about a rig, because no board can know it.
 
 use crate::board::{NEWTONS_PER_COUNT, ZERO_COUNTS};
-use crate::check::{positive, unable, within};
+use crate::check::{positive, require, unable, within};
 use crate::rate::{LOOKS_PER_READING, line_rate_hz};
 use crate::streams::Streams;
 use crate::talk::Talk;
@@ -124,12 +124,6 @@ impl Settings {
         can: &Capabilities,
         cell: &Path,
     ) -> Self {
-        let hx711 = || Hx711 {
-            port: cell.to_owned(),
-            baud: usual_hx711_baud(),
-            line: usual_hx711_line(),
-            rate_hz: can.force_rate_hz,
-        };
         Self {
             port: None,
             link,
@@ -142,7 +136,12 @@ impl Settings {
             simulated: link == Link::Text,
             firmata: (link == Link::Firmata).then(|| Firmata::usual(rate_hz, angle, can)),
             text: (link == Link::Text).then(|| Text::usual(rate_hz, can)),
-            hx711: (link == Link::Firmata).then(hx711),
+            hx711: (link == Link::Firmata).then(|| Hx711 {
+                port: cell.to_owned(),
+                baud: usual_hx711_baud(),
+                line: usual_hx711_line(),
+                rate_hz: can.force_rate_hz,
+            }),
         }
     }
 
@@ -180,22 +179,18 @@ impl Settings {
         self.streams()?.map(|streams| streams.host(self.baud())).transpose()
     }
 
-    /// Whether they make sense.
+    /// Checks that they make sense.
     ///
     /// # Errors
     /// The first that does not.
     pub fn check(&self) -> Result<(), DeviceError> {
-        let bad = |name, value, allowed| Err(DeviceError::Parameter { name, value, allowed });
-        if !(self.newtons_per_count.is_finite() && self.newtons_per_count != 0.0) {
-            return bad("newtons_per_count", self.newtons_per_count, "finite and not 0");
-        }
-        if !self.zero_counts.is_finite() {
-            return bad("zero_counts", self.zero_counts, "finite");
-        }
+        let force_n = self.newtons_per_count;
+        let is_force = force_n.is_finite() && force_n != 0.0;
+        require(is_force, "newtons_per_count", force_n, "finite and not 0")?;
+        require(self.zero_counts.is_finite(), "zero_counts", self.zero_counts, "finite")?;
         positive("shaft_per_lever", self.shaft_per_lever)?;
-        if self.baud == Some(0) {
-            return bad("baud", 0.0, "above 0");
-        }
+        require(self.baud != Some(0), "baud", 0.0, "above 0")?;
+        // A load cell at a port of its own brings the force, whatever the board prints.
         let streams = self.streams()?.filter(|_| self.hx711.is_none());
         if !streams.map_or(Ok(true), Streams::brings_force)? {
             return Err(unable(
@@ -205,7 +200,11 @@ impl Settings {
         }
         let tables = [table_of(&self.firmata), table_of(&self.text)];
         tables.into_iter().flatten().try_for_each(Streams::check)?;
-        self.hx711.as_ref().map_or(Ok(()), check_hx711)
+        let Some(cell) = &self.hx711 else { return Ok(()) };
+        positive("hx711.rate_hz", cell.rate_hz)?;
+        positive("hx711.baud", cell.baud.into())?;
+        let most_hz = line_rate_hz(cell.baud, cell.template()?.longest());
+        within("the load cell's lines", cell.rate_hz, most_hz, cell.baud, "hx711.baud")
     }
 
     /// Whether a loop of this rate takes every reading of a link that streams.
@@ -228,7 +227,7 @@ impl Settings {
         ))
     }
 
-    /// Of a board that has not said who it is yet.
+    /// The capabilities of a board that has not said who it is yet.
     pub(crate) fn unknown(&self) -> Capabilities {
         Capabilities {
             name: "rig".to_owned(),
@@ -248,11 +247,4 @@ impl Settings {
 
 fn table_of<T: Streams>(table: &Option<T>) -> Option<&dyn Streams> {
     table.as_ref().map(|table| table as &dyn Streams)
-}
-
-fn check_hx711(cell: &Hx711) -> Result<(), DeviceError> {
-    positive("hx711.rate_hz", cell.rate_hz)?;
-    positive("hx711.baud", cell.baud.into())?;
-    let most_hz = line_rate_hz(cell.baud, cell.template()?.longest());
-    within("the load cell's lines", cell.rate_hz, most_hz, cell.baud, "hx711.baud")
 }

@@ -77,10 +77,16 @@ struct Inside {
     lanes: [Lane; 3],
     trouble: Option<(Way, u64, Trouble)>,
     happened: bool,
-    /// Which cable is pulled, when, and until when, s.
-    pulled: Option<(bool, f64, f64)>,
+    pulled: Option<Pulled>,
     /// A voltage was on for longer without a host than a watchdog allows.
     left_on: bool,
+}
+
+/// A cable that is out, from when until when, s.
+struct Pulled {
+    is_cell: bool,
+    from_s: f64,
+    until_s: f64,
 }
 
 struct Lane {
@@ -88,12 +94,13 @@ struct Lane {
     /// When what was said last is through, s.
     free_s: f64,
     on: VecDeque<(f64, Vec<u8>)>,
-    said: u64,
+    /// Messages so far.
+    messages: u64,
 }
 
 impl Lane {
     fn new(baud: u32) -> Self {
-        Self { baud, free_s: 0.0, on: VecDeque::new(), said: 0 }
+        Self { baud, free_s: 0.0, on: VecDeque::new(), messages: 0 }
     }
 
     fn carry(&mut self, now_s: f64, bytes: Vec<u8>) {
@@ -130,24 +137,19 @@ impl Inside {
             if next_s >= look_s {
                 self.looked_s = look_s;
             }
-            self.let_it(&bytes);
+            let mut out = Vec::new();
+            let now_s = self.now_s;
+            // A board whose device is lost says nothing.
+            let _ = self.board.take(now_s, &bytes, &mut out);
+            let weighed = self.board.load_cell();
+            self.say(Way::ToHost, now_s + self.thinks_s, out);
+            self.say(Way::Cell, now_s, weighed);
+            if let Some(Pulled { from_s, until_s, .. }) = self.pulled {
+                let on = self.board.drive() != Drive::default();
+                self.left_on |= on && now_s > from_s + WATCHED_S && now_s < until_s;
+            }
         }
         self.now_s = self.now_s.max(until_s);
-    }
-
-    /// The board hears, and says what it has to say.
-    fn let_it(&mut self, bytes: &[u8]) {
-        let mut out = Vec::new();
-        let now_s = self.now_s;
-        // A board whose device is lost says nothing.
-        let _ = self.board.take(now_s, bytes, &mut out);
-        let weighed = self.board.load_cell();
-        self.say(Way::ToHost, now_s + self.thinks_s, out);
-        self.say(Way::Cell, now_s, weighed);
-        if let Some((_, from_s, until_s)) = self.pulled {
-            let on = self.board.drive() != Drive::default();
-            self.left_on |= on && now_s > from_s + WATCHED_S && now_s < until_s;
-        }
     }
 
     fn say(&mut self, way: Way, now_s: f64, mut bytes: Vec<u8>) {
@@ -155,9 +157,9 @@ impl Inside {
             return;
         }
         let lane = &mut self.lanes[way as usize];
-        let nth = lane.said;
-        lane.said += 1;
-        let troubled = self.trouble.filter(|(of, which, _)| (*of, *which) == (way, nth));
+        let nth = lane.messages;
+        lane.messages += 1;
+        let troubled = self.trouble.filter(|(of_way, which, _)| (*of_way, *which) == (way, nth));
         let Some((_, _, trouble)) = troubled else { return lane.carry(now_s, bytes) };
         self.happened = true;
         match trouble {
@@ -182,7 +184,8 @@ impl Inside {
             // Of a device that is lost there is nothing to say.
             Trouble::Reset => drop(self.board.reset(self.now_s)),
             Trouble::Unplug(for_s) => {
-                self.pulled = Some((way == Way::Cell, now_s, now_s + for_s));
+                let (is_cell, until_s) = (way == Way::Cell, now_s + for_s);
+                self.pulled = Some(Pulled { is_cell, from_s: now_s, until_s });
                 self.lanes.iter_mut().for_each(|lane| lane.on.clear());
             }
         }
@@ -190,8 +193,9 @@ impl Inside {
 
     /// Whether this way's cable is out.
     fn is_pulled(&self, way: Way) -> bool {
-        let of_cell = way == Way::Cell;
-        self.pulled.is_some_and(|(cell, _, until_s)| cell == of_cell && self.now_s < until_s)
+        let is_cell = way == Way::Cell;
+        let pulled = self.pulled.as_ref();
+        pulled.is_some_and(|pulled| pulled.is_cell == is_cell && self.now_s < pulled.until_s)
     }
 }
 
@@ -244,7 +248,7 @@ impl Bench {
 
     /// Messages that were said on a way.
     pub fn said(&self, way: Way) -> u64 {
-        self.inside().lanes[way as usize].said
+        self.inside().lanes[way as usize].messages
     }
 
     /// The voltages that are out.

@@ -46,8 +46,8 @@ pub(crate) struct Stream<W> {
     capabilities: Capabilities,
     environments: Vec<EnvironmentId>,
     shaft: Shaft,
-    waiting: VecDeque<Known>,
-    last: Option<Known>,
+    waiting: VecDeque<Received>,
+    last: Option<Received>,
     /// The load cell's newest value at its own port, counts, and when it came, s.
     force: Option<(i32, f64)>,
     /// The board's clock: the last step, and all of them.
@@ -64,7 +64,7 @@ pub(crate) struct Stream<W> {
 
 /// A reading that came.
 #[derive(Debug, Clone, Copy)]
-struct Known {
+struct Received {
     counts: u16,
     ticks: Option<u64>,
     /// The force that came with it.
@@ -109,6 +109,7 @@ impl<W: Wire> Cell<W> {
                 let value = self.template.read(line).and_then(|values| values.get(Field::Hx711));
                 let value = value.and_then(|value| i32::try_from(value).ok());
                 self.damaged += u64::from(value.is_none());
+                // A line that is not understood does not hide the value before it.
                 newest = value.or(newest);
             }
             if came < bytes.len() {
@@ -166,6 +167,7 @@ impl<W: Wire> Stream<W> {
 
     /// A wire failed.
     fn break_off(&mut self, whose: &str, why: &io::Error) -> DeviceError {
+        // A wire that only took too long is still there.
         self.gone |= why.kind() != io::ErrorKind::TimedOut;
         self.lost(&format!("{whose}{why}"))
     }
@@ -194,7 +196,7 @@ impl<W: Wire> Stream<W> {
     fn capabilities(&self, facts: &Facts) -> Capabilities {
         let in_lines_hz = self.plan.rate_hz.min(HX711_HZ);
         let force_rate_hz = self.cell.as_ref().map_or(in_lines_hz, |cell| cell.rate_hz);
-        let known = self.settings.unknown();
+        let unknown = self.settings.unknown();
         Capabilities {
             name: facts.name.clone(),
             rate_hz: LOOKS_PER_READING * self.plan.rate_hz,
@@ -203,8 +205,8 @@ impl<W: Wire> Stream<W> {
             motor_max_v: self.plan.full.motor_v,
             brake_max_v: self.plan.full.brake_v,
             shows_moments: self.plan.shows_moments,
-            source: if facts.simulated { Source::Twin } else { known.source },
-            ..known
+            source: if facts.simulated { Source::Twin } else { unknown.source },
+            ..unknown
         }
     }
 
@@ -234,7 +236,7 @@ impl<W: Wire> Stream<W> {
         let began = self.wire.now();
         while self.wire.now() - began < BEGIN {
             self.take_in(0.0, Duration::from_millis(10))?;
-            if self.waiting.back().is_some_and(|known| self.force_with(known).is_some()) {
+            if self.waiting.back().is_some_and(|newest| self.force_with(newest).is_some()) {
                 self.reset = false;
                 return Ok(());
             }
@@ -247,9 +249,9 @@ impl<W: Wire> Stream<W> {
         Err(self.unable(what, "check the table [hx711] in rig.toml, and what runs there"))
     }
 
-    fn say(&mut self, what: impl FnOnce(&mut dyn Talk, &mut Vec<u8>)) -> Result<(), DeviceError> {
+    fn say(&mut self, write: impl FnOnce(&mut dyn Talk, &mut Vec<u8>)) -> Result<(), DeviceError> {
         self.out.clear();
-        what(&mut *self.talk, &mut self.out);
+        write(&mut *self.talk, &mut self.out);
         self.wire.send(&self.out).map_err(|e| self.break_off("", &e))
     }
 
@@ -259,6 +261,7 @@ impl<W: Wire> Stream<W> {
         let mut wait = wait;
         let before = self.waiting.len();
         for _ in 0..MOST_BYTES / bytes.len() {
+            // Waited for once: what comes after the first bytes is there already.
             let came = self.wire.receive(&mut bytes, std::mem::take(&mut wait));
             let came = came.map_err(|e| self.break_off("", &e))?;
             bytes[..came].iter().for_each(|byte| self.hear(*byte, now_s));
@@ -266,7 +269,13 @@ impl<W: Wire> Stream<W> {
                 break;
             }
         }
-        self.date(before, now_s);
+        // Readings that came together came one after another, but not before the last look.
+        let period_s = 1.0 / self.plan.rate_hz;
+        let looked_s = self.looked_s.min(now_s);
+        for (behind, received) in (0_u32..).zip(self.waiting.iter_mut().skip(before).rev()) {
+            received.came_s = (now_s - f64::from(behind) * period_s).max(looked_s);
+        }
+        self.looked_s = now_s;
         let Some(cell) = &mut self.cell else { return Ok(()) };
         let newest = cell.newest();
         let newest = newest.map_err(|e| self.break_off("the load cell's port: ", &e))?;
@@ -284,7 +293,7 @@ impl<W: Wire> Stream<W> {
                 if self.waiting.len() == MOST_WAITING {
                     self.waiting.pop_front();
                 }
-                self.waiting.push_back(Known { counts, ticks, force, came_s: now_s });
+                self.waiting.push_back(Received { counts, ticks, force, came_s: now_s });
             }
             Some(Heard::Reset) => self.reset = true,
             None => {}
@@ -299,35 +308,20 @@ impl<W: Wire> Stream<W> {
             return Some(ticks.into());
         };
         let passed = ticks.wrapping_sub(last);
+        // A clock whose steps are longer than a period may well stand between two readings.
         if passed == 0 && self.plan.tick_s * self.plan.rate_hz < 1.0 {
             return None;
         }
+        // A clock that goes back has begun anew, though nobody said so.
         self.reset |= passed > u32::MAX / 2;
         let all = if passed > u32::MAX / 2 { ticks.into() } else { all + u64::from(passed) };
         self.ticks = Some((ticks, all));
         Some(all)
     }
 
-    /// Readings that came together came one after another, but not before the last look.
-    fn date(&mut self, before: usize, now_s: f64) {
-        let period_s = 1.0 / self.plan.rate_hz;
-        let looked_s = self.looked_s.min(now_s);
-        for (behind, known) in (0_u32..).zip(self.waiting.iter_mut().skip(before).rev()) {
-            known.came_s = (now_s - f64::from(behind) * period_s).max(looked_s);
-        }
-        self.looked_s = now_s;
-    }
-
     /// The force that belongs to a reading, counts, and when it came, s.
-    fn force_with(&self, known: &Known) -> Option<(i32, f64)> {
-        known.force.map(|force| (force, known.came_s)).or(self.force)
-    }
-
-    /// Drops what has come, and waits for what comes next.
-    fn catch_up(&mut self, now_s: f64) -> Result<(), DeviceError> {
-        self.take_in(now_s, Duration::ZERO)?;
-        self.waiting.clear();
-        self.take_in(now_s, HELLO_EVERY)
+    fn force_with(&self, reading: &Received) -> Option<(i32, f64)> {
+        reading.force.map(|force| (force, reading.came_s)).or(self.force)
     }
 
     /// The next reading, or the last one again.
@@ -336,13 +330,13 @@ impl<W: Wire> Stream<W> {
             return Err(self.lost("the board has begun anew"));
         }
         self.last = self.waiting.pop_front().or(self.last);
-        let known = self.last.ok_or_else(|| self.lost("it sends no readings"))?;
-        let force = self.force_with(&known);
+        let last = self.last.ok_or_else(|| self.lost("it sends no readings"))?;
+        let force = self.force_with(&last);
         let (force, force_s) = force.ok_or_else(|| self.lost("no force has come"))?;
         Ok(Reading {
-            t_device_s: known.ticks.map(|ticks| ticks as f64 * self.plan.tick_s),
-            angle: Angle::Counts(self.shaft.upwards(known.counts)),
-            angle_age_s: (now_s - known.came_s).max(0.0),
+            t_device_s: last.ticks.map(|ticks| ticks as f64 * self.plan.tick_s),
+            angle: Angle::Counts(self.shaft.upwards(last.counts)),
+            angle_age_s: (now_s - last.came_s).max(0.0),
             force_n: (f64::from(force) - self.settings.zero_counts)
                 * self.settings.newtons_per_count,
             force_age_s: Some((now_s - force_s).max(0.0)),
@@ -373,6 +367,7 @@ impl<W: Wire> Device for Stream<W> {
         self.waiting.clear();
         (self.last, self.ticks, self.reset) = (None, None, false);
         self.say(|talk, out| {
+            // Again: a board that began anew has forgotten its pins and its interval.
             talk.begin(out);
             talk.mark(mark::HOMING, 0, out);
         })?;
@@ -382,10 +377,11 @@ impl<W: Wire> Device for Stream<W> {
         loop {
             let passed_s = (self.wire.now() - began).as_secs_f64();
             self.take_in(now_s + passed_s, HELLO_EVERY)?;
-            while let Some(known) = self.waiting.pop_front() {
-                self.last = Some(known);
-                let (since_s, counts) = *rest.get_or_insert((passed_s, known.counts));
-                if let Err(what) = self.shaft.rested(counts, known.counts) {
+            while let Some(received) = self.waiting.pop_front() {
+                self.last = Some(received);
+                let (since_s, counts) = *rest.get_or_insert((passed_s, received.counts));
+                if let Err(what) = self.shaft.rested(counts, received.counts) {
+                    // It moved, so the rest begins anew.
                     (rest, moved) = (None, what);
                 } else if passed_s - since_s >= HOMING_S {
                     if !self.shaft.is_stop(counts) {
@@ -410,7 +406,9 @@ impl<W: Wire> Device for Stream<W> {
 
     fn read(&mut self, now_s: f64) -> Result<Reading, DeviceError> {
         if now_s - self.looked_s > AWAY_S {
-            self.catch_up(now_s)?;
+            self.take_in(now_s, Duration::ZERO)?;
+            self.waiting.clear();
+            self.take_in(now_s, HELLO_EVERY)?;
         }
         self.take_in(now_s, Duration::ZERO)?;
         self.reading(now_s)

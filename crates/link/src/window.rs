@@ -50,7 +50,8 @@ impl Window {
         command.arg(program).args(arguments).env("TERM", "xterm").env_remove("ZWIDTH_ROOT");
         command.stdin(theirs.try_clone()?).stdout(theirs.try_clone()?).stderr(theirs);
         let child = command.spawn()?;
-        drop(command); // the program alone has its ends of the line
+        // Its ends of the line go with it: only the program has them now.
+        drop(command);
         let (keys, typed) = channel::<Vec<u8>>();
         let drawn = Arc::<Mutex<Vec<u8>>>::default();
         let screen = Arc::clone(&drawn);

@@ -4,10 +4,12 @@ use super::{About, Action, Flow, Phase, refuse};
 use zwidth_study::Event;
 
 impl Flow {
-    /// Something about the trial of that number.
+    /// Does what is requested about the trial of that number.
     pub(super) fn about(&mut self, trial: u32, about: About) -> Vec<Action> {
         match about {
-            About::Note(_) if !self.knows(trial) => refuse(format!("there is no trial {trial}")),
+            About::Note(_) if !self.has_trial(trial) => {
+                refuse(format!("there is no trial {trial}"))
+            }
             About::Note(text) => note(Some(trial), text),
             _ if matches!(self.phase, Phase::Trial { .. }) => {
                 refuse("a trial is running: that can be asked for when it has ended")
@@ -16,18 +18,20 @@ impl Flow {
                 refuse(format!("there is no trial {trial} that has ended"))
             }
             About::Exclude(reason) => self.exclude_trial(trial, reason),
-            About::Repeat => self.held(trial).map_or_else(refuse, |place| self.repeat_at(place)),
-            About::Ask => self.held(trial).map_or_else(refuse, |place| self.ask_again(place)),
+            About::Repeat => {
+                self.place_of(trial).map_or_else(refuse, |place| self.repeat_at(place))
+            }
+            About::Ask => self.place_of(trial).map_or_else(refuse, |place| self.ask_again(place)),
         }
     }
 
     /// Whether the session has a trial of that number.
-    fn knows(&self, trial: u32) -> bool {
+    fn has_trial(&self, trial: u32) -> bool {
         self.ended.contains(&trial) || self.places.iter().any(|p| p.trial.trial == trial)
     }
 
-    /// The place that a trial holds; who it gave it to.
-    fn held(&self, trial: u32) -> Result<usize, String> {
+    /// The place that a trial holds; the error says to which trial it gave the place.
+    fn place_of(&self, trial: u32) -> Result<usize, String> {
         let holder = self.places.iter().position(|p| p.trial.trial == trial);
         holder.ok_or_else(|| match self.places.iter().find(|p| p.repeats == Some(trial)) {
             Some(p) if !p.done => format!("trial {trial} is to be done again already"),
@@ -36,7 +40,7 @@ impl Flow {
         })
     }
 
-    /// The last trial again.
+    /// Has the last trial done again.
     pub(super) fn repeat(&mut self) -> Vec<Action> {
         if matches!(self.phase, Phase::Trial { .. }) {
             return refuse("a trial is running: stop it first; it is then done again");
@@ -60,6 +64,7 @@ impl Flow {
             return refuse(format!("trial {trial} is to be done again already"));
         }
         actions.push(self.supersede(place));
+        // What was left to ask about the trial before is asked about the new one.
         self.open = self.open.filter(|(open, _)| *open != place);
         let asks_other = matches!(self.phase, Phase::Question { place: open, .. } if open != place);
         if !asks_other && matches!(self.phase, Phase::Question { .. } | Phase::Ready | Phase::Done)
@@ -69,7 +74,7 @@ impl Flow {
         actions
     }
 
-    /// The last trial does not count.
+    /// Excludes the last trial.
     pub(super) fn exclude(&mut self, reason: String) -> Vec<Action> {
         if matches!(self.phase, Phase::Trial { .. }) {
             return refuse("a trial is running: exclude it when it has ended");
@@ -86,8 +91,9 @@ impl Flow {
             return refuse("an exclusion needs its reason");
         }
         let mut actions = vec![Action::Log(Event::Excluded { trial, reason })];
-        let held = self.held(trial).ok().filter(|place| self.places[*place].counts());
-        if let Some(place) = held {
+        // One that was done again already has no place to lose.
+        let place = self.place_of(trial).ok().filter(|place| self.places[*place].counts());
+        if let Some(place) = place {
             self.places[place].excluded = true;
             actions.push(Action::Tell(format!(
                 "trial {trial} is missing now: it is done again at the end, or right away if it is repeated"
@@ -99,7 +105,7 @@ impl Flow {
         actions
     }
 
-    /// The questions of a trial once more. The event of an answer takes the place of the one
+    /// Asks the questions of a trial once more. The event of an answer takes the place of the one
     /// before, which stays where it was kept.
     fn ask_again(&mut self, place: usize) -> Vec<Action> {
         match self.phase {

@@ -53,9 +53,10 @@ impl Flow {
         if self.phase != Phase::Homing {
             return Vec::new();
         }
+        // A question that a stop left open comes before the next trial.
         match self.open {
-            Some((place, asked)) => {
-                self.ask(place, asked, true);
+            Some((place, question)) => {
+                self.ask(place, question, true);
                 Vec::new()
             }
             None => self.go_on(),
@@ -63,14 +64,14 @@ impl Flow {
     }
 
     /// Opens a question of the trial at `place`.
-    pub(super) fn ask(&mut self, place: usize, asked: usize, late: bool) {
-        self.asked_s = None;
-        self.phase = Phase::Question { place, asked, late };
+    pub(super) fn ask(&mut self, place: usize, question: usize, late: bool) {
+        self.shown_s = None;
+        self.phase = Phase::Question { place, question, late };
     }
 
-    /// After a question: to the trial's next one, or on.
-    fn after(&mut self, place: usize, asked: usize) -> Vec<Action> {
-        let next = asked + 1;
+    /// Goes on after a question: to the trial's next one, or to what follows.
+    fn after(&mut self, place: usize, question: usize) -> Vec<Action> {
+        let next = question + 1;
         self.open = (next < self.places[place].questions.len()).then_some((place, next));
         match self.open {
             Some((place, next)) => {
@@ -81,8 +82,8 @@ impl Flow {
         }
     }
 
-    /// To the pause, what is left of it; to the next trial, before the first one by the device
-    /// check; or to the end.
+    /// Goes on to the pause, if some of it is left; to the next trial, with the device check before
+    /// the first one; or to the end.
     pub(super) fn go_on(&mut self) -> Vec<Action> {
         self.phase = match self.here() {
             None => Phase::Done,
@@ -93,7 +94,7 @@ impl Flow {
         if self.phase == Phase::Check { vec![Action::Check] } else { Vec::new() }
     }
 
-    /// Holds the pause before the next trial, or no longer.
+    /// Holds the pause before the next trial, or releases it.
     fn hold(&mut self) -> Vec<Action> {
         if !matches!(self.phase, Phase::Pause | Phase::Ready) {
             return refuse("there is no pause to hold");
@@ -104,6 +105,7 @@ impl Flow {
 
     fn failed(&mut self, why: String) -> Vec<Action> {
         match self.phase {
+            // A trial ends with a reason of its own; after the last one no device is needed.
             Phase::Trial { .. } | Phase::Done => self.halt(Halt::Stop),
             Phase::Question { place, late: false, .. } => {
                 let mut actions = vec![self.finish(place, None)];
@@ -118,7 +120,7 @@ impl Flow {
     fn elapsed(&mut self, dt_s: f64) -> Vec<Action> {
         if matches!(self.phase, Phase::Question { .. }) {
             // The first time that goes by is the trial's: the question is shown from then on.
-            self.asked_s = Some(self.asked_s.map_or(0.0, |asked_s| asked_s + dt_s.max(0.0)));
+            self.shown_s = Some(self.shown_s.map_or(0.0, |shown_s| shown_s + dt_s.max(0.0)));
         }
         if !matches!(self.phase, Phase::Trial { .. } | Phase::Question { .. }) {
             // `max` takes the 0 where dt is not a number.
@@ -144,8 +146,9 @@ impl Flow {
             }
             (Phase::Pause, _) if self.held => self.hold(),
             (Phase::Pause, _) => refuse(format!("the pause has {:.1} s to go", self.rest_s)),
-            (Phase::Question { place, asked, .. }, _) => {
-                let range = self.asked(*place, *asked).map(|q| q.scale.range()).unwrap_or_default();
+            (Phase::Question { place, question, .. }, _) => {
+                let question = self.question(*place, *question);
+                let range = question.map(|q| q.scale.range()).unwrap_or_default();
                 refuse(format!("the question is open: answer it with {range}, or skip it"))
             }
             (Phase::Done, _) => refuse("every trial is done: quit"),
@@ -162,7 +165,16 @@ impl Flow {
         self.ended.insert(self.places[place].trial.trial);
         self.rest_s = self.pause_s;
         match end {
-            End::Cut(why) => self.cut(place, why, halted),
+            End::Cut(why) => {
+                let trial = self.places[place].trial.trial;
+                let finish = Action::Finish { trial, complete: false, likert: None };
+                let mut actions = vec![finish, self.supersede(place)];
+                actions.extend(match halted {
+                    Some(Halt::Quit) => self.leave(),
+                    _ => self.stop(why),
+                });
+                actions
+            }
             End::Complete if halted.is_none() && !self.places[place].questions.is_empty() => {
                 self.ask(place, 0, false);
                 Vec::new()
@@ -178,21 +190,11 @@ impl Flow {
         }
     }
 
-    fn cut(&mut self, place: usize, why: String, halted: Option<Halt>) -> Vec<Action> {
-        let trial = self.places[place].trial.trial;
-        let finish = Action::Finish { trial, complete: false, likert: None };
-        let mut actions = vec![finish, self.supersede(place)];
-        actions.extend(match halted {
-            Some(Halt::Quit) => self.leave(),
-            _ => self.stop(why),
-        });
-        actions
-    }
-
     /// The trial at `place` is done: its file can be made.
     pub(super) fn finish(&mut self, place: usize, likert: Option<Given>) -> Action {
         let slot = &mut self.places[place];
         slot.done = true;
+        // The answer to the first question goes into the file; the others are asked after that.
         let open = usize::from(likert.is_some());
         self.open = (open < slot.questions.len()).then_some((place, open));
         Action::Finish { trial: slot.trial.trial, complete: true, likert }
@@ -210,10 +212,12 @@ impl Flow {
     }
 
     fn answer(&mut self, value: i16) -> Vec<Action> {
-        let Phase::Question { place, asked, late } = self.phase else {
+        let Phase::Question { place, question: index, late } = self.phase else {
             return refuse("no question is open");
         };
-        let Some(question) = self.asked(place, asked) else { return refuse("no question is open") };
+        let Some(question) = self.question(place, index) else {
+            return refuse("no question is open");
+        };
         if !question.scale.has(value) {
             return refuse(format!("{value} is not an answer: {}", question.scale.range()));
         }
@@ -227,44 +231,48 @@ impl Flow {
                 time_ms: self.took_ms(),
             })
         } else {
-            let given = Given { value, time_ms: self.took_ms() };
-            self.finish(place, Some(given))
+            let likert = Given { value, time_ms: self.took_ms() };
+            self.finish(place, Some(likert))
         };
-        [vec![action], self.after(place, asked)].concat()
+        [vec![action], self.after(place, index)].concat()
     }
 
-    /// The same by the participant's own screen, which a remark on the trial keeps.
+    /// Takes an answer from the participant's own screen; a remark on the trial says so.
     fn answer_there(&mut self, value: i16) -> Vec<Action> {
-        let there = match self.phase {
-            Phase::Question { place, asked, .. } => self.asked(place, asked).map(|question| {
-                let text = format!("{} was answered at the participant's screen", question.id);
-                note(Some(self.places[place].trial.trial), text)
-            }),
+        // Before the answer, after which another question, or none, is open.
+        let remark = match self.phase {
+            Phase::Question { place, question, .. } => {
+                self.question(place, question).map(|question| {
+                    let text = format!("{} was answered at the participant's screen", question.id);
+                    note(Some(self.places[place].trial.trial), text)
+                })
+            }
             _ => None,
         };
         let mut actions = self.answer(value);
         let is_refused = matches!(actions.first(), Some(Action::Refuse(_)));
-        actions.extend(there.filter(|_| !is_refused).into_iter().flatten());
+        actions.extend(remark.filter(|_| !is_refused).into_iter().flatten());
         actions
     }
 
     /// From the question to now, ms. None where no time goes by, as in a simulated session.
     fn took_ms(&self) -> Option<u32> {
         // What is too long for it is held to the highest.
-        self.asked_s.filter(|s| *s > 0.0).map(|s| (s * 1e3).round() as u32)
+        self.shown_s.filter(|s| *s > 0.0).map(|s| (s * 1e3).round() as u32)
     }
 
     /// A question of the trial at `place`.
-    fn asked(&self, place: usize, asked: usize) -> Option<&Question> {
-        self.places[place].questions.get(asked)
+    fn question(&self, place: usize, index: usize) -> Option<&Question> {
+        self.places[place].questions.get(index)
     }
 
     fn skip(&mut self) -> Vec<Action> {
-        let Phase::Question { place, asked, late } = self.phase else {
+        let Phase::Question { place, question, late } = self.phase else {
             return refuse("no question is open");
         };
+        // A trial has no file before its first question is settled.
         let mut actions = if late { Vec::new() } else { vec![self.finish(place, None)] };
-        actions.extend(self.after(place, asked));
+        actions.extend(self.after(place, question));
         actions
     }
 
@@ -288,6 +296,7 @@ impl Flow {
     fn halt_idle(&mut self, halt: Halt) -> Vec<Action> {
         match halt {
             Halt::Quit => self.leave(),
+            // What is done stays done: there is nothing to go on with after a stop.
             Halt::Stop if self.phase == Phase::Done => vec![Action::Off],
             Halt::Stop => self.stop(EMERGENCY_STOP.to_owned()),
         }

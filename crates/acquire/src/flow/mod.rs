@@ -142,7 +142,7 @@ pub enum Phase {
     Ready,
     /// A trial runs.
     Trial {
-        /// What was asked for meanwhile.
+        /// The stop or the quit that was requested meanwhile.
         halted: Option<Halt>,
     },
     /// A question of the trial at this place waits for an answer.
@@ -150,7 +150,7 @@ pub enum Phase {
         /// Index into the order.
         place: usize,
         /// Which of its questions, from 0.
-        asked: usize,
+        question: usize,
         /// Its file was finished before (by the answer to its first question, after a stop, or when
         /// resumed): the answer becomes an event.
         late: bool,
@@ -229,7 +229,7 @@ pub struct Flow {
     /// Whether the pause goes on until somebody ends it.
     held: bool,
     /// For how long the open question has been shown, s; none until time went by.
-    asked_s: Option<f64>,
+    shown_s: Option<f64>,
     /// Whether the device passed its check.
     checked: bool,
     /// Whether the lever needs a hand to get to its stop.
@@ -267,8 +267,9 @@ impl Flow {
     /// The number of the trial at hand or to come at a place, and the one that it repeats.
     pub(crate) fn number_at(&self, place: usize) -> (u32, Option<u32>) {
         let Place { trial, repeats, .. } = &self.places[place];
-        let asked = matches!(self.phase, Phase::Question { place: open, .. } if open == place);
-        match self.places[place].done && !asked && self.here() == Some(place) {
+        let is_asked = matches!(self.phase, Phase::Question { place: open, .. } if open == place);
+        // An excluded trial that is offered again keeps its place until the new one begins.
+        match self.places[place].done && !is_asked && self.here() == Some(place) {
             true => (self.next_number, Some(trial.trial)),
             false => (trial.trial, *repeats),
         }

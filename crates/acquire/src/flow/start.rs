@@ -2,7 +2,7 @@
 
 use super::{Action, Flow, Phase, Place};
 use std::collections::{BTreeMap, BTreeSet};
-use zwidth_study::{Event, PlannedTrial, Question, QuestionId};
+use zwidth_study::{Event, PlannedTrial, Question};
 
 /// A trial of the session that has a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -31,6 +31,7 @@ impl Flow {
         let files: BTreeMap<u32, Recorded> = recorded.iter().map(|r| (r.trial, *r)).collect();
         let successors = successors(events);
         let excluded = excluded(events);
+        // Of files and of the log, too: no number is used twice, whatever one of them lacks.
         let used = order.iter().map(|(t, _)| t.trial).chain(files.keys().copied());
         let next_number = used.chain(successors.values().copied()).max().unwrap_or(0) + 1;
         let places: Vec<Place> = order
@@ -45,17 +46,25 @@ impl Flow {
             ended: files.keys().copied().collect(),
             next_number,
             pause_s,
+            // The last trial of an earlier life may have ended just now.
             rest_s: if files.is_empty() { 0.0 } else { pause_s },
             held: false,
-            asked_s: None,
+            shown_s: None,
             checked: false,
             by_hand: false,
         };
-        let mut actions = flow.replace_cut_trials(&files);
+        let mut actions = Vec::new();
+        for i in 0..flow.places.len() {
+            let Place { trial, done, .. } = &flow.places[i];
+            if !done && files.contains_key(&trial.trial) {
+                // It was cut short, and gives its place to a new trial.
+                actions.push(flow.supersede(i));
+            }
+        }
         flow.open = flow.last.and_then(|i| Some((i, flow.left_open(i, &files, events)?)));
         // Where nothing is left to do, nothing is checked, and no lever is homed.
         match flow.open {
-            Some((place, asked)) if flow.here().is_none() => flow.ask(place, asked, true),
+            Some((place, question)) if flow.here().is_none() => flow.ask(place, question, true),
             _ => actions.extend(flow.go_on()),
         }
         (flow, actions)
@@ -71,36 +80,36 @@ impl Flow {
     ) -> Option<usize> {
         let Place { trial, questions, .. } = &self.places[place];
         files.get(&trial.trial).filter(|recorded| !recorded.settled)?;
-        let is_answer = |event: &Event, id: &QuestionId| matches!(event, Event::Answer { trial: of, question, .. } if *of == trial.trial && question == id);
-        let open =
-            questions.iter().position(|q| !events.iter().any(|event| is_answer(event, &q.id)));
-        let is_new = |next: usize| self.places[next].repeats.is_none() || self.places[next].done;
-        open.filter(|_| self.here().is_none_or(is_new))
-    }
-
-    fn replace_cut_trials(&mut self, files: &BTreeMap<u32, Recorded>) -> Vec<Action> {
-        let cut = |p: &Place| !p.done && files.contains_key(&p.trial.trial);
-        let cut: Vec<usize> = (0..self.places.len()).filter(|i| cut(&self.places[*i])).collect();
-        cut.into_iter().map(|i| self.supersede(i)).collect()
+        let answers = events.iter().filter_map(|event| match event {
+            Event::Answer { trial: subject, question, .. } => {
+                (*subject == trial.trial).then_some(question)
+            }
+            _ => None,
+        });
+        let answered: BTreeSet<_> = answers.collect();
+        let open = questions.iter().position(|question| !answered.contains(&question.id));
+        // A repeat that waits means that something was tried after this trial.
+        let next = self.here().map(|next| &self.places[next]);
+        open.filter(|_| next.is_none_or(|next| next.repeats.is_none() || next.done))
     }
 }
 
 /// Which trial took whose place. Numbers only grow; an event that says otherwise is not followed.
 fn successors(events: &[Event]) -> BTreeMap<u32, u32> {
-    let pair = |e: &Event| match e {
+    let pairs = events.iter().filter_map(|event| match event {
         Event::Superseded { trial, by } if by > trial => Some((*trial, *by)),
         _ => None,
-    };
-    events.iter().filter_map(pair).collect()
+    });
+    pairs.collect()
 }
 
 /// The trials that were excluded.
 fn excluded(events: &[Event]) -> BTreeSet<u32> {
-    let one = |event: &Event| match event {
+    let trials = events.iter().filter_map(|event| match event {
         Event::Excluded { trial, .. } => Some(*trial),
         _ => None,
-    };
-    events.iter().filter_map(one).collect()
+    });
+    trials.collect()
 }
 
 fn place(
@@ -111,6 +120,7 @@ fn place(
     excluded: &BTreeSet<u32>,
 ) -> Place {
     let mut repeats = None;
+    // Numbers grow from one to the next, so that this ends.
     while let Some(by) = successors.get(&trial.trial) {
         repeats = Some(trial.trial);
         trial.trial = *by;

@@ -124,7 +124,7 @@ fn several_questions_follow_each_other_and_the_trial_is_safe_from_the_first_answ
     let likert = Some(Given { value: 4, time_ms: None });
     let finish = Action::Finish { trial: 1, complete: true, likert };
     assert_eq!(flow.step(Input::Answer(4)), [finish]);
-    assert_eq!(flow.phase(), &Phase::Question { place: 0, asked: 1, late: true });
+    assert_eq!(flow.phase(), &Phase::Question { place: 0, question: 1, late: true });
     assert!(
         matches!(&flow.step(Input::Answer(4))[..], [Action::Refuse(why)] if why.contains("-3 to 3"))
     );
@@ -138,13 +138,13 @@ fn a_stop_among_several_questions_comes_back_to_the_one_that_is_open() {
     let (mut flow, _) = Flow::begin(three(), PAUSE_S, &[], &[]);
     feed(&mut flow, [Input::Checked, Input::Homed, Input::Start, Input::Ended(End::Complete)]);
     feed(&mut flow, [Input::Answer(4), Input::Stop, Input::Start, Input::Homed]);
-    assert_eq!(flow.phase(), &Phase::Question { place: 0, asked: 1, late: true });
+    assert_eq!(flow.phase(), &Phase::Question { place: 0, question: 1, late: true });
     // So does a session that is resumed, by its log.
     let recorded = [Recorded { trial: 1, complete: true, settled: false }];
     let log = [answered("felt", 4), answered("mood", -2)];
     let (mut flow, _) = Flow::begin(three(), PAUSE_S, &recorded, &log);
     feed(&mut flow, [Input::Checked, Input::Homed]);
-    assert_eq!(flow.phase(), &Phase::Question { place: 0, asked: 2, late: true });
+    assert_eq!(flow.phase(), &Phase::Question { place: 0, question: 2, late: true });
     assert_eq!(flow.step(Input::Answer(1)), [Action::Log(answered("last", 1))]);
     assert_eq!(flow.phase(), &Phase::Pause);
 }
@@ -230,7 +230,7 @@ fn a_question_that_a_stop_left_open_is_asked_again_and_its_answer_is_an_event() 
     let actions = feed(&mut flow, [Input::Start, Input::Ended(End::Complete), Input::Stop]);
     assert_eq!(actions, [Action::Finish { trial: 1, complete: true, likert: None }, Action::Off]);
     feed(&mut flow, [Input::Start, Input::Homed]);
-    assert_eq!(flow.phase(), &Phase::Question { place: 0, asked: 0, late: true });
+    assert_eq!(flow.phase(), &Phase::Question { place: 0, question: 0, late: true });
     let answer = Event::Answer {
         trial: 1,
         question: "felt".parse().unwrap(),
@@ -248,7 +248,7 @@ fn a_device_that_fails_while_a_question_is_open_is_told_as_what_stopped_the_sess
     assert_eq!(actions, [Action::Finish { trial: 1, complete: true, likert: None }, Action::Off]);
     assert_eq!(flow.phase(), &Phase::Stopped { why: "the turn is lost".into() });
     feed(&mut flow, [Input::Start, Input::Homed]);
-    assert_eq!(flow.phase(), &Phase::Question { place: 0, asked: 0, late: true });
+    assert_eq!(flow.phase(), &Phase::Question { place: 0, question: 0, late: true });
 }
 
 #[test]
@@ -329,7 +329,7 @@ fn a_session_that_is_done_needs_no_device_until_a_trial_is_to_be_done_again() {
     let open = [file(1, true), file(2, true), file(3, false)];
     let (mut flow, first) = Flow::begin(order(3), PAUSE_S, &open, &[]);
     assert_eq!(first, []);
-    assert_eq!(flow.phase(), &Phase::Question { place: 2, asked: 0, late: true });
+    assert_eq!(flow.phase(), &Phase::Question { place: 2, question: 0, late: true });
     flow.step(Input::Answer(3));
     assert_eq!(flow.phase(), &Phase::Done);
 }
@@ -378,7 +378,7 @@ fn any_trial_is_asked_again_and_each_answer_is_an_event() {
     run_one(&mut flow);
     assert_eq!(flow.phase(), &Phase::Pause);
     assert_eq!(flow.step(Input::Of(1, About::Ask)), []);
-    assert_eq!(flow.phase(), &Phase::Question { place: 0, asked: 0, late: true });
+    assert_eq!(flow.phase(), &Phase::Question { place: 0, question: 0, late: true });
     assert!(is_refused(&flow.clone().step(Input::Of(1, About::Ask)), "a question is open"));
     assert_eq!(flow.number_at(0), (1, None));
     assert_eq!(flow.step(Input::Answer(2)), [Action::Log(answered("felt", 2))]);

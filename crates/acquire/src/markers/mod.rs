@@ -69,17 +69,17 @@ pub(crate) struct Markers {
 }
 
 impl Markers {
-    /// To these programs; the board is told by the control loop itself.
+    /// Sends to these programs; the control loop itself tells the board.
     pub(crate) fn to(targets: &[Target]) -> Self {
         let (sender, markers) = sync_channel(WAITING);
-        let (told, failures) = channel();
+        let (reports, failures) = channel();
         if targets.is_empty() {
             return Self { sender: None, failures };
         }
         let mut lines: Vec<Line> = targets.iter().cloned().map(Line::new).collect();
         std::thread::spawn(move || {
             for marker in markers {
-                lines.iter_mut().for_each(|line| line.send(&marker, &told));
+                lines.iter_mut().for_each(|line| line.send(&marker, &reports));
             }
         });
         Self { sender: Some(sender), failures }
@@ -106,6 +106,7 @@ impl Drop for Markers {
     fn drop(&mut self) {
         drop(self.sender.take());
         let until = Instant::now() + LAST;
+        // The channel closes when the thread has sent the last marker.
         while self.failures.recv_timeout(until.saturating_duration_since(Instant::now())).is_ok() {}
     }
 }
@@ -122,8 +123,8 @@ impl Line {
         Self { target, tcp: None, failed: None }
     }
 
-    /// Sends one marker; the first of those that cannot be sent is told.
-    fn send(&mut self, marker: &Marker, told: &Sender<String>) {
+    /// Sends one marker; the first of those that cannot be sent is reported.
+    fn send(&mut self, marker: &Marker, reports: &Sender<String>) {
         if self.failed.is_some_and(|failed| failed.elapsed() < REST) {
             return;
         }
@@ -132,7 +133,7 @@ impl Line {
         if let Err(error) = self.try_send(marker) {
             (self.tcp, self.failed) = (None, Some(Instant::now()));
             if first {
-                let _ = told.send(format!("{} takes no markers: {error}", self.target));
+                let _ = reports.send(format!("{} takes no markers: {error}", self.target));
             }
         }
     }
@@ -141,6 +142,7 @@ impl Line {
         match &self.target {
             Target::Osc(address) => {
                 let to = resolved(address)?;
+                // A packet leaves by a socket of the same family of addresses.
                 let from: SocketAddr =
                     if to.is_ipv4() { ([0, 0, 0, 0], 0).into() } else { ([0_u16; 8], 0).into() };
                 UdpSocket::bind(from)?.send_to(&marker.message(), to).map(drop)
@@ -148,6 +150,7 @@ impl Line {
             Target::Tcp(address) => {
                 if self.tcp.is_none() {
                     let stream = TcpStream::connect_timeout(&resolved(address)?, PATIENCE)?;
+                    // A marker is small, and must not wait for the next one to fill a packet.
                     stream.set_nodelay(true)?;
                     stream.set_write_timeout(Some(PATIENCE))?;
                     self.tcp = Some(stream);
@@ -160,8 +163,8 @@ impl Line {
 }
 
 fn resolved(address: &str) -> io::Result<SocketAddr> {
-    let none = || io::Error::new(io::ErrorKind::NotFound, "the host is not known");
-    address.to_socket_addrs()?.next().ok_or_else(none)
+    let first = address.to_socket_addrs()?.next();
+    first.ok_or_else(|| io::Error::new(io::ErrorKind::NotFound, "the host is not known"))
 }
 
 #[cfg(test)]

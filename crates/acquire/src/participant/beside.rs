@@ -32,25 +32,6 @@ impl<'a> Beside<'a> {
     ) -> Self {
         Self { front, reception, _way: way, open: None, number: 0, was_open: false }
     }
-
-    /// What comes from the participant's screen now.
-    fn heard(&mut self) -> Option<Input> {
-        let is_open = self.reception.is_open();
-        if is_open && !self.was_open {
-            self.was_open = true;
-            return Some(Input::Tell("the participant's screen is open".to_owned()));
-        }
-        // What a screen said before it went counts.
-        if let Some(value) = self.reception.answer() {
-            return Some(Input::AnswerThere(value));
-        }
-        if self.was_open && !is_open {
-            self.was_open = false;
-            let closed = "the participant's screen was closed: answer here, or open it again";
-            return Some(Input::Tell(closed.to_owned()));
-        }
-        None
-    }
 }
 
 impl Front for Beside<'_> {
@@ -58,6 +39,7 @@ impl Front for Beside<'_> {
         let is_open = matches!(view.phase, Phase::Question { .. });
         let open =
             is_open.then(|| (view.trial.as_ref().map(|trial| trial.trial), view.phase.clone()));
+        // Of another trial, too: the same words may be asked again.
         if open.is_some() && open != self.open {
             self.number += 1;
         }
@@ -67,10 +49,21 @@ impl Front for Beside<'_> {
     }
 
     fn next(&mut self, wait: Duration) -> Result<Option<Input>, AcquireError> {
-        match self.heard() {
-            Some(input) => Ok(Some(input)),
-            None => self.front.next(wait),
+        let is_open = self.reception.is_open();
+        if is_open && !self.was_open {
+            self.was_open = true;
+            return Ok(Some(Input::Tell("the participant's screen is open".to_owned())));
         }
+        // What a screen said before it went counts.
+        if let Some(value) = self.reception.answer() {
+            return Ok(Some(Input::AnswerThere(value)));
+        }
+        if self.was_open && !is_open {
+            self.was_open = false;
+            let closed = "the participant's screen was closed: answer here, or open it again";
+            return Ok(Some(Input::Tell(closed.to_owned())));
+        }
+        self.front.next(wait)
     }
 }
 
@@ -117,7 +110,7 @@ mod tests {
     fn number(guest: &mut Guest, text: &str) -> u64 {
         loop {
             let sight = guest.next(SOON).unwrap();
-            match sight.as_ref().and_then(Sight::asked) {
+            match sight.as_ref().and_then(Sight::question) {
                 Some(asked) if asked.text == text => return asked.number,
                 _ => {}
             }

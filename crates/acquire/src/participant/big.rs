@@ -41,17 +41,17 @@ pub(super) fn big(word: &str) -> Vec<String> {
 }
 
 fn letters(word: &str, row: usize) -> String {
-    let cells = |c: char| {
-        let points = if c == '#' { "█" } else { " " };
-        points.repeat(CELLS)
-    };
-    let letter = |c: char| points(c)[row].chars().map(cells).collect::<String>();
-    word.chars().map(letter).collect::<Vec<_>>().join(&" ".repeat(CELLS))
+    let mut letters: Vec<String> = Vec::new();
+    for c in word.chars() {
+        let points = points(c)[row].chars().map(|point| if point == '#' { "█" } else { " " });
+        letters.push(points.map(|point| point.repeat(CELLS)).collect());
+    }
+    letters.join(&" ".repeat(CELLS))
 }
 
 fn points(c: char) -> [&'static str; ROWS] {
-    let found = LETTERS.iter().find(|(letter, _)| *letter == c);
-    found.map_or(["..."; ROWS], |(_, points)| *points)
+    let letter = LETTERS.iter().find(|(letter, _)| *letter == c);
+    letter.map_or(["..."; ROWS], |(_, points)| *points)
 }
 
 /// Cells that a word takes.

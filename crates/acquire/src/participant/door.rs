@@ -6,7 +6,7 @@
 //! once is limited, and the end of the session joins none of these threads.
 
 use super::proof::Secret;
-use super::reception::{Reception, SentAway, Teller, Visit};
+use super::reception::{Reception, SentAway, Visit};
 use super::wire::{Patient, nonce, place};
 use std::collections::VecDeque;
 use std::io::{self, ErrorKind, Read as _, Write as _};
@@ -44,6 +44,7 @@ impl Door {
     /// # Errors
     /// The system gives no port, or no thread.
     pub fn open(secret: Secret) -> io::Result<Self> {
+        // On this machine alone, at a port that the system chooses.
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0))?;
         let address = listener.local_addr()?;
         let reception = Reception::new(secret);
@@ -156,34 +157,31 @@ fn receive(
             Err(SentAway(last)) => return output.write_all(last.as_bytes()),
         }
         if input.until.is_some()
-            && let Some(teller) = visit.teller()
+            && let Some(mut teller) = visit.teller()
         {
             hall.leave(number);
             input.until = None;
-            let output = stream.try_clone()?;
-            Builder::new()
-                .name("participant's screen".into())
-                .spawn(move || tell(output, teller))?;
+            let mut output = stream.try_clone()?;
+            let thread = Builder::new().name("participant's screen".into());
+            // A thread of its own: this one waits for answers.
+            thread.spawn(move || {
+                while let Some(line) = teller.wait_for_news() {
+                    if output.write_all(line.as_bytes()).is_err() {
+                        break;
+                    }
+                }
+                let _ = output.shutdown(Shutdown::Both);
+            })?;
         }
     }
-}
-
-/// Tells a screen what is to be seen, until it is gone or the session is over.
-fn tell(mut output: TcpStream, mut teller: Teller) {
-    while let Some(line) = teller.wait_for_news() {
-        if output.write_all(line.as_bytes()).is_err() {
-            break;
-        }
-    }
-    let _ = output.shutdown(Shutdown::Both);
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::guest::Guest;
     use super::super::proof::Knock;
-    use super::super::sight::{Asked, Choice, Now, Sight};
-    use super::super::wire::{Said, answer, read_line, write_line};
+    use super::super::sight::{Choice, Now, OpenQuestion, Sight};
+    use super::super::wire::{Message, answer, read_line, write_line};
     use super::*;
     use std::io::BufReader;
 
@@ -208,7 +206,7 @@ mod tests {
         (stream, input)
     }
 
-    fn said(input: &mut BufReader<TcpStream>) -> Said {
+    fn said(input: &mut BufReader<TcpStream>) -> Message {
         serde_json::from_str(&read_line(input).unwrap().unwrap()).unwrap()
     }
 
@@ -227,12 +225,12 @@ mod tests {
         let door = Door::open(secret()).unwrap();
         door.reception.show(&sight(1));
         let (mut stream, mut input) = enter(&door);
-        assert_eq!(said(&mut input), Said::Sight(sight(1)));
+        assert_eq!(said(&mut input), Message::Sight(sight(1)));
         let choices = vec![Choice { value: -2, word: None }];
-        let asked = Asked { number: 7, choices, ..Asked::default() };
+        let asked = OpenQuestion { number: 7, choices, ..OpenQuestion::default() };
         let asked = Sight { now: Now::Question(asked), ..sight(1) };
         door.reception.show(&asked);
-        assert_eq!(said(&mut input), Said::Sight(asked));
+        assert_eq!(said(&mut input), Message::Sight(asked));
         write_line(&mut stream, "start").unwrap();
         write_line(&mut stream, &answer(7, -2)).unwrap();
         until(|| door.reception.answer() == Some(-2));
@@ -242,11 +240,11 @@ mod tests {
     fn a_second_screen_is_told_so_and_let_in_once_the_first_is_gone() {
         let door = Door::open(secret()).unwrap();
         let (first, mut input) = enter(&door);
-        assert_eq!(said(&mut input), Said::Sight(sight(0)));
-        assert_eq!(said(&mut enter(&door).1), Said::Taken);
+        assert_eq!(said(&mut input), Message::Sight(sight(0)));
+        assert_eq!(said(&mut enter(&door).1), Message::Taken);
         first.shutdown(Shutdown::Both).unwrap();
         until(|| !door.reception.is_open());
-        assert_eq!(said(&mut enter(&door).1), Said::Sight(sight(0)));
+        assert_eq!(said(&mut enter(&door).1), Message::Sight(sight(0)));
     }
 
     #[test]
@@ -273,7 +271,7 @@ mod tests {
         let door = Door::open(secret()).unwrap();
         let idle: Vec<TcpStream> =
             (0..300).map(|_| TcpStream::connect(door.address).unwrap()).collect();
-        assert_eq!(said(&mut enter(&door).1), Said::Sight(sight(0)));
+        assert_eq!(said(&mut enter(&door).1), Message::Sight(sight(0)));
         assert!(door.hall.lock().len() <= MOST_GREETED);
         drop(idle);
     }
@@ -315,11 +313,11 @@ mod tests {
     fn the_last_sight_is_seen_before_the_door_closes() {
         let door = Door::open(secret()).unwrap();
         let (_stream, mut input) = enter(&door);
-        assert_eq!(said(&mut input), Said::Sight(sight(0)));
+        assert_eq!(said(&mut input), Message::Sight(sight(0)));
         let left = Sight { now: Now::Left, ..sight(9) };
         door.reception.show(&left);
         drop(door);
-        assert_eq!(said(&mut input), Said::Sight(left));
+        assert_eq!(said(&mut input), Message::Sight(left));
         assert_eq!(read_line(&mut input).unwrap(), None);
     }
 

@@ -1,7 +1,7 @@
 //! The participant's screen: it turns a sight into a frame.
 
 use super::big::{ROWS, big, big_width};
-use super::sight::{Asked, Now, Sight};
+use super::sight::{Now, OpenQuestion, Sight};
 use crate::screen::look::{Look, Role, to_ascii};
 use crate::screen::text::{fit, width, wrap};
 use ratatui::Frame;
@@ -32,7 +32,8 @@ pub(super) fn render(
     let mut top = area.y;
     let mut height = usize::from(area.height);
     if height >= text.len() + 4 {
-        centred(&progress(sight), Role::Quiet, look, Rect { y: top, ..area }, buffer);
+        let progress = format!("{} of {} trials done", sight.done, sight.total);
+        centred(&progress, Role::Quiet, look, Rect { y: top, ..area }, buffer);
         let foot = "Ctrl-C closes this screen";
         centred(foot, Role::Quiet, look, Rect { y: area.bottom() - 1, ..area }, buffer);
         (top, height) = (top + 1, height - 2);
@@ -64,6 +65,7 @@ pub(super) fn render(
 }
 
 fn centred(line: &str, role: Role, look: Look, area: Rect, buffer: &mut Buffer) {
+    // A window without rows has no place for a line.
     if !buffer.area.contains(area.as_position()) {
         return;
     }
@@ -72,10 +74,6 @@ fn centred(line: &str, role: Role, look: Look, area: Rect, buffer: &mut Buffer) 
     let left = area.x + (usize::from(area.width) - width(&line)) as u16 / 2;
     let style: Style = look.style(role);
     buffer.set_string(left, area.y, line, style);
-}
-
-fn progress(sight: &Sight) -> String {
-    format!("{} of {} trials done", sight.done, sight.total)
 }
 
 /// The word in large letters; none where there is a question to be read.
@@ -96,14 +94,13 @@ fn large(sight: &Sight, is_answered: bool) -> String {
 /// What is to be read, in lines of at most `limit` cells, and in `height` rows if it can be.
 fn text(sight: &Sight, typed: &str, is_answered: bool, limit: usize, height: usize) -> Vec<String> {
     match &sight.now {
-        Now::Question(asked) if !is_answered => {
-            let fits = |lines: &Vec<String>| lines.len() <= height;
-            let wide = question(asked, typed, limit, true);
-            if fits(&wide) { wide } else { question(asked, typed, limit, false) }
+        Now::Question(open) if !is_answered => {
+            let wide = question(open, typed, limit, true);
+            if wide.len() <= height { wide } else { question(open, typed, limit, false) }
         }
         now => {
-            let of_trial = matches!(now, Now::Ready | Now::Go);
-            let environment = sight.environment.as_deref().filter(|_| of_trial);
+            let is_trial = matches!(now, Now::Ready | Now::Go);
+            let environment = sight.environment.as_deref().filter(|_| is_trial);
             let practice = if sight.practice { " (practice)" } else { "" };
             let environment = environment.map(|name| wrap(&format!("{name}{practice}"), limit));
             [environment.unwrap_or_default(), wrap(instruction(now), limit)].concat()
@@ -126,19 +123,19 @@ fn instruction(now: &Now) -> &'static str {
 }
 
 /// The question and its answers, one per line; without empty lines if it is not `wide`.
-fn question(asked: &Asked, typed: &str, limit: usize, wide: bool) -> Vec<String> {
+fn question(open: &OpenQuestion, typed: &str, limit: usize, wide: bool) -> Vec<String> {
     let gap = if wide { vec![String::new()] } else { Vec::new() };
-    let answers: Vec<String> = asked.shown().map(|choice| fit(&choice.words(), limit)).collect();
+    let answers: Vec<String> = open.shown().map(|choice| fit(&choice.words(), limit)).collect();
     let longest = answers.iter().map(|answer| width(answer)).max().unwrap_or(0);
-    // One below the other from the same cell on.
-    let pad = |answer: String| {
+    let how = format!("A number from {}, then Enter: {typed}_", open.range);
+    let how = if open.has_keys() { Vec::new() } else { [gap.clone(), wrap(&how, limit)].concat() };
+    // All as long as the longest: centred, they begin in the same cell.
+    let answers = answers.into_iter().map(|answer| {
         let pad = " ".repeat(longest - width(&answer));
         answer + &pad
-    };
-    let how = format!("A number from {}, then Enter: {typed}_", asked.range);
-    let how = if asked.has_keys() { Vec::new() } else { [gap.clone(), wrap(&how, limit)].concat() };
-    let answers = answers.into_iter().map(pad).collect();
-    [wrap(&asked.text, limit), gap, answers, how].concat()
+    });
+    let answers = answers.collect();
+    [wrap(&open.text, limit), gap, answers, how].concat()
 }
 
 #[cfg(test)]
@@ -182,7 +179,7 @@ mod tests {
                 let sight = Sight::of(&telling(phase.clone()), 1);
                 let told = words(&rows(&telling(phase.clone()), "", FULL, size));
                 assert!(!told.contains("SECRET") && !told.contains("8888"), "{told}");
-                if size.0 >= SMALL.0 && sight.asked().is_none() {
+                if size.0 >= SMALL.0 && sight.question().is_none() {
                     assert!(told.contains(instruction(&sight.now)), "{phase:?} {size:?} {told}");
                 }
             }

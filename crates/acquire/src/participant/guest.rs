@@ -2,11 +2,11 @@
 
 use super::proof::{Knock, Secret};
 use super::sight::{Now, Sight};
-use super::wire::{Patient, Said, answer, nonce, read_line, write_line};
+use super::wire::{Message, Patient, answer, nonce, read_line, write_line};
 use crate::AcquireError;
 use std::io::{self, BufReader};
 use std::net::{Ipv4Addr, Shutdown, TcpStream};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
 /// Longest wait for the whole greeting: a session answers at once.
@@ -27,7 +27,7 @@ pub struct Guest {
 /// How a greeting ended.
 enum Greeted {
     /// The session has proven that it is one, and this is what it says.
-    By(BufReader<Patient>, Said),
+    By(BufReader<Patient>, Message),
     /// Whoever listens hung up before the first word.
     HungUp,
     /// Whoever listens does not know the secret.
@@ -44,7 +44,6 @@ impl Guest {
     /// # Errors
     /// Nobody listens there, or not a session of this program; another screen is open.
     pub fn enter(port: u16, secret: &Secret) -> Result<Self, AcquireError> {
-        let nobody = |_| refused(NOBODY, START);
         let mut greeted = Greeted::HungUp;
         let mut hung_up = 0;
         for _ in 0..2 * ATTEMPTS {
@@ -53,13 +52,13 @@ impl Guest {
             match greeted {
                 Greeted::HungUp if hung_up + 1 < ATTEMPTS => hung_up += 1,
                 // Crowded out just after it was let in, this screen is the other one until its going is noticed.
-                Greeted::By(_, Said::Taken) if hung_up > 0 => std::thread::sleep(A_MOMENT),
+                Greeted::By(_, Message::Taken) if hung_up > 0 => std::thread::sleep(A_MOMENT),
                 _ => break,
             }
         }
         let (mut input, first) = match greeted {
-            Greeted::By(input, Said::Sight(sight)) => (input, sight),
-            Greeted::By(_, Said::Taken) => {
+            Greeted::By(input, Message::Sight(sight)) => (input, sight),
+            Greeted::By(_, Message::Taken) => {
                 return Err(refused(
                     "another participant's screen is open for this session",
                     "close that one first (Ctrl-C there)",
@@ -85,7 +84,14 @@ impl Guest {
         // The receiver is right here: this cannot fail.
         let _ = sender.send(first.cleaned());
         let thread = std::thread::Builder::new().name("session".into());
-        thread.spawn(move || hear_all(&mut input, &sender)).map_err(nobody)?;
+        let spawned = thread.spawn(move || {
+            while let Ok(Some(Message::Sight(sight))) = read_message(&mut input) {
+                if sender.send(sight.cleaned()).is_err() {
+                    return;
+                }
+            }
+        });
+        spawned.map_err(nobody)?;
         Ok(Self { stream, sights, is_over: false })
     }
 
@@ -125,6 +131,11 @@ const NOBODY: &str = "no session of this study is being recorded";
 const START: &str = "start it with `zwidth acquire` in another terminal, then open this screen";
 const GO_ON: &str = "go on with it by `zwidth acquire`, then open this screen again";
 
+/// Whatever went wrong at the port: no session of this study is behind it.
+fn nobody(_: io::Error) -> AcquireError {
+    refused(NOBODY, START)
+}
+
 fn refused(what: &str, remedy: &str) -> AcquireError {
     AcquireError::Refused { what: what.to_owned(), remedy: remedy.to_owned() }
 }
@@ -154,24 +165,16 @@ fn greet(stream: TcpStream, secret: &Secret) -> io::Result<Greeted> {
     if write_line(&mut output, &proof).is_err() {
         return Ok(Greeted::HungUp);
     }
-    Ok(match heard(&mut input) {
-        Ok(Some(said)) => Greeted::By(input, said),
+    Ok(match read_message(&mut input) {
+        Ok(Some(message)) => Greeted::By(input, message),
         Ok(None) | Err(_) => Greeted::HungUp,
     })
 }
 
-/// What the session says next; none at the end.
-fn heard(input: &mut BufReader<Patient>) -> io::Result<Option<Said>> {
+/// The session's next message; none at the end.
+fn read_message(input: &mut BufReader<Patient>) -> io::Result<Option<Message>> {
     let line = read_line(input)?;
     Ok(line.map(|line| serde_json::from_str(&line)).transpose()?)
-}
-
-fn hear_all(input: &mut BufReader<Patient>, sights: &Sender<Sight>) {
-    while let Ok(Some(Said::Sight(sight))) = heard(input) {
-        if sights.send(sight.cleaned()).is_err() {
-            return;
-        }
-    }
 }
 
 #[cfg(test)]

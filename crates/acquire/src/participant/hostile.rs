@@ -3,21 +3,21 @@
 
 use super::proof::Secret;
 use super::reception::{Reception, Visit};
-use super::wire::{Said, answer, place, place_of, read_answer, read_line};
+use super::wire::{Message, answer, place, place_of, read_answer, read_line};
 
 /// Reads bytes as the session does, as the screen does, and as the file that says where a session
 /// is found; whether everything that was read of them is read alike when it is written again, or
 /// comes byte by byte.
 pub fn is_read_as_written(bytes: &[u8]) -> bool {
     let mut input = bytes;
-    let mut holds = visited(bytes.chunks(bytes.len().max(1))) == visited(bytes.chunks(1));
+    let mut holds = replies(bytes.chunks(bytes.len().max(1))) == replies(bytes.chunks(1));
     while let Ok(Some(line)) = read_line(&mut input) {
         if let Some((number, value)) = read_answer(&line) {
             holds &= read_answer(&answer(number, value)) == Some((number, value));
         }
-        if let Ok(said) = serde_json::from_str::<Said>(&line) {
-            let again = serde_json::to_string(&said).ok();
-            holds &= again.and_then(|line| serde_json::from_str(&line).ok()) == Some(said);
+        if let Ok(message) = serde_json::from_str::<Message>(&line) {
+            let again = serde_json::to_string(&message).ok();
+            holds &= again.and_then(|line| serde_json::from_str(&line).ok()) == Some(message);
         }
     }
     let text = String::from_utf8_lossy(bytes);
@@ -28,7 +28,7 @@ pub fn is_read_as_written(bytes: &[u8]) -> bool {
 }
 
 /// What a session sends back to a screen that sends these bytes; nothing more once it is sent away.
-fn visited<'a>(parts: impl Iterator<Item = &'a [u8]>) -> Result<String, String> {
+fn replies<'a>(parts: impl Iterator<Item = &'a [u8]>) -> Result<String, String> {
     let mut visit = Visit::new(&Reception::new(Secret::new([7; 32])), [9; 32]);
     let mut back = String::new();
     for part in parts {

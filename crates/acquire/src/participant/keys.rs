@@ -1,7 +1,7 @@
 //! What a key means on the participant's screen: an answer to the open question, or the end of the
 //! screen. Nothing else can be requested there.
 
-use super::sight::Asked;
+use super::sight::OpenQuestion;
 use ratatui::crossterm::event::{KeyCode, KeyEvent, KeyEventKind, KeyModifiers};
 
 /// Characters of a number, at most: any answer's.
@@ -16,11 +16,11 @@ pub(super) enum Pressed {
     Close,
 }
 
-/// What a key press comes to, and what is typed after it. `asked` is the question that waits for an
+/// What a key press comes to, and what is typed after it. `open` is the question that waits for an
 /// answer.
 pub(super) fn press(
     key: KeyEvent,
-    asked: Option<&Asked>,
+    open: Option<&OpenQuestion>,
     mut typed: String,
 ) -> (String, Option<Pressed>) {
     if key.kind == KeyEventKind::Release {
@@ -29,14 +29,14 @@ pub(super) fn press(
     if key.modifiers.contains(KeyModifiers::CONTROL) {
         return (typed, (key.code == KeyCode::Char('c')).then_some(Pressed::Close));
     }
-    let Some(asked) = asked else { return (String::new(), None) };
+    let Some(open) = open else { return (String::new(), None) };
     match key.code {
-        KeyCode::Char(c) if asked.has_keys() => {
+        KeyCode::Char(c) if open.has_keys() => {
             let value = c.to_digit(10).and_then(|n| i16::try_from(n).ok());
-            return (typed, value.filter(|value| asked.has(*value)).map(Pressed::Answer));
+            return (typed, value.filter(|value| open.has(*value)).map(Pressed::Answer));
         }
         KeyCode::Enter => {
-            let value = typed.parse().ok().filter(|value| asked.has(*value));
+            let value = typed.parse().ok().filter(|value| open.has(*value));
             // What is no answer stays, so that it can be seen and corrected.
             let typed = if value.is_some() { String::new() } else { typed };
             return (typed, value.map(Pressed::Answer));
@@ -56,13 +56,13 @@ mod tests {
     use super::super::sight::Choice;
     use super::*;
 
-    fn asked(values: impl IntoIterator<Item = i16>) -> Asked {
+    fn asked(values: impl IntoIterator<Item = i16>) -> OpenQuestion {
         let choices = values.into_iter().map(|value| Choice { value, word: None }).collect();
-        Asked { choices, ..Asked::default() }
+        OpenQuestion { choices, ..OpenQuestion::default() }
     }
 
     /// Presses keys one after another; `\n` is Enter, `\u{8}` Backspace.
-    fn type_keys(keys: &str, asked: Option<&Asked>) -> (String, Vec<Pressed>) {
+    fn type_keys(keys: &str, asked: Option<&OpenQuestion>) -> (String, Vec<Pressed>) {
         let (mut typed, mut all) = (String::new(), Vec::new());
         for c in keys.chars() {
             let code = match c {

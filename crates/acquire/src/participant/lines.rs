@@ -5,7 +5,7 @@
 //! once.
 
 use super::guest::Guest;
-use super::sight::{Asked, Now, Sight};
+use super::sight::{Now, OpenQuestion, Sight};
 use crate::AcquireError;
 use std::collections::VecDeque;
 use std::io::{self, BufRead, IsTerminal as _, Write};
@@ -28,7 +28,7 @@ pub fn show_lines(
     mut out: impl Write,
     quit: &AtomicBool,
 ) -> Result<bool, AcquireError> {
-    let said = read(input);
+    let typed = read(input);
     let is_at_terminal = io::stdin().is_terminal();
     let mut waiting = VecDeque::new();
     let mut shown = None;
@@ -36,8 +36,9 @@ pub fn show_lines(
     let mut answered = None;
     while !quit.load(Ordering::SeqCst) {
         if let Some(sight) = guest.next(WAIT)? {
-            open = sight.asked().filter(|asked| answered != Some(asked.number)).cloned();
+            open = sight.question().filter(|question| answered != Some(question.number)).cloned();
             let line = line(&sight);
+            // A pause that counts down stays one line.
             if shown.as_ref() != Some(&line) {
                 if writeln!(out, "{line}").and_then(|()| out.flush()).is_err() {
                     break;
@@ -49,7 +50,7 @@ pub fn show_lines(
             }
         }
         let has_ended = loop {
-            match said.try_recv() {
+            match typed.try_recv() {
                 Ok(line) => waiting.push_back(line),
                 Err(ended) => break ended == TryRecvError::Disconnected,
             }
@@ -58,12 +59,12 @@ pub fn show_lines(
         if has_ended && is_at_terminal && !io::stdin().is_terminal() {
             break;
         }
-        while let Some(asked) = &open {
+        while let Some(question) = &open {
             let Some(line) = waiting.pop_front() else { break };
-            match value(asked, &line) {
+            match value(question, &line) {
                 Ok(value) => {
-                    guest.answer(asked.number, value)?;
-                    answered = Some(asked.number);
+                    guest.answer(question.number, value)?;
+                    answered = Some(question.number);
                     open = None;
                 }
                 Err(words) => {
@@ -92,24 +93,22 @@ fn read(input: impl BufRead + Send + 'static) -> Receiver<String> {
 }
 
 /// The answer that a line gives; the error says what may be answered.
-fn value(asked: &Asked, line: &str) -> Result<i16, String> {
-    let value = line.parse().ok().filter(|value| asked.has(*value));
-    value.ok_or_else(|| format!("'{}' is not an answer: {}", printable(line), asked.range))
+fn value(question: &OpenQuestion, line: &str) -> Result<i16, String> {
+    let value = line.parse().ok().filter(|value| question.has(*value));
+    value.ok_or_else(|| format!("'{}' is not an answer: {}", printable(line), question.range))
 }
 
 /// What is to be done, as a line.
 fn line(sight: &Sight) -> String {
-    let trial = || {
-        let practice = if sight.practice { ", practice" } else { "" };
-        format!("{}{practice}", sight.environment.as_deref().unwrap_or_default())
-    };
+    let practice = if sight.practice { ", practice" } else { "" };
+    let trial = format!("{}{practice}", sight.environment.as_deref().unwrap_or_default());
     match &sight.now {
         Now::Wait => "wait: the device is being prepared".to_owned(),
-        Now::Ready => format!("ready: finger on the lever, {}", trial()),
-        Now::Go => format!("go: lever forward and back, once, {}", trial()),
-        Now::Question(asked) => {
-            let answers: Vec<String> = asked.shown().map(|choice| choice.words()).collect();
-            format!("question {} ({}: {})", asked.text, asked.range, answers.join(", "))
+        Now::Ready => format!("ready: finger on the lever, {trial}"),
+        Now::Go => format!("go: lever forward and back, once, {trial}"),
+        Now::Question(open) => {
+            let answers: Vec<String> = open.shown().map(|choice| choice.words()).collect();
+            format!("question {} ({}: {})", open.text, open.range, answers.join(", "))
         }
         Now::Pause { .. } => "pause: finger off the lever".to_owned(),
         Now::Held => "pause, held".to_owned(),

@@ -3,7 +3,7 @@
 
 use super::proof::{Nonce, Nonces, Secret};
 use super::sight::Sight;
-use super::wire::{Said, read_answer};
+use super::wire::{Message, read_answer};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
@@ -58,8 +58,9 @@ impl Reception {
         if state.sight == *sight {
             return;
         }
-        let number = |sight: &Sight| sight.asked().map(|asked| asked.number);
-        if number(&state.sight) != number(sight) {
+        let [before, now] =
+            [&state.sight, sight].map(|sight| sight.question().map(|question| question.number));
+        if before != now {
             state.answer = None;
         }
         state.sight.clone_from(sight);
@@ -136,6 +137,7 @@ impl Visit {
         for byte in bytes {
             if *byte != b'\n' {
                 self.line.push(*byte);
+                // No screen of ours sends so much without an end.
                 if self.line.len() >= MOST_LINE {
                     return Err(SentAway(String::new()));
                 }
@@ -161,7 +163,7 @@ impl Visit {
                 }
                 let mut state = self.reception.lock();
                 if state.inside.is_some() || state.closing {
-                    return Err(SentAway(to_line(&Said::Taken)));
+                    return Err(SentAway(to_line(&Message::Taken)));
                 }
                 state.admitted += 1;
                 state.inside = Some(state.admitted);
@@ -170,11 +172,11 @@ impl Visit {
             }
             Stage::Inside(_) => {
                 let mut state = self.reception.lock();
-                let asked = state.sight.asked();
-                let answered = read_answer(line).filter(|(number, value)| {
-                    asked.is_some_and(|asked| asked.number == *number && asked.has(*value))
+                let open = state.sight.question();
+                let answer = read_answer(line).filter(|(number, value)| {
+                    open.is_some_and(|open| open.number == *number && open.has(*value))
                 });
-                state.answer = state.answer.or(answered.map(|(_, value)| value));
+                state.answer = state.answer.or(answer.map(|(_, value)| value));
                 Ok(String::new())
             }
         }
@@ -214,7 +216,7 @@ impl Teller {
         let state = self.reception.lock();
         let is_news = state.inside == Some(self.number) && self.last != Some(state.shown);
         self.last = Some(state.shown);
-        is_news.then(|| to_line(&Said::Sight(state.sight.clone())))
+        is_news.then(|| to_line(&Message::Sight(state.sight.clone())))
     }
 
     /// The same, waiting for it; none if that screen is gone, or the session is over.
@@ -234,14 +236,14 @@ impl Drop for Teller {
     }
 }
 
-fn to_line(said: &Said) -> String {
-    serde_json::to_string(said).unwrap_or_default() + "\n"
+fn to_line(message: &Message) -> String {
+    serde_json::to_string(message).unwrap_or_default() + "\n"
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::proof::Knock;
-    use super::super::sight::{Asked, Choice, Now};
+    use super::super::sight::{Choice, Now, OpenQuestion};
     use super::super::wire::answer;
     use super::*;
 
@@ -264,7 +266,7 @@ mod tests {
 
     fn question(number: u64) -> Sight {
         let choices = (1..=5).map(|value| Choice { value, word: None }).collect();
-        let asked = Asked { number, choices, ..Asked::default() };
+        let asked = OpenQuestion { number, choices, ..OpenQuestion::default() };
         Sight { now: Now::Question(asked), ..Sight::default() }
     }
 

@@ -38,7 +38,7 @@ pub(super) enum Now {
     /// A trial runs.
     Go,
     /// A question waits for its answer.
-    Question(Asked),
+    Question(OpenQuestion),
     /// The pause after a trial.
     Pause {
         /// Time left, s, rounded up.
@@ -56,7 +56,7 @@ pub(super) enum Now {
 
 /// A question, and what may be answered to it.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
-pub(super) struct Asked {
+pub(super) struct OpenQuestion {
     /// Which question of this life of the session: an answer names it, so that one that comes too
     /// late is none to the next question.
     pub(super) number: u64,
@@ -94,11 +94,11 @@ impl Sight {
     /// none is endless.
     pub(super) fn cleaned(mut self) -> Self {
         self.environment = self.environment.map(cleaned);
-        if let Now::Question(asked) = &mut self.now {
-            for text in [&mut asked.text, &mut asked.range] {
+        if let Now::Question(question) = &mut self.now {
+            for text in [&mut question.text, &mut question.range] {
                 *text = cleaned(std::mem::take(text));
             }
-            for choice in &mut asked.choices {
+            for choice in &mut question.choices {
                 choice.word = choice.word.take().map(cleaned);
             }
         }
@@ -106,9 +106,9 @@ impl Sight {
     }
 
     /// The question that is open.
-    pub(super) fn asked(&self) -> Option<&Asked> {
+    pub(super) fn question(&self) -> Option<&OpenQuestion> {
         match &self.now {
-            Now::Question(asked) => Some(asked),
+            Now::Question(question) => Some(question),
             _ => None,
         }
     }
@@ -125,7 +125,9 @@ impl Now {
             Phase::Check | Phase::Step { .. } | Phase::AtStop | Phase::Homing => Self::Wait,
             Phase::Ready => Self::Ready,
             Phase::Trial { .. } => Self::Go,
-            Phase::Question { text, scale } => Self::Question(Asked::of(number, text, scale)),
+            Phase::Question { text, scale } => {
+                Self::Question(OpenQuestion::of(number, text, scale))
+            }
             Phase::Pause { .. } if view.held => Self::Held,
             // A pause is seconds to minutes: the cast cannot lose anything that a screen shows.
             Phase::Pause { left_s, .. } => Self::Pause { left_s: left_s.ceil().max(0.0) as u32 },
@@ -136,16 +138,14 @@ impl Now {
     }
 }
 
-impl Asked {
+impl OpenQuestion {
     fn of(number: u64, text: &str, scale: &AnswerScale) -> Self {
-        let word = |value| scale.word(value).map(|word| printable(word).into_owned());
-        let choice = |value| Choice { value, word: word(value) };
-        Self {
-            number,
-            text: printable(text).into_owned(),
-            range: scale.range(),
-            choices: scale.answers().into_iter().map(choice).collect(),
-        }
+        let choices = scale.answers().into_iter().map(|value| {
+            let word = scale.word(value).map(|word| printable(word).into_owned());
+            Choice { value, word }
+        });
+        let text = printable(text).into_owned();
+        Self { number, text, range: scale.range(), choices: choices.collect() }
     }
 
     /// Whether this is an answer.
@@ -162,10 +162,10 @@ impl Asked {
     pub(super) fn shown(&self) -> impl Iterator<Item = &Choice> {
         let last = self.choices.len().saturating_sub(1);
         let is_short = self.choices.len() <= usize::from(AnswerScale::MOST_CATEGORIES);
-        let is_shown = move |(at, choice): &(usize, &Choice)| {
+        let shown = self.choices.iter().enumerate().filter(move |(at, choice)| {
             is_short || *at == 0 || *at == last || choice.word.is_some()
-        };
-        self.choices.iter().enumerate().filter(is_shown).map(|(_, choice)| choice)
+        });
+        shown.map(|(_, choice)| choice)
     }
 }
 
@@ -247,13 +247,13 @@ pub(super) mod tests {
 
     #[test]
     fn a_short_scale_is_shown_whole_and_a_long_one_by_its_ends_and_words() {
-        let values = |asked: &Asked| asked.shown().map(|c| c.value).collect::<Vec<_>>();
-        let five = Asked::of(1, "", &AnswerScale::FivePoint);
+        let values = |asked: &OpenQuestion| asked.shown().map(|c| c.value).collect::<Vec<_>>();
+        let five = OpenQuestion::of(1, "", &AnswerScale::FivePoint);
         assert_eq!(values(&five), [1, 2, 3, 4, 5]);
         assert!(five.has_keys() && five.has(5) && !five.has(6));
         let labels = ["soft", "middling", "hard"].map(str::to_owned).to_vec();
         let scale = zwidth_study::NumberScale { points: 21, from: 0, step: 5, labels };
-        let long = Asked::of(1, "", &AnswerScale::Numbers(scale));
+        let long = OpenQuestion::of(1, "", &AnswerScale::Numbers(scale));
         assert_eq!(values(&long), [0, 50, 100]);
         assert!(!long.has_keys());
         assert_eq!(long.choices[20].words(), "100 hard");
@@ -262,7 +262,7 @@ pub(super) mod tests {
     #[test]
     fn asked_for_the_mode_every_mode_is_a_choice_and_so_is_not_to_know() {
         let modes = AnswerScale::Modes(["Motor", "Brake"].map(str::to_owned).to_vec());
-        let asked = Asked::of(1, "", &modes);
+        let asked = OpenQuestion::of(1, "", &modes);
         let shown: Vec<String> = asked.shown().map(Choice::words).collect();
         assert_eq!(shown, ["0 do not know", "1 Motor", "2 Brake"]);
         assert!(asked.has_keys() && asked.has(0) && !asked.has(3));
@@ -270,7 +270,7 @@ pub(super) mod tests {
 
     #[test]
     fn a_text_that_steers_a_terminal_is_shown_not_sent() {
-        let asked = Asked::of(1, "a\u{1b}[2Jb\nc", &AnswerScale::FivePoint);
+        let asked = OpenQuestion::of(1, "a\u{1b}[2Jb\nc", &AnswerScale::FivePoint);
         assert_eq!(asked.text, "a\\u{1b}[2Jb\\nc");
     }
 }

@@ -28,7 +28,7 @@ pub fn show_screen(mut guest: Guest, look: Look, quit: &AtomicBool) -> Result<bo
     while !quit.load(Ordering::SeqCst) {
         while let Some(next) = guest.next(Duration::ZERO)? {
             // What was typed belongs to its question.
-            if next.asked() != sight.asked() {
+            if next.question() != sight.question() {
                 typed.clear();
             }
             (sight, fresh) = (next, true);
@@ -36,7 +36,7 @@ pub fn show_screen(mut guest: Guest, look: Look, quit: &AtomicBool) -> Result<bo
                 return Ok(true);
             }
         }
-        let number = sight.asked().map(|asked| asked.number);
+        let number = sight.question().map(|question| question.number);
         let is_answered = number.is_some() && number == answered;
         if std::mem::take(&mut fresh)
             && window.draw(|frame| render(&sight, &typed, is_answered, look, frame)).is_err()
@@ -50,7 +50,7 @@ pub fn show_screen(mut guest: Guest, look: Look, quit: &AtomicBool) -> Result<bo
         };
         fresh = true;
         let Event::Key(key) = event else { continue };
-        let open = sight.asked().filter(|_| !is_answered);
+        let open = sight.question().filter(|_| !is_answered);
         let (after, pressed) = press(key, open, std::mem::take(&mut typed));
         typed = after;
         match (pressed, number) {

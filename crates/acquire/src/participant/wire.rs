@@ -10,10 +10,10 @@ use std::time::Instant;
 /// Longest line of a session, bytes: a question with a hundred answers, each with a long word.
 const MOST_LINE: u64 = 1 << 17;
 
-/// What the session says.
+/// A message of the session.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub(super) enum Said {
+pub(super) enum Message {
     /// Another screen is open.
     Taken,
     /// What is to be seen now.
@@ -83,6 +83,7 @@ pub(super) fn read_line(input: &mut impl BufRead) -> io::Result<Option<String>> 
     match line.strip_suffix('\n') {
         Some(whole) => Ok(Some(whole.to_owned())),
         None if line.is_empty() => Ok(None),
+        // Cut off by the end of the input, or longer than any line of ours.
         None => Err(io::ErrorKind::InvalidData.into()),
     }
 }

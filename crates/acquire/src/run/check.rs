@@ -8,8 +8,8 @@ use zwidth_device::check::{Finding, Step, check_step, tare_n};
 use zwidth_device::{Station, Trip};
 use zwidth_study::{Check, Event};
 
-/// What is done in a step that goes on.
-fn doing(step: Step) -> &'static str {
+/// What happens in a step while it runs, in words.
+fn activity(step: Step) -> &'static str {
     match step {
         Step::Rest => "the sensors at rest, for 2 s",
         Step::Load(_) => "the known mass on the load cell, for 2 s",
@@ -18,11 +18,11 @@ fn doing(step: Step) -> &'static str {
     }
 }
 
-/// What somebody says of a step before it.
+/// The decision of the operator on a step before it.
 enum Word {
     Begin,
     LeaveOut,
-    /// Neither it nor the session goes on.
+    /// The check ends, with this input.
     End(Input),
 }
 
@@ -32,23 +32,24 @@ impl Runner<'_> {
     /// person's to judge.
     pub(super) fn check(&mut self) -> Result<Input, AcquireError> {
         self.view.checks.clear();
-        let found = self.go_through()?;
+        let outcome = self.go_through()?;
         self.view.step = None;
-        let found = match found {
-            Ok(found) => found,
+        let findings = match outcome {
+            Ok(findings) => findings,
             Err(input) => return Ok(input),
         };
         if self.options.stop.load(Ordering::SeqCst) {
-            return Ok(Input::Failed(EMERGENCY_STOP.to_owned())); // cut short, it proves nothing
+            // Cut short, it proves nothing.
+            return Ok(Input::Failed(EMERGENCY_STOP.to_owned()));
         }
-        for bad in found.iter().filter(|f| !f.check.ok) {
+        for bad in findings.iter().filter(|f| !f.check.ok) {
             self.view.say(format!(
                 "device check: {}: {}",
                 look::check_words(&bad.check),
                 bad.about
             ));
         }
-        let checks: Vec<Check> = found.into_iter().map(|f| f.check).collect();
+        let checks: Vec<Check> = findings.into_iter().map(|f| f.check).collect();
         if !self.session.laid_down {
             self.session.record.checks = checks;
             let utc = (self.utc)(self.attendant.now_s());
@@ -64,10 +65,11 @@ impl Runner<'_> {
         Ok(Input::Checked)
     }
 
-    /// Goes through the steps one by one, each shown while it lasts; or what ended it.
+    /// Goes through the steps one by one, each shown while it lasts; the findings, or the input that
+    /// ended it.
     fn go_through(&mut self) -> Result<Result<Vec<Finding>, Input>, AcquireError> {
         let options = self.options;
-        let mut found = Vec::new();
+        let mut findings = Vec::new();
         for (i, step) in options.steps.iter().enumerate() {
             let word = if options.ask { self.ask(*step)? } else { Word::Begin };
             match word {
@@ -76,19 +78,19 @@ impl Runner<'_> {
                 Word::End(input) => return Ok(Err(input)),
             }
             let place = format!("Step {} of {}", i + 1, options.steps.len());
-            self.view.step = Some(format!("{place}: {}", doing(*step)));
+            self.view.step = Some(format!("{place}: {}", activity(*step)));
             self.show()?;
-            let more = match self.check_step(*step, tare_n(&found)) {
+            let more = match self.check_step(*step, tare_n(&findings)) {
                 Ok(more) => more,
                 Err(trip) => return Ok(Err(Input::Failed(format!("device check: {trip}")))),
             };
             self.view.checks.extend(more.iter().map(|f| look::check_line(&f.check)));
-            found.extend(more);
+            findings.extend(more);
         }
         if options.steps.is_empty() {
             self.show()?;
         }
-        Ok(Ok(found))
+        Ok(Ok(findings))
     }
 
     fn check_step(&mut self, step: Step, tare_n: f64) -> Result<Vec<Finding>, Trip> {
@@ -101,7 +103,7 @@ impl Runner<'_> {
         })?
     }
 
-    /// Waits for somebody's word; what moves the lever needs another one than the rest.
+    /// Waits for the operator's decision; a step that moves the lever has a key of its own for it.
     fn ask(&mut self, step: Step) -> Result<Word, AcquireError> {
         let (what, moves) = step_words(step);
         loop {

@@ -12,7 +12,7 @@ use zwidth_device::{Station, Trip, watch};
 const PAST_S: f64 = 1e-6;
 
 impl Runner<'_> {
-    /// Waits a little, or for as long as the pause is on a simulated clock; what came of it.
+    /// Waits a little, or for the whole pause on a simulated clock; returns the inputs that came.
     pub(super) fn idle(&mut self) -> Result<Vec<Input>, AcquireError> {
         if self.options.quit.load(Ordering::SeqCst) {
             return Ok(vec![Input::Quit]);
@@ -23,12 +23,13 @@ impl Runner<'_> {
         let mut inputs = Vec::new();
         let rests =
             *self.flow.phase() == Phase::Pause && !self.flow.is_held() && !self.options.live;
-        let found = match self.flow.phase() {
+        let fault = match self.flow.phase() {
             Phase::Pause if rests => self.rest(),
             Phase::Ready | Phase::Question { .. } | Phase::Pause => self.attendant.fault(),
-            _ => None, // what is stopped or over has nothing to stop for
+            // What is stopped or over has nothing to stop for.
+            _ => None,
         };
-        inputs.extend(found.map(|trip| Input::Failed(trip.to_string())));
+        inputs.extend(fault.map(|trip| Input::Failed(trip.to_string())));
         inputs.extend(self.front.next(if rests { Duration::ZERO } else { WAIT })?);
         Ok(inputs)
     }
@@ -39,8 +40,8 @@ impl Runner<'_> {
         let first = self.answer.take();
         match *self.flow.phase() {
             Phase::Question { late: false, .. } => first,
-            Phase::Question { place, asked, .. } if asked > 0 => {
-                self.ask_participant((place, asked))
+            Phase::Question { place, question, .. } if question > 0 => {
+                self.ask_participant(place, question)
             }
             _ => None,
         }

@@ -35,6 +35,7 @@ impl<'a> Lasting<'a> {
     fn outlive<T: Default>(&mut self, done: Result<T, AcquireError>) -> Result<T, AcquireError> {
         match done {
             Err(AcquireError::Front(error)) => {
+                // The first reason: later ones follow from it.
                 self.gone.get_or_insert(error.to_string());
                 self.stop.store(true, Ordering::SeqCst);
                 self.quit.store(true, Ordering::SeqCst);

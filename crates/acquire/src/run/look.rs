@@ -68,7 +68,6 @@ pub(super) fn refresh_trial(
 fn current(place: usize, flow: &Flow, plan: &Plan, session: &Session) -> Current {
     let slot = &flow.places()[place];
     let mode = session.modes.get(place).filter(|_| !session.blinded);
-    let label = |id| plan.study.mode(id).map(|m| m.label.clone());
     let environment = plan.study.environment(&slot.trial.environment);
     let (trial, repeats) = flow.number_at(place);
     Current {
@@ -77,7 +76,7 @@ fn current(place: usize, flow: &Flow, plan: &Plan, session: &Session) -> Current
         kind: slot.trial.kind,
         environment: environment
             .map_or_else(|| slot.trial.environment.to_string(), |e| e.label.clone()),
-        mode: mode.and_then(label),
+        mode: mode.and_then(|id| plan.study.mode(id)).map(|mode| mode.label.clone()),
         repeats,
     }
 }
@@ -92,14 +91,14 @@ fn phase(flow: &Flow, plan: &Plan, view: &View) -> Phase {
             let t_s = if let Phase::Trial { t_s, .. } = view.phase { t_s } else { 0.0 };
             Phase::Trial { t_s, limit_s: plan.study.design.trial_limit_s }
         }
-        flow::Phase::Question { place, asked, .. } => {
+        flow::Phase::Question { place, question: index, .. } => {
             let questions = &flow.places()[*place].questions;
-            let question = questions.get(*asked);
+            let question = questions.get(*index);
             let (text, scale) =
                 question.map(|q| (q.text.clone(), q.scale.clone())).unwrap_or_default();
             let text = match questions.len() {
                 0 | 1 => text,
-                n => format!("({} of {n}) {text}", asked + 1),
+                n => format!("({} of {n}) {text}", index + 1),
             };
             Phase::Question { text, scale }
         }
@@ -114,7 +113,6 @@ fn phase(flow: &Flow, plan: &Plan, view: &View) -> Phase {
 
 /// An event in words.
 pub(super) fn event(event: &Event) -> String {
-    let of = |trial: &Option<u32>| trial.map(|n| format!("trial {n}: ")).unwrap_or_default();
     match event {
         Event::LaidDown { .. } => "the session was laid down".to_owned(),
         Event::SweepRecorded { actuator, sweep, .. } => {
@@ -126,7 +124,8 @@ pub(super) fn event(event: &Event) -> String {
             format!("trial {trial} does not count: it is done again as trial {by}")
         }
         Event::Excluded { trial, reason } => format!("trial {trial} excluded: {reason}"),
-        Event::Note { trial, text } => format!("{}note: {text}", of(trial)),
+        Event::Note { trial: Some(trial), text } => format!("trial {trial}: note: {text}"),
+        Event::Note { trial: None, text } => format!("note: {text}"),
         Event::Marker { trial, moment, .. } => format!("trial {trial}: marker {}", moment.as_str()),
         Event::Unsealed { .. } => "unsealed".to_owned(),
         Event::StudyAccepted { .. } => "the changed study.toml was accepted".to_owned(),
@@ -144,11 +143,12 @@ pub(super) fn check_words(check: &Check) -> String {
     format!("{} {}, {verdict}", check.name, check_value(check))
 }
 
-/// How a trial's loop keeps its time, for the screen. Counted are missed deadlines, and dropouts.
+/// How a trial's loop keeps its time, for the screen, with its missed deadlines and dropouts.
 pub(super) fn timing(
     rate_hz: f64,
     measured_hz: f64,
-    [missed, dropouts]: [u64; 2],
+    missed: u64,
+    dropouts: u64,
     lateness: &Histogram,
 ) -> Timing {
     Timing {

@@ -1,6 +1,6 @@
 //! Markers of a trial: found among its samples, sent, and kept in the session's log.
 
-use super::Runner;
+use super::{Ran, Runner};
 use crate::AcquireError;
 use crate::markers::{Marker, Markers};
 use zwidth_device::Moments;
@@ -22,20 +22,20 @@ impl<'a> Marking<'a> {
     }
 
     pub(super) fn add(&mut self, sample: &Sample) {
-        let at = (sample.t_s, sample.t_device_s);
-        self.last = Some(at);
-        self.moments.of(sample.flags).for_each(|moment| self.send(moment, at));
+        let Sample { t_s, t_device_s, .. } = *sample;
+        self.last = Some((t_s, t_device_s));
+        self.moments.of(sample.flags).for_each(|moment| self.send(moment, t_s, t_device_s));
     }
 
     /// After the last sample: its time, s, and the markers.
     pub(super) fn end(mut self) -> (Option<f64>, Vec<Marker>) {
-        if let Some((end, at)) = self.moments.end().zip(self.last) {
-            self.send(end, at);
+        if let Some((end, (t_s, t_device_s))) = self.moments.end().zip(self.last) {
+            self.send(end, t_s, t_device_s);
         }
         (self.last.map(|(t_s, _)| t_s), self.sent)
     }
 
-    fn send(&mut self, moment: Moment, (t_s, t_device_s): (f64, Option<f64>)) {
+    fn send(&mut self, moment: Moment, t_s: f64, t_device_s: Option<f64>) {
         if self.markers.are_on() {
             let marker = Marker { trial: self.trial, moment, t_s, t_device_s };
             self.markers.send(marker);
@@ -56,7 +56,7 @@ impl Runner<'_> {
 
     /// The answer to the trial that ran last; one that is given later is no moment of a recording.
     pub(super) fn mark_answer(&mut self, trial: u32) -> Result<(), AcquireError> {
-        let Some((_, ended_s, t_s)) = self.ran.filter(|(ran, ..)| *ran == trial) else {
+        let Some(Ran { ended_s, last_s, .. }) = self.ran.filter(|ran| ran.trial == trial) else {
             return Ok(());
         };
         if !self.markers.are_on() {
@@ -66,7 +66,7 @@ impl Runner<'_> {
             // A device that is lost shows no more: the next trial finds it.
             let _ = self.attendant.ask(|station| station.device.mark(Moment::Answer));
         }
-        let t_s = t_s + (self.attendant.now_s() - ended_s);
+        let t_s = last_s + (self.attendant.now_s() - ended_s);
         let marker = Marker { trial, moment: Moment::Answer, t_s, t_device_s: None };
         self.markers.send(marker);
         self.keep_markers(&[marker])
@@ -74,14 +74,20 @@ impl Runner<'_> {
 
     /// Tells what could not be sent, and keeps a note of it.
     pub(super) fn tell_unsent(&mut self) -> Result<(), AcquireError> {
-        let note = |text| Event::Note { trial: None, text };
-        self.markers.failures().into_iter().try_for_each(|what| self.log(note(what)))
+        for text in self.markers.failures() {
+            self.log(Event::Note { trial: None, text })?;
+        }
+        Ok(())
     }
 }
 
 fn event(marker: &Marker) -> Event {
-    // A time below 0 or past every session has no place in a log: it is held to the nearest.
-    let us = |s: f64| (s * 1e6).round() as u64;
     let Marker { trial, moment, t_s, t_device_s } = *marker;
-    Event::Marker { trial, moment, t_us: us(t_s), device_us: t_device_s.map(us) }
+    Event::Marker { trial, moment, t_us: micros(t_s), device_us: t_device_s.map(micros) }
+}
+
+/// A time in whole microseconds. One below 0 or past every session has no place in a log: it is held
+/// to the nearest.
+fn micros(time_s: f64) -> u64 {
+    (time_s * 1e6).round() as u64
 }

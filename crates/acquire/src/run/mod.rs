@@ -50,11 +50,11 @@ const BLINDED: &str = "blinded: no name, record or screen tells a mode, but whoe
 pub struct Parts<'a> {
     /// The device.
     pub device: &'a mut dyn Device,
-    /// Its time.
+    /// The clock of the device.
     pub clock: &'a mut dyn Clock,
     /// The disk: everything that a session reads and writes goes through it.
     pub files: &'a dyn Files,
-    /// Who sits before it.
+    /// The front end of the operator.
     pub front: &'a mut dyn Front,
     /// The time of day, in UTC and RFC 3339, at a time of the clock, s.
     pub utc: &'a (dyn Fn(f64) -> String + Sync),
@@ -126,8 +126,8 @@ struct Runner<'a> {
     view: View,
     timing: Timing,
     markers: Markers,
-    /// The last trial that ran, the clock when it had ended, s, and its last sample's time, s.
-    ran: Option<(u32, f64, f64)>,
+    /// The last trial that ran.
+    ran: Option<Ran>,
     /// What stopped the session, while it is stopped.
     stopped: Option<String>,
     /// The clock at the last look, s.
@@ -138,10 +138,21 @@ struct Runner<'a> {
     lasted: (usize, f64),
 }
 
+/// A trial that ran.
+#[derive(Debug, Clone, Copy)]
+struct Ran {
+    trial: u32,
+    /// The clock when it had ended, s.
+    ended_s: f64,
+    /// Its last sample's time, s.
+    last_s: f64,
+}
+
 /// Runs a session from its present state to where it is left. The caller holds the study's lock.
 ///
 /// # Errors
-/// A device, a disk or a study's folder that is gone; a study that this device must not run. The device is at 0 V then, and what was finished is safe; the session can be resumed.
+/// A device, a disk or a study's folder that is gone; a study that this device must not run. The
+/// device is at 0 V then, and what was finished is safe; the session can be resumed.
 pub fn run<'a>(
     plan: &'a Plan,
     session: Session,
@@ -151,6 +162,7 @@ pub fn run<'a>(
     let Parts { device, clock, files, front, utc } = parts;
     let capabilities = device.capabilities().clone();
     let guard = Guard::new(&capabilities, Limits::of(&plan.study)?, options.no_watchdog);
+    // Every mode before the first trial: no session stops in the middle for one.
     for mode in &plan.study.modes {
         guard.admit(mode, &plan.calibration)?;
     }
@@ -177,7 +189,11 @@ pub fn run<'a>(
     let modes = (!session.blinded).then_some(session.modes.as_slice());
     let conditions = Conditions::new(&flow, modes, &plan.study);
     let station = Station::new(device, clock, guard, rate_hz);
-    let attended = |mut attendant: Attendant<'a>| {
+    let left = thread::scope(|scope| {
+        let mut attendant = match options.live {
+            true => Attendant::in_real_time(scope, station),
+            false => Attendant::here(station),
+        };
         let seen_s = attendant.now_s();
         let mut runner = Runner {
             plan,
@@ -205,21 +221,16 @@ pub fn run<'a>(
         };
         runner.begin(first).and_then(|()| runner.go_on())?;
         let stays_on = runner.stays_on();
+        // However the runner is left, the attendant in it leaves the device at 0 V.
         Ok(runner.outcome(stays_on))
-    };
-    // However it is left, the attendant leaves the device at 0 V.
-    let left = if options.live {
-        thread::scope(|scope| attended(Attendant::in_real_time(scope, station)))
-    } else {
-        attended(Attendant::here(station))
-    };
+    });
     // A folder that is gone is behind whatever could not be written.
     left.map_err(|error| folder.check().err().unwrap_or(error))
 }
 
 /// A life of this session that was killed may have left a folder's name unsynced; what is recorded
 /// into it would go with it in a power cut.
-fn sync_what_is_there(plan: &Plan, files: &dyn Files) -> Result<(), AcquireError> {
+fn sync_folder_names(plan: &Plan, files: &dyn Files) -> Result<(), AcquireError> {
     let Plan { layout, participant, session, .. } = plan;
     let trials = layout.trial(participant, session, 1);
     let folders =
@@ -236,7 +247,7 @@ fn rate_hz(study: &Study, device: &Capabilities) -> Result<f64, AcquireError> {
 
 impl<'a> Runner<'a> {
     fn begin(&mut self, first: Vec<Action>) -> Result<(), AcquireError> {
-        sync_what_is_there(self.plan, &self.files)?;
+        sync_folder_names(self.plan, &self.files)?;
         if self.session.laid_down {
             let place = self.flow.done();
             self.view
@@ -267,6 +278,7 @@ impl<'a> Runner<'a> {
             let idle = self.idle()?;
             let now_s = self.attendant.now_s();
             let elapsed_s = now_s - std::mem::replace(&mut self.seen_s, now_s);
+            // Before the inputs: the time that an answer took lasts until now.
             self.feed(Input::Elapsed(elapsed_s))?;
             for input in idle {
                 self.feed(input)?;
@@ -289,7 +301,8 @@ impl<'a> Runner<'a> {
                 Action::Run(trial) => {
                     self.began = self.began.or(Some((self.attendant.now_s(), self.flow.done())));
                     let end = self.record(&trial)?;
-                    self.seen_s = self.attendant.now_s(); // the trial is no part of the pause after it
+                    // The trial is no part of the pause after it.
+                    self.seen_s = self.attendant.now_s();
                     Some(Input::Ended(end))
                 }
                 Action::Finish { trial, complete, likert } => {
@@ -396,13 +409,13 @@ impl<'a> Runner<'a> {
         if self.capabilities.watchdog_s.is_some() {
             return false;
         }
-        let told = |station: &mut Station<'_>| {
+        let off = self.attendant.ask(|station| {
             let first = station.off();
             let heard_s = station.clock.now_s() + HEARD_S;
             station.clock.wait_until(heard_s);
             first.and(station.off())
-        };
-        !matches!(self.attendant.ask(told), Ok(Ok(())))
+        });
+        !matches!(off, Ok(Ok(())))
     }
 
     fn outcome(self, stays_on: bool) -> Outcome {

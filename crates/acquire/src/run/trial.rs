@@ -1,7 +1,7 @@
 //! One trial: run, written to the journal, shown, and made a file.
 
 use super::mark::Marking;
-use super::{Runner, look};
+use super::{Ran, Runner, look};
 use crate::course::Conditions;
 use crate::flow::{Action, EMERGENCY_STOP, End, Flow, Input};
 use crate::plan::Plan;
@@ -13,8 +13,7 @@ use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use zwidth_device::{
-    Controller, Histogram, Reading, Seen, Station, Timing, TrialEnd, TrialPlan, TrialRun,
-    TrialTask, Trip, watch,
+    Controller, Histogram, Station, Timing, TrialEnd, TrialPlan, TrialRun, TrialTask, Trip, watch,
 };
 use zwidth_store::{Entered, Files, Journal, OpenSession, Protocol, TrialFile};
 use zwidth_study::{
@@ -41,7 +40,12 @@ impl<'a> Runner<'a> {
     /// Runs a trial to its end, each sample on its way to the journal.
     pub(super) fn record(&mut self, trial: &PlannedTrial) -> Result<End, AcquireError> {
         self.files.check()?;
-        self.check_session()?;
+        // Nothing is recorded onto a session that is not whole any more.
+        let checked = self.stored.check(&self.files, &self.session.record);
+        checked.map_err(|finding| AcquireError::NotWhole {
+            session: self.plan.name(),
+            findings: vec![finding],
+        })?;
         let (environment, mode) = self.condition(trial)?;
         let plan = TrialPlan::new(&self.plan.study, environment, trial.trial, &self.capabilities)?;
         let plan = TrialPlan { shows_moments: self.shows_moments(), ..plan };
@@ -50,6 +54,7 @@ impl<'a> Runner<'a> {
         }
         let calibration = &self.plan.calibration;
         let controller = Controller::new(&self.plan.study.control, environment, mode, calibration);
+        // Made before the loop begins, which waits for no file.
         let journal = self.journal(trial)?;
         self.view.clear_trace();
         self.show()?;
@@ -77,35 +82,26 @@ impl<'a> Runner<'a> {
             error: None,
         };
         let in_real_time = self.options.live;
-        let mut batch = |samples: &[Sample]| {
-            if in_real_time { desk.take(&mut live, samples) } else { live.add_all(samples) }
-        };
         let task = TrialTask { plan, mode, calibration, controller, stop };
-        let run = self.attendant.run_trial(task, &mut batch)?;
+        let run = self.attendant.run_trial(task, &mut |samples| {
+            if in_real_time { desk.take(&mut live, samples) } else { live.add_all(samples) }
+        })?;
         if let Some(error) = desk.error {
             return Err(error);
         }
-        let _ = live.tape.write(); // what it finds is in `error`
-        live.tell();
+        // What it finds is in `error`.
+        let _ = live.tape.write();
+        live.show_timing();
         let (last_s, sent) = live.marking.end();
         let mut tape = live.tape;
         if let Some(error) = tape.error.take() {
             return Err(error.into());
         }
         let now_s = self.attendant.now_s();
-        self.ran = last_s.map(|last_s| (trial.trial, now_s, last_s));
+        self.ran = last_s.map(|last_s| Ran { trial: trial.trial, ended_s: now_s, last_s });
         let end = self.conclude(trial.trial, tape, &run)?;
         self.keep_markers(&sent)?;
         Ok(end)
-    }
-
-    /// Nothing is recorded onto a session that is not whole any more.
-    fn check_session(&mut self) -> Result<(), AcquireError> {
-        let checked = self.stored.check(&self.files, &self.session.record);
-        checked.map_err(|finding| AcquireError::NotWhole {
-            session: self.plan.name(),
-            findings: vec![finding],
-        })
     }
 
     /// A trial begins with the lever at its start. After one in which it stayed where it was,
@@ -119,9 +115,9 @@ impl<'a> Runner<'a> {
                 Err(trip) => return Ok(Some(End::Cut(trip.to_string()))),
                 Ok(theta_rad) => theta_rad,
             };
-            let there = theta_rad <= start_rad + AT_START_RAD;
+            let is_back = theta_rad <= start_rad + AT_START_RAD;
             let waited_s = self.attendant.now_s() - begun_s;
-            if there || waited_s > LEVER_BACK_S || self.options.stop.load(Ordering::SeqCst) {
+            if is_back || waited_s > LEVER_BACK_S || self.options.stop.load(Ordering::SeqCst) {
                 return Ok(None);
             }
             self.show()?;
@@ -136,13 +132,15 @@ impl<'a> Runner<'a> {
             let Station { device, clock, guard, .. } = &mut *station;
             let until_s = clock.now_s() + LOOK_S;
             let mut theta_rad = f64::INFINITY;
-            let mut seen = |_: f64, _: &Reading, seen: &Seen| theta_rad = seen.theta_rad;
-            let watched = watch(*device, *clock, guard, rate_hz, until_s, stop, &mut seen);
+            let watched =
+                watch(*device, *clock, guard, rate_hz, until_s, stop, &mut |_, _, seen| {
+                    theta_rad = seen.theta_rad;
+                });
             watched.map(|()| theta_rad).map_err(|trip| station.cause(trip))
         })?
     }
 
-    /// What the trial's end comes to.
+    /// Keeps the timing, the tape and the remarks of a trial that ended; returns how it ended.
     fn conclude(
         &mut self,
         trial: u32,
@@ -150,8 +148,8 @@ impl<'a> Runner<'a> {
         run: &TrialRun,
     ) -> Result<End, AcquireError> {
         let crate::Timing { rate_hz, measured_hz, dropouts, .. } = self.view.timing;
-        let counts = [run.timing.missed, dropouts];
-        self.view.timing = look::timing(rate_hz, measured_hz, counts, &run.timing.lateness);
+        let Timing { missed, lateness, .. } = &run.timing;
+        self.view.timing = look::timing(rate_hz, measured_hz, *missed, dropouts, lateness);
         self.timing.merge(&run.timing);
         let end = match &run.end {
             TrialEnd::Limit | TrialEnd::LetGo => End::Complete,
@@ -163,12 +161,11 @@ impl<'a> Runner<'a> {
         };
         if end == End::Complete {
             tape.journal.end()?;
-            let here = self.flow.here().map(|place| (place, 0));
-            self.answer = here.and_then(|asked| self.ask_participant(asked));
+            self.answer = self.flow.here().and_then(|place| self.ask_participant(place, 0));
         }
         self.tape = Some(tape);
         if run.timing.missed > 0 {
-            self.log(Event::Note { trial: Some(trial), text: missed(&run.timing) })?;
+            self.log(Event::Note { trial: Some(trial), text: missed_words(&run.timing) })?;
         }
         // After every trial, also after one without a motor: it must not tell a blinded mode.
         if self.is_unwatched() {
@@ -179,16 +176,16 @@ impl<'a> Runner<'a> {
     }
 
     /// What the device's own participant answers to a question of a place, where it is asked.
-    pub(super) fn ask_participant(&mut self, (place, asked): (usize, usize)) -> Option<i16> {
+    pub(super) fn ask_participant(&mut self, place: usize, question: usize) -> Option<i16> {
         if !self.options.answers {
             return None;
         }
-        let question = self.flow.places()[place].questions.get(asked);
+        let question = self.flow.places()[place].questions.get(question);
         let scale = question.map(|q| q.scale.clone()).unwrap_or_default();
         self.attendant.ask(move |station| station.device.answer(&scale)).ok().flatten()
     }
 
-    /// Whether the motor may run that no watchdog watches, as was asked for.
+    /// Whether the motor may run without a watchdog, as requested.
     fn is_unwatched(&self) -> bool {
         self.options.no_watchdog && self.capabilities.watchdog_s.is_none()
     }
@@ -216,8 +213,9 @@ impl<'a> Runner<'a> {
     fn condition(&self, trial: &PlannedTrial) -> Result<(&'a Environment, &'a Mode), AcquireError> {
         let study: &'a Study = &self.plan.study;
         let mode = self.flow.here().and_then(|place| self.session.modes.get(place));
-        let found = study.environment(&trial.environment).zip(mode.and_then(|id| study.mode(id)));
-        found.ok_or_else(|| AcquireError::Refused {
+        let condition =
+            study.environment(&trial.environment).zip(mode.and_then(|id| study.mode(id)));
+        condition.ok_or_else(|| AcquireError::Refused {
             what: format!(
                 "trial {} has an environment or a mode that is not in study.toml",
                 trial.trial
@@ -229,17 +227,17 @@ impl<'a> Runner<'a> {
     fn journal(&mut self, trial: &PlannedTrial) -> Result<Journal, AcquireError> {
         let start_utc = (self.utc)(self.attendant.now_s());
         let record = &self.session.record;
-        let mut file = TrialFile::new();
-        let mut put = |key: &str, value: Option<String>| {
-            file.extend(value.map(|value| (key.to_owned(), value)))
-        };
-        put("study_blake3", Some(record.study_blake3.clone()));
-        put("calibration_blake3", record.calibration_blake3.clone());
-        put("device", Some(self.capabilities.name.clone()));
-        put("software", Some(record.software.clone()));
-        put("seed", record.seed.map(|seed| seed.to_string()));
-        put("start_utc", Some(start_utc));
-        put("no_watchdog", self.is_unwatched().then(|| "true".to_owned()));
+        let values = [
+            ("study_blake3", Some(record.study_blake3.clone())),
+            ("calibration_blake3", record.calibration_blake3.clone()),
+            ("device", Some(self.capabilities.name.clone())),
+            ("software", Some(record.software.clone())),
+            ("seed", record.seed.map(|seed| seed.to_string())),
+            ("start_utc", Some(start_utc)),
+            ("no_watchdog", self.is_unwatched().then(|| "true".to_owned())),
+        ];
+        let values = values.into_iter().filter_map(|(key, value)| Some((key.to_owned(), value?)));
+        let file: TrialFile = values.collect();
         let meta = self.session.meta(trial);
         let study = &self.plan.study;
         let environment = study.environment(&trial.environment);
@@ -252,7 +250,7 @@ impl<'a> Runner<'a> {
     }
 }
 
-fn missed(timing: &Timing) -> String {
+fn missed_words(timing: &Timing) -> String {
     format!(
         "{} of {} ticks missed their deadline; the latest came {:.1} ms late",
         timing.missed,
@@ -305,6 +303,7 @@ impl Pace {
         let due = (periods + ROUNDED).floor();
         (self.t_s, self.samples) = (sample.t_s, self.samples + 1);
         self.dropouts += u64::from(sample.flags.has(Flags::DROPOUT));
+        // The first deadline is at 0.
         self.deadlines = due as u64 + 1;
         self.lateness.add((periods - due).max(0.0) / self.rate_hz);
     }
@@ -313,7 +312,7 @@ impl Pace {
         let measured_hz =
             if self.t_s > 0.0 { self.samples.saturating_sub(1) as f64 / self.t_s } else { 0.0 };
         let missed = self.deadlines.saturating_sub(self.samples);
-        look::timing(self.rate_hz, measured_hz, [missed, self.dropouts], &self.lateness)
+        look::timing(self.rate_hz, measured_hz, missed, self.dropouts, &self.lateness)
     }
 }
 
@@ -339,7 +338,7 @@ impl Live<'_> {
     }
 
     /// Shows how the loop keeps its time.
-    fn tell(&mut self) {
+    fn show_timing(&mut self) {
         self.view.timing = self.pace.timing();
     }
 }
@@ -382,7 +381,7 @@ impl Desk<'_> {
         }
         if self.drawn.elapsed() >= FRAME {
             self.drawn = Instant::now();
-            live.tell();
+            live.show_timing();
             look::refresh_trial(live.view, self.flow, self.plan, self.session, self.conditions);
             self.front.show(live.view)?;
         }
@@ -396,6 +395,7 @@ impl Desk<'_> {
             Action::Refuse(why) | Action::Tell(why) => live.view.say(why),
             Action::Log(event) => {
                 live.view.say(look::event(&event));
+                // In real time the time of day is the machine's, whatever the loop's clock shows.
                 let entered = Entered { utc: &(self.utc)(0.0), by: self.by };
                 self.stored.append(self.files, entered, &[event])?;
             }

@@ -32,20 +32,24 @@ fn timing_line(timing: &Timing, look: Look, brief: bool) -> Line<'static> {
         // It is known when a trial has ended.
         (_, false) => (format!("{rate} of {:.0} Hz", timing.rate_hz), "–".to_owned()),
     };
-    let quiet = |s: &'static str| Span::styled(s, look.style(Role::Quiet));
-    let alarm = |bad: bool, s: String| match bad {
-        true => Span::styled(s + " !", look.style(Role::Warn)),
-        false => Span::raw(s),
-    };
+    let quiet = look.style(Role::Quiet);
     Line::from(vec![
-        alarm(timing.measured_hz < SLOW * timing.rate_hz, rate),
-        quiet("  jitter µs "),
+        alarm(timing.measured_hz < SLOW * timing.rate_hz, rate, look),
+        Span::styled("  jitter µs ", quiet),
         Span::raw(jitter),
-        quiet("  missed "),
-        alarm(timing.missed > 0, timing.missed.to_string()),
-        quiet("  dropouts "),
-        alarm(timing.dropouts > 0, timing.dropouts.to_string()),
+        Span::styled("  missed ", quiet),
+        alarm(timing.missed > 0, timing.missed.to_string(), look),
+        Span::styled("  dropouts ", quiet),
+        alarm(timing.dropouts > 0, timing.dropouts.to_string(), look),
     ])
+}
+
+/// A number, marked where it is bad.
+fn alarm(is_bad: bool, number: String, look: Look) -> Span<'static> {
+    match is_bad {
+        true => Span::styled(number + " !", look.style(Role::Warn)),
+        false => Span::raw(number),
+    }
 }
 
 /// The keys that do something now.

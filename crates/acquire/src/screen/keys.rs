@@ -54,55 +54,53 @@ pub(super) fn press(
         return (entry, None);
     }
     let running = matches!(phase, Phase::Trial { .. });
+    let has_control = key.modifiers.contains(KeyModifiers::CONTROL);
     match entry.filter(|_| !running) {
-        _ if is_control_c(key) => (None, Some(Input::Stop)),
-        entry if key.modifiers.contains(KeyModifiers::CONTROL) => (entry, None),
-        Some(Entry::Note(of, text)) => typed(
+        _ if has_control && key.code == KeyCode::Char('c') => (None, Some(Input::Stop)),
+        // No other key with Ctrl types its letter.
+        entry if has_control => (entry, None),
+        Some(Entry::Note(trial, text)) => type_text(
             key.code,
             text,
-            |text| Entry::Note(of, text),
-            |text| on(of, text, Input::Note, About::Note),
+            |text| Entry::Note(trial, text),
+            |text| input_about(trial, text, Input::Note, About::Note),
         ),
-        Some(Entry::Exclude(of, text)) => typed(
+        Some(Entry::Exclude(trial, text)) => type_text(
             key.code,
             text,
-            |text| Entry::Exclude(of, text),
-            |text| on(of, text, Input::Exclude, About::Exclude),
+            |text| Entry::Exclude(trial, text),
+            |text| input_about(trial, text, Input::Exclude, About::Exclude),
         ),
         Some(Entry::Answer(_) | Entry::Which(_) | Entry::Trial(_)) if key.code == KeyCode::Esc => {
             (None, None)
         }
+        // After the lines of text, in which Space is a letter; before all other keys.
         _ if matches!(key.code, KeyCode::Char(' ') | KeyCode::Esc) => (None, Some(Input::Stop)),
-        Some(Entry::Answer(text)) => number(key.code, text),
-        Some(Entry::Which(text)) => which(key.code, text),
-        Some(Entry::Trial(trial)) => of_trial(key.code, trial),
-        Some(Entry::Sure(ask)) => (None, is_yes(key.code).then(|| ask.input())),
-        None => command(key.code, phase),
+        Some(Entry::Answer(text)) => type_answer(key.code, text),
+        Some(Entry::Which(text)) => type_trial(key.code, text),
+        Some(Entry::Trial(trial)) => press_for_trial(key.code, trial),
+        Some(Entry::Sure(ask)) => {
+            let is_yes = matches!(key.code, KeyCode::Char('y' | 'Y'));
+            (None, is_yes.then(|| ask.input()))
+        }
+        None => press_command(key.code, phase),
     }
 }
 
 /// A text on the last trial, or on the one that is named.
-fn on(
-    of: Option<u32>,
+fn input_about(
+    trial: Option<u32>,
     text: String,
     last: fn(String) -> Input,
     about: fn(String) -> About,
 ) -> Input {
-    match of {
+    match trial {
         None => last(text),
         Some(trial) => Input::Of(trial, about(text)),
     }
 }
 
-fn is_control_c(key: KeyEvent) -> bool {
-    key.modifiers.contains(KeyModifiers::CONTROL) && key.code == KeyCode::Char('c')
-}
-
-fn is_yes(code: KeyCode) -> bool {
-    matches!(code, KeyCode::Char('y' | 'Y'))
-}
-
-fn typed(
+fn type_text(
     code: KeyCode,
     mut text: String,
     entry: impl Fn(String) -> Entry,
@@ -121,7 +119,7 @@ fn typed(
 
 /// Types the number of an answer: digits and a sign, Enter gives it, any other key is passed by.
 /// The space bar stops, as it does where nothing is typed, and Esc takes the number back.
-fn number(code: KeyCode, mut text: String) -> (Option<Entry>, Option<Input>) {
+fn type_answer(code: KeyCode, mut text: String) -> (Option<Entry>, Option<Input>) {
     match code {
         // What is no number at all (a sign alone) is taken back.
         KeyCode::Enter => return (None, text.parse().ok().map(Input::Answer)),
@@ -133,7 +131,7 @@ fn number(code: KeyCode, mut text: String) -> (Option<Entry>, Option<Input>) {
 }
 
 /// Types the number of a trial; Enter chooses it.
-fn which(code: KeyCode, mut text: String) -> (Option<Entry>, Option<Input>) {
+fn type_trial(code: KeyCode, mut text: String) -> (Option<Entry>, Option<Input>) {
     match code {
         KeyCode::Enter => return (text.parse().ok().map(Entry::Trial), None),
         KeyCode::Backspace => drop(text.pop()),
@@ -144,7 +142,7 @@ fn which(code: KeyCode, mut text: String) -> (Option<Entry>, Option<Input>) {
 }
 
 /// What is to be said of a trial; any key that says nothing drops it.
-fn of_trial(code: KeyCode, trial: u32) -> (Option<Entry>, Option<Input>) {
+fn press_for_trial(code: KeyCode, trial: u32) -> (Option<Entry>, Option<Input>) {
     match lower(code) {
         KeyCode::Char('n') => (Some(Entry::Note(Some(trial), String::new())), None),
         KeyCode::Char('x') => (Some(Entry::Exclude(Some(trial), String::new())), None),
@@ -154,27 +152,40 @@ fn of_trial(code: KeyCode, trial: u32) -> (Option<Entry>, Option<Input>) {
     }
 }
 
-fn command(code: KeyCode, phase: &Phase) -> (Option<Entry>, Option<Input>) {
-    let of = |c| commands(phase).iter().any(|(keys, _)| *keys == c);
+fn press_command(code: KeyCode, phase: &Phase) -> (Option<Entry>, Option<Input>) {
     match lower(code) {
-        KeyCode::Enter if of("Enter") => (None, Some(Input::Start)),
+        KeyCode::Enter if is_offered("Enter", phase) => (None, Some(Input::Start)),
         KeyCode::Char(c) if answer(c, phase).is_some() => {
             (None, answer(c, phase).map(Input::Answer))
         }
-        KeyCode::Char(c) if is_of_number(c) && is_typed(phase) => {
+        KeyCode::Char(c)
+            if is_of_number(c)
+                && matches!(phase, Phase::Question { scale, .. } if !has_keys(scale)) =>
+        {
             (Some(Entry::Answer(c.to_string())), None)
         }
-        KeyCode::Char('y') if of("y") => (None, Some(Input::Yes)),
+        KeyCode::Char('y') if is_offered("y", phase) => (None, Some(Input::Yes)),
         KeyCode::Char('s') if matches!(phase, Phase::Step { .. }) => (None, Some(Input::Skip)),
-        KeyCode::Char('s') if of("s") => (Some(Entry::Sure(Ask::Skip)), None),
-        KeyCode::Char('n') if of("n") => (Some(Entry::Note(None, String::new())), None),
-        KeyCode::Char('x') if of("x") => (Some(Entry::Exclude(None, String::new())), None),
-        KeyCode::Char('r') if of("r") => (Some(Entry::Sure(Ask::Repeat(None))), None),
-        KeyCode::Char('p') if of("p") => (None, Some(Input::Hold)),
-        KeyCode::Char('t') if of("t") => (Some(Entry::Which(String::new())), None),
-        KeyCode::Char('q') if of("q") => (Some(Entry::Sure(Ask::Quit)), None),
+        KeyCode::Char('s') if is_offered("s", phase) => (Some(Entry::Sure(Ask::Skip)), None),
+        KeyCode::Char('n') if is_offered("n", phase) => {
+            (Some(Entry::Note(None, String::new())), None)
+        }
+        KeyCode::Char('x') if is_offered("x", phase) => {
+            (Some(Entry::Exclude(None, String::new())), None)
+        }
+        KeyCode::Char('r') if is_offered("r", phase) => {
+            (Some(Entry::Sure(Ask::Repeat(None))), None)
+        }
+        KeyCode::Char('p') if is_offered("p", phase) => (None, Some(Input::Hold)),
+        KeyCode::Char('t') if is_offered("t", phase) => (Some(Entry::Which(String::new())), None),
+        KeyCode::Char('q') if is_offered("q", phase) => (Some(Entry::Sure(Ask::Quit)), None),
         _ => (None, None),
     }
+}
+
+/// Whether the screen offers this key in a phase.
+fn is_offered(key: &str, phase: &Phase) -> bool {
+    commands(phase).iter().any(|(keys, _)| *keys == key)
 }
 
 /// The answer that a key gives to the open question, if one is open and has such an answer.
@@ -189,11 +200,6 @@ fn answer(c: char, phase: &Phase) -> Option<i16> {
 /// Whether each answer is a digit, whose key gives it; else the number is typed.
 fn has_keys(scale: &AnswerScale) -> bool {
     scale.lowest() >= 0 && scale.highest() <= 9
-}
-
-/// Whether a question is open whose answer is typed.
-fn is_typed(phase: &Phase) -> bool {
-    matches!(phase, Phase::Question { scale, .. } if !has_keys(scale))
 }
 
 /// What may be typed into a number.

@@ -23,9 +23,13 @@ impl Look {
         let term = var("TERM").unwrap_or_default();
         let locale = ["LC_ALL", "LC_CTYPE", "LANG"].into_iter().find_map(&var);
         let plain_term = ["vt", "linux", "dumb"].iter().any(|start| term.starts_with(start));
+        let plain_locale = locale.is_some_and(|locale| {
+            let locale = locale.to_ascii_lowercase();
+            !locale.contains("utf-8") && !locale.contains("utf8")
+        });
         Self {
             colour: var("NO_COLOR").is_none() && !term.starts_with("vt") && term != "dumb",
-            ascii: ascii || plain_term || locale.is_some_and(|locale| !is_utf8(&locale)),
+            ascii: ascii || plain_term || plain_locale,
         }
     }
 
@@ -63,11 +67,6 @@ pub(crate) enum Role {
     Warn,
     /// The stop key, and what stopped a trial.
     Stop,
-}
-
-fn is_utf8(locale: &str) -> bool {
-    let locale = locale.to_ascii_lowercase();
-    locale.contains("utf-8") || locale.contains("utf8")
 }
 
 /// Writes every cell of a buffer in ASCII: lines and bars by their nearest likeness, what has none

@@ -59,10 +59,6 @@ pub(super) fn countdown(phase: &Phase) -> Option<(f64, f64)> {
 /// question with the ends of its scale alone.
 pub(super) fn lines(view: &View, look: Look, limit: usize, is_low: bool) -> Vec<Line<'static>> {
     let plain = |text: &str| styled(text, Role::Plain, look, limit);
-    let then_next = |mut lines: Vec<Line<'static>>| {
-        lines.extend(trial(view).map(|trial| Line::raw(fit(&format!("Next: {trial}"), limit))));
-        lines
-    };
     match &view.phase {
         Phase::Check => match (&view.step, view.checks.is_empty()) {
             (Some(step), _) => plain(step),
@@ -77,8 +73,8 @@ pub(super) fn lines(view: &View, look: Look, limit: usize, is_low: bool) -> Vec<
         // Before the first trial there is no trace to look at, but a device.
         Phase::Ready if view.trace.is_empty() && !view.checks.is_empty() => {
             let all = view.messages.is_empty() || view.checks.len() <= LEAVES_ROOM;
-            let found = if all { checks } else { bad_checks };
-            [plain(READY), after_gap(found(&view.checks, look, limit))].concat()
+            let list = if all { checks } else { bad_checks };
+            [plain(READY), after_gap(list(&view.checks, look, limit))].concat()
         }
         Phase::Ready => [plain(READY), cells(view, limit)].concat(),
         Phase::Trial { .. } => {
@@ -87,9 +83,9 @@ pub(super) fn lines(view: &View, look: Look, limit: usize, is_low: bool) -> Vec<
         Phase::Question { text, scale } => question(text, scale, look, limit, is_low),
         Phase::Pause { .. } => {
             let rest = if view.held { HELD } else { "Rest. Both actuators are off." };
-            [then_next(plain(rest)), cells(view, limit)].concat()
+            [plain(rest), next(view, limit), cells(view, limit)].concat()
         }
-        Phase::Stopped { why } => then_next(stopped(why, look, limit)),
+        Phase::Stopped { why } => [stopped(why, look, limit), next(view, limit)].concat(),
         Phase::Done => {
             let done = plain("Every trial is done and stored; q ends the session.");
             [done, cells(view, limit)].concat()
@@ -108,34 +104,46 @@ const AT_STOP: &str = "Hold the lever still against its lower stop. Enter says t
 const HOMING: &str = "The lever must rest against its lower stop; both actuators are off. \
     Without this the angle is unknown, and nothing is switched on.";
 
+/// The next trial, if there is one.
+fn next(view: &View, limit: usize) -> Vec<Line<'static>> {
+    let words = trial(view).map(|trial| fit(&format!("Next: {trial}"), limit));
+    words.into_iter().map(Line::raw).collect()
+}
+
 /// What is done of each condition: a line an environment where there are few, else what is done of
 /// each environment in one.
 fn cells(view: &View, limit: usize) -> Vec<Line<'static>> {
     const LINES: usize = 2;
     let mut environments: Vec<(&str, Vec<&Cell>)> = Vec::new();
     for cell in &view.cells {
+        // Cells of one environment stand side by side.
         match environments.last_mut().filter(|(name, _)| *name == cell.environment) {
             Some((_, cells)) => cells.push(cell),
             None => environments.push((&cell.environment, vec![cell])),
         }
     }
-    let of_mode = |cell: &&Cell| {
-        let mode = cell.mode.as_ref().filter(|_| !view.blinded);
-        mode.map(|mode| format!("{mode} {} of {}", cell.done, cell.of))
-    };
-    let total = |(name, cells): &(&str, Vec<&Cell>)| {
-        let sum = |of: fn(&Cell) -> usize| cells.iter().map(|cell| of(cell)).sum::<usize>();
-        format!("{name} {} of {}", sum(|c| c.done), sum(|c| c.of))
-    };
-    let line = |one: &(&str, Vec<&Cell>)| {
-        let modes: Option<Vec<String>> = one.1.iter().map(of_mode).collect();
-        modes.map_or_else(|| total(one), |modes| format!("{}: {}", one.0, modes.join(", ")))
-    };
-    let lines: Vec<String> = environments.iter().map(line).collect();
+    let mut lines = Vec::new();
+    let mut totals = Vec::new();
+    for (name, cells) in environments {
+        let done: usize = cells.iter().map(|cell| cell.done).sum();
+        let all: usize = cells.iter().map(|cell| cell.of).sum();
+        let total = format!("{name} {done} of {all}");
+        let modes: Option<Vec<String>> = cells
+            .iter()
+            .map(|cell| {
+                let mode = cell.mode.as_ref().filter(|_| !view.blinded)?;
+                Some(format!("{mode} {} of {}", cell.done, cell.of))
+            })
+            .collect();
+        lines.push(match modes {
+            Some(modes) => format!("{name}: {}", modes.join(", ")),
+            None => total.clone(),
+        });
+        totals.push(total);
+    }
     if lines.len() <= LINES && lines.iter().all(|line| width(line) <= limit) {
         return lines.into_iter().map(Line::raw).collect();
     }
-    let totals: Vec<String> = environments.iter().map(total).collect();
     vec![Line::raw(fit(&totals.join(" · "), limit))]
 }
 
@@ -166,31 +174,32 @@ fn question(
 ) -> Vec<Line<'static>> {
     let mut lines = styled(text, Role::Strong, look, limit);
     lines.extend((!is_low).then(Line::default));
-    let told = scale.answers().into_iter().filter(|answer| {
+    let shown = scale.answers().into_iter().filter(|answer| {
         let is_end = [scale.lowest(), scale.highest()].contains(answer);
         is_end
             || scale.is_nominal()
             || (!is_low && (scale.is_short() || scale.word(*answer).is_some()))
     });
-    let word = |answer| scale.word(answer).map(|word| format!(" {word}")).unwrap_or_default();
-    let answers: Vec<(String, String)> = told.map(|a| (a.to_string(), word(a))).collect();
+    let answers: Vec<[Span<'static>; 2]> = shown
+        .map(|answer| {
+            let word = scale.word(answer).map(|word| format!(" {word}")).unwrap_or_default();
+            [Span::styled(answer.to_string(), look.style(Role::Accent)), Span::raw(word)]
+        })
+        .collect();
     if !scale.is_short() {
         let what = format!("A number from {}, then Enter.", scale.range());
         lines.extend(styled(&what, Role::Plain, look, limit));
     }
-    let row: usize = answers.iter().map(|(n, word)| width(n) + width(word)).sum();
-    let gaps = answers.len() - 1;
-    let answer = |(n, word): &(String, String)| {
-        [Span::styled(n.clone(), look.style(Role::Accent)), Span::raw(word.clone())]
-    };
+    let row: usize = answers.iter().flatten().map(Span::width).sum();
+    let gaps = answers.len().saturating_sub(1).max(1);
     if row + 2 * gaps > limit {
-        lines.extend(answers.iter().map(|a| Line::from_iter(answer(a))));
+        lines.extend(answers.into_iter().map(Line::from_iter));
         return lines;
     }
     let gap = " ".repeat((limit - row) / gaps).chars().take(5).collect::<String>();
-    let spaced = answers.iter().enumerate().flat_map(|(i, a)| {
+    let spaced = answers.into_iter().enumerate().flat_map(|(i, answer)| {
         let space = if i == 0 { String::new() } else { gap.clone() };
-        std::iter::once(Span::raw(space)).chain(answer(a))
+        std::iter::once(Span::raw(space)).chain(answer)
     });
     lines.push(Line::from_iter(spaced));
     lines
@@ -199,7 +208,18 @@ fn question(
 /// The device check as a list; in words whether a line passed, not by colour alone.
 fn checks(checks: &[CheckLine], look: Look, limit: usize) -> Vec<Line<'static>> {
     let widest = checks.iter().map(|check| width(&check.name)).max().unwrap_or(0);
-    checks.iter().map(|check| check_line(check, widest, look, limit)).collect()
+    let lines = checks.iter().map(|check| {
+        // As wide as each other, so that the names stand below each other.
+        let (verdict, role) =
+            if check.ok { ("ok    ", Role::Good) } else { ("FAILED", Role::Warn) };
+        let pad = " ".repeat(widest - width(&check.name));
+        let text = format!("  {}{pad}  {}", check.name, check.value);
+        Line::from(vec![
+            Span::styled(verdict, look.style(role)),
+            Span::raw(fit(&text, limit.saturating_sub(verdict.len()))),
+        ])
+    });
+    lines.collect()
 }
 
 /// The lines that are not good enough, and how many are.
@@ -207,14 +227,4 @@ fn bad_checks(all: &[CheckLine], look: Look, limit: usize) -> Vec<Line<'static>>
     let bad: Vec<CheckLine> = all.iter().filter(|check| !check.ok).cloned().collect();
     let good = format!("{} of {} device checks are ok", all.len() - bad.len(), all.len());
     [vec![Line::raw(fit(&good, limit))], checks(&bad, look, limit)].concat()
-}
-
-fn check_line(check: &CheckLine, widest: usize, look: Look, limit: usize) -> Line<'static> {
-    let (verdict, role) = if check.ok { ("ok    ", Role::Good) } else { ("FAILED", Role::Warn) };
-    let pad = " ".repeat(widest - width(&check.name));
-    let text = format!("  {}{pad}  {}", check.name, check.value);
-    Line::from(vec![
-        Span::styled(verdict, look.style(role)),
-        Span::raw(fit(&text, limit.saturating_sub(verdict.len()))),
-    ])
 }

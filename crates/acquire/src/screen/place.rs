@@ -36,8 +36,10 @@ pub(super) fn halves(area: Rect, gap: u16) -> [Rect; 2] {
 /// does not divide.
 pub(super) fn shares(area: Rect, n: u16) -> impl Iterator<Item = Rect> {
     let (height, more) = (area.height / n, area.height % n);
-    let top = move |i: u16| area.y + i * height + i.min(more);
-    (0..n).map(move |i| Rect { y: top(i), height: top(i + 1) - top(i), ..area })
+    (0..n).map(move |i| {
+        let y = area.y + i * height + i.min(more);
+        Rect { y, height: height + u16::from(i < more), ..area }
+    })
 }
 
 #[cfg(test)]

@@ -152,9 +152,9 @@ fn headline(view: &View, look: Look, area: Rect, buffer: &mut Buffer) {
     const BAR: (usize, usize) = (20, 4);
     let role = if matches!(view.phase, Phase::Stopped { .. }) { Role::Warn } else { Role::Accent };
     let name = panel::name(&view.phase);
-    let of_trial =
+    let is_trial =
         matches!(view.phase, Phase::Ready | Phase::Trial { .. } | Phase::Question { .. });
-    let trial = panel::trial(view).filter(|_| of_trial).unwrap_or_default();
+    let trial = panel::trial(view).filter(|_| is_trial).unwrap_or_default();
     let left = panel::countdown(&view.phase).map_or(String::new(), |(left_s, whole_s)| {
         let seconds = format!(" {left_s:>4.1} s left");
         let taken = width(name) + 3 + width(&trial) + 2 + width(&seconds);
@@ -178,7 +178,11 @@ fn messages(view: &View, area: Rect, buffer: &mut Buffer) {
     let room = usize::from(area.height);
     let mut shown: Vec<String> = Vec::new();
     for message in view.messages.iter().rev() {
-        let lines = bulleted(message, usize::from(area.width));
+        let lines =
+            wrap(message, usize::from(area.width).saturating_sub(2)).into_iter().enumerate();
+        let lines: Vec<String> = lines
+            .map(|(i, line)| if i == 0 { format!("> {line}") } else { format!("  {line}") })
+            .collect();
         if shown.is_empty() {
             shown = lines.into_iter().take(room).collect();
         } else if shown.len() + lines.len() <= room {
@@ -189,9 +193,4 @@ fn messages(view: &View, area: Rect, buffer: &mut Buffer) {
     }
     let (_, foot) = place::cut(area, area.height - cells(shown.len()));
     stack(shown.into_iter().map(Line::raw), foot, buffer);
-}
-
-fn bulleted(message: &str, limit: usize) -> Vec<String> {
-    let lines = wrap(message, limit.saturating_sub(2)).into_iter().enumerate();
-    lines.map(|(i, line)| if i == 0 { format!("> {line}") } else { format!("  {line}") }).collect()
 }

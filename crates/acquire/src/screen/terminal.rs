@@ -11,7 +11,7 @@ use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
-use std::thread::JoinHandle;
+use std::thread::{Builder, JoinHandle};
 use std::time::Duration;
 
 /// Shortest time between two frames: 30 a second, more than a person follows and little for a slow
@@ -70,10 +70,11 @@ impl Screen {
         let shared = Arc::new(Shared { state: Mutex::default(), changed: Condvar::new(), stop });
         let (sender, inputs) = channel();
         let mut screen = Self { shared: Arc::clone(&shared), inputs, keys: None, drawing: None };
-        let of_keys = Arc::clone(&shared);
-        let named = |name: &str| std::thread::Builder::new().name(name.into());
-        screen.keys = Some(named("keys").spawn(move || of_keys.read_keys(&sender))?);
-        screen.drawing = Some(named("screen").spawn(move || shared.draw_frames(window, look))?);
+        let shared_by_keys = Arc::clone(&shared);
+        let keys = Builder::new().name("keys".into());
+        screen.keys = Some(keys.spawn(move || shared_by_keys.read_keys(&sender))?);
+        let drawing = Builder::new().name("screen".into());
+        screen.drawing = Some(drawing.spawn(move || shared.draw_frames(window, look))?);
         Ok(screen)
     }
 }

@@ -152,19 +152,18 @@ fn force(view: &View) -> Plot {
 
 /// The brake's voltage has no sign; the motor's is negative where it pushes the lever back.
 fn voltages(view: &View, look: Look) -> Plot {
-    let motor_v = |p: &Point| p.voltages.map(|v| v.motor_v);
-    let brake_v = |p: &Point| p.voltages.map(|v| v.brake_v);
     let motor = curve(view, motor_v, Color::Magenta, 'm');
     let brake = Curve { dashed: true, ..curve(view, brake_v, Color::Yellow, 'b') };
     let curves = vec![motor, brake];
     let scale = scale(&curves, VOLTAGE_SCALE_V);
+    let is_signed = curves.iter().flat_map(|curve| &curve.points).any(|(_, y)| *y < 0.0);
     let [motor, brake] = if look.ascii { ["m", "b"] } else { ["─", "╌"] };
     let now_motor = latest(view, motor_v, 1);
     let now_brake = latest(view, brake_v, 1);
     Plot {
         title: "voltage (V)",
         value: format!("motor {now_motor}{motor} brake {now_brake}{brake}"),
-        low: if reaches_below(&curves, 0.0) { -scale } else { 0.0 },
+        low: if is_signed { -scale } else { 0.0 },
         high: scale,
         room: 0.0,
         level: None,
@@ -172,16 +171,25 @@ fn voltages(view: &View, look: Look) -> Plot {
     }
 }
 
-fn curve(view: &View, of: impl Fn(&Point) -> Option<f64>, colour: Color, letter: char) -> Curve {
-    let finite = |p: &Point| of(p).filter(|y| y.is_finite()).map(|y| (p.t_s, y));
-    Curve { points: view.trace.iter().filter_map(finite).collect(), colour, letter, dashed: false }
+fn motor_v(point: &Point) -> Option<f64> {
+    point.voltages.map(|voltages| voltages.motor_v)
+}
+
+fn brake_v(point: &Point) -> Option<f64> {
+    point.voltages.map(|voltages| voltages.brake_v)
+}
+
+fn curve(view: &View, value: impl Fn(&Point) -> Option<f64>, colour: Color, letter: char) -> Curve {
+    let points = view.trace.iter().filter_map(|point| Some((point.t_s, value(point)?)));
+    let points = points.filter(|(_, y)| y.is_finite()).collect();
+    Curve { points, colour, letter, dashed: false }
 }
 
 /// The newest value of a trace in words, while the trial runs: afterwards it would be taken for the
 /// device's state.
-fn latest(view: &View, of: impl Fn(&Point) -> Option<f64>, digits: usize) -> String {
+fn latest(view: &View, value: impl Fn(&Point) -> Option<f64>, digits: usize) -> String {
     let running = matches!(view.phase, Phase::Trial { .. });
-    let newest = view.trace.back().filter(|_| running).and_then(of);
+    let newest = view.trace.back().filter(|_| running).and_then(value);
     newest.map_or(String::new(), |y| unsigned_zero(format!("{y:.digits$} ")))
 }
 
@@ -206,10 +214,6 @@ fn doubled(first: f64, most: f64) -> f64 {
         scale *= 2.0;
     }
     scale
-}
-
-fn reaches_below(curves: &[Curve], limit: f64) -> bool {
-    curves.iter().flat_map(|curve| &curve.points).any(|(_, y)| *y < limit)
 }
 
 impl Plot {
@@ -238,11 +242,12 @@ impl Plot {
     fn draw_scale(&self, look: Look, area: Rect, buffer: &mut Buffer) {
         let [bottom, top] = self.bounds();
         let last = area.height.saturating_sub(1);
-        let row_of = |value: f64| {
-            (((top - value) / (top - bottom) * f64::from(area.height)) as u16).min(last)
-        };
         for (row, cells) in (0..).zip(area.rows()) {
-            let value = [self.low, self.high, 0.0].into_iter().find(|value| row_of(*value) == row);
+            // The ends before 0, which gives way where they share its row.
+            let value = [self.low, self.high, 0.0].into_iter().find(|value| {
+                let from_top = (top - value) / (top - bottom) * f64::from(area.height);
+                (from_top as u16).min(last) == row
+            });
             let label = value.map_or(String::new(), |value| format!("{value:.0}"));
             let text = format!("{label:>width$}│", width = usize::from(GUTTER) - 1);
             Line::styled(text, look.style(Role::Quiet)).render(cells, buffer);
@@ -250,24 +255,30 @@ impl Plot {
     }
 
     fn paint(&self, context: &mut Context<'_>, window_s: f64, cells: u16, look: Look) {
-        let colour = |colour| if look.colour { colour } else { Color::Reset };
-        let marker = |letter| if look.ascii { Marker::Custom(letter) } else { Marker::Braille };
         if let Some(level) = self.level {
-            context.marker(marker('-'));
+            context.marker(marker('-', look));
             for (from, to) in dashes(window_s, cells) {
-                context.draw(&Segment::new(from, level, to, level, colour(Color::Yellow)));
+                context.draw(&Segment::new(from, level, to, level, colour(Color::Yellow, look)));
             }
         }
         for curve in &self.curves {
-            context.marker(marker(curve.letter));
+            context.marker(marker(curve.letter, look));
             for (i, pair) in curve.points.windows(2).enumerate() {
                 let gap = curve.dashed && (i / DASH_POINTS) % 2 == 1;
                 if let ([(t1, y1), (t2, y2)], false) = (pair, gap) {
-                    context.draw(&Segment::new(*t1, *y1, *t2, *y2, colour(curve.colour)));
+                    context.draw(&Segment::new(*t1, *y1, *t2, *y2, colour(curve.colour, look)));
                 }
             }
         }
     }
+}
+
+fn colour(colour: Color, look: Look) -> Color {
+    if look.colour { colour } else { Color::Reset }
+}
+
+fn marker(letter: char, look: Look) -> Marker {
+    if look.ascii { Marker::Custom(letter) } else { Marker::Braille }
 }
 
 /// Points of a trace in a dash, and in the gap after it.
@@ -284,11 +295,11 @@ fn dashes(window_s: f64, cells: u16) -> impl Iterator<Item = (f64, f64)> {
 
 fn draw_axis(view: &View, window_s: f64, look: Look, area: Rect, buffer: &mut Buffer) {
     let (_, area) = cut_left(area, GUTTER);
-    let line = |text: String| Line::styled(text, look.style(Role::Quiet));
-    line("0".into()).render(area, buffer);
-    line(format!("{window_s:.0} s")).right_aligned().render(area, buffer);
+    let quiet = look.style(Role::Quiet);
+    Line::styled("0", quiet).render(area, buffer);
+    Line::styled(format!("{window_s:.0} s"), quiet).right_aligned().render(area, buffer);
     if !matches!(view.phase, Phase::Trial { .. }) && !view.trace.is_empty() {
-        line("last trial".into()).centered().render(area, buffer);
+        Line::styled("last trial", quiet).centered().render(area, buffer);
     }
 }
 

@@ -36,11 +36,10 @@ impl Window {
             });
         }
         let lost = Lost::default();
-        let output = || Output { out: io::stdout(), lost: Arc::clone(&lost) };
         enable_raw_mode()?;
-        let mut taken = Taken(output());
+        let mut taken = Taken(Output::new(&lost));
         execute!(taken.0, EnterAlternateScreen)?;
-        let terminal = Terminal::new(CrosstermBackend::new(output()))?;
+        let terminal = Terminal::new(CrosstermBackend::new(Output::new(&lost)))?;
         Ok(Self { terminal, lost, _taken: taken })
     }
 
@@ -77,8 +76,14 @@ struct Output {
 }
 
 impl Output {
+    fn new(lost: &Lost) -> Self {
+        Self { out: io::stdout(), lost: Arc::clone(lost) }
+    }
+
+    /// What was done, or `otherwise` if it failed; why is kept.
     fn keep<T>(&self, done: io::Result<T>, otherwise: T) -> io::Result<T> {
         done.or_else(|error| {
+            // The caller tries again by itself.
             if error.kind() == ErrorKind::Interrupted {
                 return Err(error);
             }

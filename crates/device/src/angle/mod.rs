@@ -4,6 +4,7 @@
 //! the angle only up to multiples of 52.8°. [`Homed`] fixes the turn at the lower stop; [`Unwrap`]
 //! counts turns from there.
 
+use crate::error::unable;
 use crate::{Angle, Capabilities, DeviceError, Reading};
 use std::f64::consts::TAU;
 
@@ -86,9 +87,10 @@ impl Unwrap {
         let raw = code(raw, self.per_turn)?;
         let step = shortest(raw - self.raw, self.per_turn);
         let elapsed_s = t_s - self.t_s;
-        let turns = |counts: f64| counts / self.per_turn as f64;
-        let step_turns = turns(step as f64);
-        let predicted_turns = turns(self.speed * elapsed_s);
+        let per_turn = self.per_turn as f64;
+        let step_turns = step as f64 / per_turn;
+        let predicted_turns = self.speed * elapsed_s / per_turn;
+        // Before anything is stored: a refused reading must leave the count as it was.
         if (step_turns - predicted_turns).abs() > REFUSED_TURN {
             return Err(AngleFault::Jump { step_turns, predicted_turns });
         }
@@ -108,7 +110,7 @@ fn code(raw: u16, per_turn: i64) -> Result<i64, AngleFault> {
 }
 
 /// The same step plus whole turns, in [−½, ½) turn.
-fn shortest(step: i64, per_turn: i64) -> i64 {
+pub(crate) fn shortest(step: i64, per_turn: i64) -> i64 {
     let half = per_turn / 2;
     (step + half).rem_euclid(per_turn) - half
 }
@@ -146,15 +148,12 @@ impl Homed {
         t_s: f64,
         reading: &Reading,
     ) -> Result<Self, DeviceError> {
-        let unable = |what: String, remedy: &str| {
-            let device = capabilities.name.clone();
-            let remedy = remedy.to_owned();
-            DeviceError::Unable { device, what, remedy }
-        };
+        let device = &capabilities.name;
         let sensor = match (reading.angle, capabilities.counts_per_turn) {
             (Angle::Counts(raw), Some(counts)) => Sensor::Shaft {
                 unwrap: Unwrap::start(counts, t_s, raw).map_err(|fault| {
-                    unable(fault.to_string(), "check the angle sensor and its cable")
+                    let remedy = "check the angle sensor and its cable";
+                    unable(device, &fault.to_string(), remedy)
                 })?,
                 at_stop: i64::from(raw),
                 rad_per_count: rad_per_count(counts, capabilities.shaft_per_lever),
@@ -163,17 +162,17 @@ impl Homed {
                 Sensor::Lever
             }
             (Angle::Lever(theta_rad), None) => {
-                let found = theta_rad.to_degrees();
+                let angle = theta_rad.to_degrees();
                 let stop = stop_rad.to_degrees();
                 let what =
-                    format!("the lever is at {found:.1} degrees, its lower stop at {stop:.1}");
-                return Err(unable(what, "hold it against the stop and home again"));
+                    format!("the lever is at {angle:.1} degrees, its lower stop at {stop:.1}");
+                let remedy = "hold it against the stop and home again";
+                return Err(unable(device, &what, remedy));
             }
             _ => {
-                return Err(unable(
-                    AngleFault::Kind.to_string(),
-                    "correct what the board says of its angle sensor (docs/rig.md)",
-                ));
+                let what = AngleFault::Kind.to_string();
+                let remedy = "correct what the board says of its angle sensor (docs/rig.md)";
+                return Err(unable(device, &what, remedy));
             }
         };
         Ok(Self { stop_rad, sensor })

@@ -31,11 +31,12 @@ pub struct Travel {
     pub braked_rad: f64,
 }
 
-/// What the ways say.
+/// The findings of both pushes.
 pub fn actuators(travel: Travel) -> Vec<Finding> {
     let motor = "way of the lever by a push of the motor towards the upper stop; if too short, check supply and cables; if \
                  below 0, the motor's leads are swapped";
     let brake = "share of that way left with the brake on; if much is, check the brake's supply and its air gap";
+    // Not divided by next to nothing where the lever did not move.
     let left = travel.braked_rad.abs() / travel.free_rad.abs().max(MOVED_RAD);
     let moved = travel.free_rad >= MOVED_RAD;
     vec![
@@ -56,14 +57,16 @@ pub(super) fn drive(
 ) -> Result<Vec<Finding>, Trip> {
     guard.home(device, clock.now_s())?;
     let brake_v = device.capabilities().brake_max_v;
-    let volts = |motor_v, brake_v| Voltages { motor_v, brake_v };
     let mut hold =
         |voltages, for_s| hold(device, clock, guard, calibration, rate_hz, stop, voltages, for_s);
     let Some(start_rad) = hold(Voltages::OFF, SETTLE_S)? else { return Ok(Vec::new()) };
-    hold(volts(MOTOR_V, 0.0), PULSE_S)?;
+    hold(Voltages { motor_v: MOTOR_V, brake_v: 0.0 }, PULSE_S)?;
     let Some(pushed_rad) = hold(Voltages::OFF, SETTLE_S)? else { return Ok(Vec::new()) };
-    hold(volts(0.0, brake_v), SETTLE_S)?;
-    let Some(braked_rad) = hold(volts(MOTOR_V, brake_v), PULSE_S)? else { return Ok(Vec::new()) };
+    // The brake first: it takes longer to take hold than the push lasts.
+    hold(Voltages { motor_v: 0.0, brake_v }, SETTLE_S)?;
+    let Some(braked_rad) = hold(Voltages { motor_v: MOTOR_V, brake_v }, PULSE_S)? else {
+        return Ok(Vec::new());
+    };
     Ok(actuators(Travel { free_rad: pushed_rad - start_rad, braked_rad: braked_rad - pushed_rad }))
 }
 

@@ -62,16 +62,16 @@ pub fn check_device(
     stop: &AtomicBool,
     ask: &mut dyn FnMut(Step) -> bool,
 ) -> Result<Vec<Finding>, Trip> {
-    let mut found = Vec::new();
+    let mut findings = Vec::new();
     for step in steps(mass_kg) {
         if !stop.load(Ordering::Relaxed) && ask(step) {
-            let tare_n = tare_n(&found);
+            let tare_n = tare_n(&findings);
             let more =
                 check_step(device, clock, guard, calibration, rate_hz, (step, tare_n), stop)?;
-            found.extend(more);
+            findings.extend(more);
         }
     }
-    Ok(found)
+    Ok(findings)
 }
 
 /// One step of the check, and the force without a load, N ([`tare_n`]). One that is stopped finds
@@ -89,7 +89,7 @@ pub fn check_step(
     stop: &AtomicBool,
 ) -> Result<Vec<Finding>, Trip> {
     let capabilities = device.capabilities().clone();
-    let found = match step {
+    let findings = match step {
         Step::Rest => {
             let (looks, kept) = look(device, clock, rate_hz, REST_S, stop)?;
             [timing(&kept, rate_hz), at_rest(&capabilities, rate_hz, &looks)].concat()
@@ -103,10 +103,12 @@ pub fn check_step(
             by_hand(&capabilities, guard.limits(), &looks)
         }
         Step::Actuators => {
+            // A stop ends it by itself; what it has found by then counts.
             return actuators::drive(device, clock, guard, calibration, rate_hz, stop);
         }
     };
-    Ok(if stop.load(Ordering::Relaxed) { Vec::new() } else { found })
+    // A step that was cut short has too few readings to judge a device by.
+    Ok(if stop.load(Ordering::Relaxed) { Vec::new() } else { findings })
 }
 
 /// Reads for so long, or until it is stopped, with both actuators off.
@@ -127,6 +129,7 @@ fn look(
             return Ok((looks, timing));
         }
         let reading = device.read(tick.now_s)?;
+        // As in a trial, so that the tick's time has a write in it.
         device.write(clock.now_s(), Voltages::OFF)?;
         timing.woke(&tick);
         timing.ran(clock.now_s() - tick.now_s);
@@ -145,8 +148,8 @@ fn look_by_hand(
 ) -> Result<Vec<Look>, Trip> {
     let start_s = clock.now_s();
     guard.home(device, start_s)?;
+    // Always: the word is a valid id.
     if let Ok(id) = "free".parse() {
-        // always: the word is a valid id
         let environment = Environment {
             id,
             label: "free motion".to_owned(),
@@ -157,10 +160,9 @@ fn look_by_hand(
         device.begin(start_s, &Cue { trial: 0, environment: &environment, limit_s: HAND_S });
     }
     let mut looks = Vec::new();
-    let mut seen = |t_s: f64, reading: &crate::Reading, _: &crate::Seen| {
-        looks.push(Look { t_s, reading: *reading })
-    };
-    watch(device, clock, guard, rate_hz, start_s + HAND_S, stop, &mut seen)?;
+    watch(device, clock, guard, rate_hz, start_s + HAND_S, stop, &mut |t_s, reading, _| {
+        looks.push(Look { t_s, reading: *reading });
+    })?;
     Ok(looks)
 }
 

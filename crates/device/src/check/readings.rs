@@ -1,7 +1,7 @@
 //! What a stretch of readings says about a device.
 
 use super::finding::Finding;
-use crate::angle::{rad_per_count, unwrap_margin};
+use crate::angle::{rad_per_count, shortest, unwrap_margin};
 use crate::{Angle, Capabilities, Limits, Reading, Timing, Unwrap};
 use std::collections::BTreeSet;
 use zwidth_numerics::moments::Moments;
@@ -56,8 +56,7 @@ const STROKE_RAD: f64 = 0.035;
 
 /// How the loop kept its time at such a rate.
 pub fn timing(timing: &Timing, rate_hz: f64) -> Vec<Finding> {
-    let period_s = 1.0 / rate_hz;
-    let half = |value_s: f64| value_s < 0.5 * period_s;
+    let half_s = 0.5 * (1.0 / rate_hz);
     let missed = timing.missed as f64 / (timing.missed + timing.ticks).max(1) as f64;
     let late_s = timing.lateness.percentile_s(99.0);
     let took_s = timing.work.percentile_s(99.0);
@@ -66,48 +65,49 @@ pub fn timing(timing: &Timing, rate_hz: f64) -> Vec<Finding> {
     let share =
         "share of deadlines missed; above 1 % close other programs, or ask for a lower rate";
     vec![
-        Finding::new("jitter, 99 %", late_s, "s", half(late_s), late),
-        Finding::new("latency, 99 %", took_s, "s", half(took_s), took),
+        Finding::new("jitter, 99 %", late_s, "s", late_s < half_s, late),
+        Finding::new("latency, 99 %", took_s, "s", took_s < half_s, took),
         Finding::new("missed deadlines", missed, "1", missed < 0.01, share),
     ]
 }
 
 /// A lever at rest, read at this rate: the sensors' rates, noise and zero.
-pub fn at_rest(capabilities: &Capabilities, asked_hz: f64, looks: &[Look]) -> Vec<Finding> {
+pub fn at_rest(capabilities: &Capabilities, rate_hz: f64, looks: &[Look]) -> Vec<Finding> {
     let span_s = span_s(looks);
-    let nominal_hz = capabilities.rate_hz.min(asked_hz);
+    let nominal_hz = capabilities.rate_hz.min(rate_hz);
     let angle_hz = find_taken(looks, |r| Some(r.angle_age_s)).len() as f64 / span_s;
-    let fast = |found_hz: f64, nominal_hz: f64| found_hz >= LEAST_RATE * nominal_hz;
-    let mut found = vec![
+    let mut findings = vec![
         Finding::new(
             "angle rate",
             angle_hz,
             "Hz",
-            fast(angle_hz, nominal_hz),
+            angle_hz >= LEAST_RATE * nominal_hz,
             "new angles per second; if too few, check the link and the board's sampling interval",
         ),
         noise(capabilities, looks),
     ];
     let forces = new_forces_n(looks);
+    // A force of unknown age would count as new at each look, whatever its sensor does.
     if looks.iter().all(|look| look.reading.force_age_s.is_some()) {
         let force_hz = forces.len() as f64 / span_s;
-        let nominal_hz = capabilities.force_rate_hz.min(asked_hz);
+        let nominal_hz = capabilities.force_rate_hz.min(rate_hz);
+        let is_fast = force_hz >= LEAST_RATE * nominal_hz;
         let about = "new forces per second; if too few, check the amplifier's rate switch";
-        found.push(Finding::new("force rate", force_hz, "Hz", fast(force_hz, nominal_hz), about));
+        findings.push(Finding::new("force rate", force_hz, "Hz", is_fast, about));
     }
     let mean_n = mean_n(&forces);
     let sd_n = Moments::of(&forces).sd().unwrap_or(0.0);
     let noise =
         "standard deviation of the force at rest; if too large, check cable, shield and supply";
     let tare = "force at rest; if it is not near zero, tare the load cell with nothing on it";
-    found.push(Finding::new("force noise", sd_n, "N", sd_n <= FORCE_NOISE_N, noise));
-    found.push(Finding::new(TARE, mean_n, "N", mean_n.abs() <= TARE_N, tare));
-    found
+    findings.push(Finding::new("force noise", sd_n, "N", sd_n <= FORCE_NOISE_N, noise));
+    findings.push(Finding::new(TARE, mean_n, "N", mean_n.abs() <= TARE_N, tare));
+    findings
 }
 
 /// The measured force at rest, N; 0 if it was not measured.
-pub fn tare_n(found: &[Finding]) -> f64 {
-    found.iter().find(|finding| finding.check.name == TARE).map_or(0.0, |tare| tare.check.value)
+pub fn tare_n(findings: &[Finding]) -> f64 {
+    findings.iter().find(|finding| finding.check.name == TARE).map_or(0.0, |tare| tare.check.value)
 }
 
 /// A known mass on the load cell: is a newton a newton? `tare_n` is the force without it. The mass
@@ -126,17 +126,17 @@ pub fn loaded(looks: &[Look], tare_n: f64, mass_kg: f64) -> Vec<Finding> {
 /// A lever moved all the way by hand from its lower stop: is every code there, is any stuck, and is
 /// the motion slow enough to count turns?
 pub fn by_hand(capabilities: &Capabilities, limits: &Limits, looks: &[Look]) -> Vec<Finding> {
-    let mut found = Vec::new();
+    let mut findings = Vec::new();
     let forces = new_forces_n(looks);
     let pushed: Vec<f64> = forces.into_iter().filter(|n| n.abs() > PUSHED_N).collect();
     let about = "share of the forces above 1 N that equal the lowest or the highest; if many do, the amplifier is at the end of its range";
     let share = at_ends(&pushed);
-    found.push(Finding::new("force saturation", share, "1", share <= SATURATED, about));
+    findings.push(Finding::new("force saturation", share, "1", share <= SATURATED, about));
     if let Some(counts_per_turn) = capabilities.counts_per_turn {
-        found.extend(codes(counts_per_turn, looks));
-        found.extend(turns(counts_per_turn, capabilities.shaft_per_lever, limits, looks));
+        findings.extend(codes(counts_per_turn, looks));
+        findings.extend(turns(counts_per_turn, capabilities.shaft_per_lever, limits, looks));
     }
-    found
+    findings
 }
 
 /// The codes of a counting sensor.
@@ -144,6 +144,7 @@ fn codes(counts_per_turn: u32, looks: &[Look]) -> Vec<Finding> {
     let raw: Vec<u16> = looks.iter().filter_map(|look| look.reading.raw()).collect();
     let distinct: BTreeSet<u16> = raw.iter().copied().collect();
     let used = u16::try_from(counts_per_turn.saturating_sub(1)).unwrap_or(u16::MAX);
+    // All bits that the largest code needs; each must have been seen both as 1 and as 0.
     let bits = (1_u32 << (u16::BITS - used.leading_zeros())) - 1;
     let (ones, zeros) =
         raw.iter().fold((0_u16, 0_u16), |(ones, zeros), raw| (ones | raw, zeros | !raw));
@@ -192,49 +193,49 @@ fn turns(
 /// Counts without wraps, for as long as they are to be believed (the guard has seen to it that they
 /// are).
 fn follow(counts_per_turn: u32, looks: &[Look]) -> Option<Vec<i64>> {
-    let counts = |look: &Look| match look.reading.angle {
-        Angle::Counts(raw) => Some((look.t_s - look.reading.angle_age_s, raw)),
-        Angle::Lever(_) => None,
-    };
-    let (start_s, start) = looks.first().and_then(counts)?;
-    let mut unwrap = Unwrap::start(counts_per_turn, start_s, start).ok()?;
-    let follow = |(t_s, raw)| unwrap.follow(t_s, raw).ok();
-    Some(looks.iter().filter_map(counts).map_while(follow).collect())
+    let first = looks.first()?;
+    let start_s = first.t_s - first.reading.angle_age_s;
+    let mut unwrap = Unwrap::start(counts_per_turn, start_s, first.reading.raw()?).ok()?;
+    let mut counts = Vec::new();
+    for Look { t_s, reading } in looks {
+        let Some(raw) = reading.raw() else { continue };
+        let Ok(count) = unwrap.follow(t_s - reading.angle_age_s, raw) else { break };
+        counts.push(count);
+    }
+    Some(counts)
 }
 
 /// How far the angle flickers at rest.
 fn noise(capabilities: &Capabilities, looks: &[Look]) -> Finding {
-    let angle = |look: &Look| match look.reading.angle {
-        Angle::Lever(theta_rad) => theta_rad,
-        Angle::Counts(raw) => {
-            // From the first code, the short way round: a lever may rest where the code wraps.
-            let first = looks[0].reading.raw().unwrap_or(raw);
-            let per_turn = i64::from(capabilities.counts_per_turn.unwrap_or(1));
-            let from_first = (i64::from(raw) - i64::from(first) + per_turn / 2)
-                .rem_euclid(per_turn)
-                - per_turn / 2;
-            from_first as f64 * capabilities.resolution_rad()
-        }
-    };
-    let (low, high) = looks
-        .iter()
-        .map(angle)
-        .fold((f64::MAX, f64::MIN), |(low, high), x| (low.min(x), high.max(x)));
+    let (mut low, mut high) = (f64::MAX, f64::MIN);
+    for look in looks {
+        let angle_rad = match look.reading.angle {
+            Angle::Lever(theta_rad) => theta_rad,
+            Angle::Counts(raw) => {
+                // From the first code, the short way round: a lever may rest where the code wraps.
+                let first = looks[0].reading.raw().unwrap_or(raw);
+                let per_turn = i64::from(capabilities.counts_per_turn.unwrap_or(1));
+                let from_first = shortest(i64::from(raw) - i64::from(first), per_turn);
+                from_first as f64 * capabilities.resolution_rad()
+            }
+        };
+        (low, high) = (low.min(angle_rad), high.max(angle_rad));
+    }
     let spread_rad = (high - low).max(0.0);
     let about = "how far the angle flickers at rest; if too far, check the magnet's distance and the supply";
     Finding::new("angle noise", spread_rad, "rad", spread_rad <= ANGLE_NOISE_RAD, about)
 }
 
-/// When each new value was taken, and its look.
+/// The looks that show a new value. A value without an age counts as new at each look.
 fn find_taken(looks: &[Look], age_s: impl Fn(&Reading) -> Option<f64>) -> Vec<&Look> {
     let mut last_s = f64::NEG_INFINITY;
-    let is_new = |look: &&Look| {
+    let new_looks = looks.iter().filter(|look| {
         let t_s = look.t_s - age_s(&look.reading).unwrap_or(0.0);
-        let new = t_s > last_s + SAME_S;
+        let is_new = t_s > last_s + SAME_S;
         last_s = last_s.max(t_s);
-        new
-    };
-    looks.iter().filter(is_new).collect()
+        is_new
+    });
+    new_looks.collect()
 }
 
 fn new_forces_n(looks: &[Look]) -> Vec<f64> {
@@ -256,6 +257,7 @@ fn mean_n(forces_n: &[f64]) -> f64 {
 /// The time a stretch of evenly spaced looks stands for, s.
 fn span_s(looks: &[Look]) -> f64 {
     match looks {
+        // n looks stand for n periods, and the last is n − 1 of them after the first.
         [first, .., last] => (last.t_s - first.t_s) * looks.len() as f64 / (looks.len() - 1) as f64,
         _ => f64::INFINITY,
     }

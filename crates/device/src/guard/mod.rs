@@ -11,7 +11,7 @@ mod trip;
 pub use refuse::{FORCE_RATE_HZ, MOTOR_FORCE_N};
 pub use trip::{Refusal, Trip};
 
-use refuse::{Asked, exceeds, refuse};
+use refuse::{Request, exceeds, refuse};
 
 use crate::angle::rad_per_count;
 use crate::error::positive;
@@ -60,11 +60,12 @@ impl Limits {
     /// # Errors
     /// A study that does not say where the work space ends, or a force limit that is none.
     pub fn of(study: &Study) -> Result<Self, DeviceError> {
-        let missing = |key| move || DeviceError::Missing { key };
         let device = &study.device;
+        let no_min = DeviceError::Missing { key: "device.theta_min_deg" };
+        let no_max = DeviceError::Missing { key: "device.theta_max_deg" };
         Ok(Self {
-            theta_min_rad: device.theta_min_rad.ok_or_else(missing("device.theta_min_deg"))?,
-            theta_max_rad: device.theta_max_rad.ok_or_else(missing("device.theta_max_deg"))?,
+            theta_min_rad: device.theta_min_rad.ok_or(no_min)?,
+            theta_max_rad: device.theta_max_rad.ok_or(no_max)?,
             force_n: positive("control.force_limit_n", study.control.force_limit_n)?,
         })
     }
@@ -122,7 +123,7 @@ impl Guard {
         self.ceiling = None;
         let written = device.write(now_s, Voltages::OFF);
         let reading = device.home(now_s)?;
-        // A device that was lost may be back now.
+        // Homing connects a lost device anew, so what could not be written before may be now.
         written.or_else(|_| device.write(now_s, Voltages::OFF))?;
         let stop_rad = self.limits.theta_min_rad;
         let t_s = now_s - reading.angle_age_s;
@@ -146,7 +147,7 @@ impl Guard {
     /// # Errors
     /// The first reason against it.
     pub fn admit(&self, mode: &Mode, calibration: &Calibration) -> Result<(), Refusal> {
-        self.refuse(&Asked::by(mode), calibration)
+        self.refuse(&Request::of_mode(mode), calibration)
     }
 
     /// Allows the voltages of a mode, for the next trial only.
@@ -154,7 +155,7 @@ impl Guard {
     /// # Errors
     /// A mode that is not to be used on this device.
     pub fn arm(&mut self, mode: &Mode, calibration: &Calibration) -> Result<(), Refusal> {
-        self.allow(&Asked::by(mode), calibration)
+        self.allow(&Request::of_mode(mode), calibration)
     }
 
     /// Allows voltages for a step of the device check, which switches on nothing.
@@ -163,18 +164,19 @@ impl Guard {
         most: Voltages,
         calibration: &Calibration,
     ) -> Result<(), Refusal> {
-        self.allow(&Asked { name: "check", most, switches_on_force: false }, calibration)
+        self.allow(&Request { name: "check", most, switches_on_force: false }, calibration)
     }
 
-    fn allow(&mut self, asked: &Asked<'_>, calibration: &Calibration) -> Result<(), Refusal> {
+    fn allow(&mut self, request: &Request<'_>, calibration: &Calibration) -> Result<(), Refusal> {
         self.ceiling = None;
-        self.refuse(asked, calibration)?;
-        (self.ceiling, self.lost_s) = (Some(asked.most), 0.0);
+        // After the ceiling is gone: a refusal leaves nothing allowed.
+        self.refuse(request, calibration)?;
+        (self.ceiling, self.lost_s) = (Some(request.most), 0.0);
         Ok(())
     }
 
-    fn refuse(&self, asked: &Asked<'_>, calibration: &Calibration) -> Result<(), Refusal> {
-        refuse(&self.capabilities, asked, calibration, self.limits.force_n, self.no_watchdog)
+    fn refuse(&self, request: &Request<'_>, calibration: &Calibration) -> Result<(), Refusal> {
+        refuse(&self.capabilities, request, calibration, self.limits.force_n, self.no_watchdog)
     }
 
     /// Whether a mode is allowed.
@@ -189,12 +191,12 @@ impl Guard {
         self.no_watchdog && self.capabilities.watchdog_s.is_none() && motor
     }
 
-    /// No voltage any more, until it is armed again.
+    /// Allows no voltage until it is armed again.
     pub(crate) fn disarm(&mut self) {
         self.ceiling = None;
     }
 
-    /// The turn of the shaft is not known any more.
+    /// Forgets the turn of the shaft.
     pub(crate) fn lose(&mut self) {
         self.tracking = None;
     }
@@ -226,23 +228,25 @@ impl Guard {
     ///
     /// # Errors
     /// A voltage that is not a number; a guard that is not armed or not homed.
-    pub(crate) fn permit(&self, asked: Voltages) -> Result<(Voltages, bool), Trip> {
+    pub(crate) fn permit(&self, commanded: Voltages) -> Result<(Voltages, bool), Trip> {
         let tracking = self.tracking.as_ref().ok_or(Trip::NotHomed)?;
         let ceiling = self.ceiling.ok_or(Trip::NotArmed)?;
-        if !(asked.motor_v.is_finite() && asked.brake_v.is_finite()) {
+        if !(commanded.motor_v.is_finite() && commanded.brake_v.is_finite()) {
             return Err(Trip::NotFinite { what: "a commanded voltage" });
         }
+        // A dead sensor shows a lever at rest, and a motor would drive it away unseen.
         let motor_max_v = if tracking.proved { ceiling.motor_v } else { 0.0 };
         let permitted = Voltages {
-            motor_v: asked.motor_v.clamp(-motor_max_v, motor_max_v),
-            brake_v: asked.brake_v.clamp(0.0, ceiling.brake_v),
+            motor_v: commanded.motor_v.clamp(-motor_max_v, motor_max_v),
+            brake_v: commanded.brake_v.clamp(0.0, ceiling.brake_v),
         };
-        Ok((permitted, permitted != asked))
+        Ok((permitted, permitted != commanded))
     }
 
-    /// A leaky bucket of lost time.
+    /// Counts lost time in a leaky bucket.
     pub(crate) fn keep_time(&mut self, elapsed_s: f64, missed_s: f64) -> Result<(), Trip> {
         let limit_s = away_s(self.capabilities.rate_hz);
+        // Forgiven first, so that what was missed just now counts in full.
         self.lost_s = (self.lost_s - FORGIVEN * elapsed_s).max(0.0) + missed_s;
         if self.lost_s > limit_s {
             Err(Trip::Deadlines { lost_s: self.lost_s, limit_s })
@@ -251,7 +255,7 @@ impl Guard {
         }
     }
 
-    /// Numbers are numbers and not too old.
+    /// Checks that all values are finite, and that no sensor is too old.
     fn fresh(&self, reading: &Reading) -> Result<(), Trip> {
         let force_age_s = reading.force_age_s.unwrap_or(0.0);
         finite("the force", reading.force_n)?;
@@ -266,7 +270,14 @@ impl Guard {
         let stop_rad = self.limits.theta_min_rad;
         let limit_n = self.limits.force_n;
         let tracking = self.tracking.as_mut().ok_or(Trip::NotHomed)?;
-        let same = tracking.update(now_s - reading.angle_age_s, reading, stop_rad)?;
+        let t_s = now_s - reading.angle_age_s;
+        let is_same = t_s <= tracking.t_s + SAME_S;
+        if !is_same {
+            let theta_rad = tracking.homed.follow(t_s, reading.angle)?;
+            finite("the angle", theta_rad)?;
+            tracking.proved |= (theta_rad - stop_rad).abs() > PROOF_RAD;
+            (tracking.t_s, tracking.theta_rad) = (t_s, theta_rad);
+        }
         let t_angle_s = tracking.t_s;
         let theta_rad = tracking.theta_rad;
         if !self.is_inside(theta_rad, OUTSIDE_RAD) {
@@ -275,10 +286,11 @@ impl Guard {
         if exceeds(reading.force_n.abs(), limit_n) {
             return Err(Trip::Force { force_n: reading.force_n, limit_n });
         }
-        let old = |age_s: f64| age_s > STALE_PERIODS / self.capabilities.force_rate_hz;
+        let stale_s = STALE_PERIODS / self.capabilities.force_rate_hz;
         let flags = Flags::default()
-            .with(Flags::STALE_ANGLE, same)
-            .with(Flags::STALE_FORCE, reading.force_age_s.is_some_and(old))
+            .with(Flags::STALE_ANGLE, is_same)
+            .with(Flags::STALE_FORCE, reading.force_age_s.is_some_and(|age_s| age_s > stale_s))
+            // Less than a count outside is the rounding of a sensor at the stop.
             .with(Flags::OUTSIDE, !self.is_inside(theta_rad, self.capabilities.resolution_rad()));
         Ok(Seen { t_angle_s, theta_rad, flags })
     }
@@ -287,20 +299,6 @@ impl Guard {
     fn is_inside(&self, theta_rad: f64, outside_rad: f64) -> bool {
         let Limits { theta_min_rad, theta_max_rad, .. } = self.limits;
         (theta_min_rad - outside_rad..=theta_max_rad + outside_rad).contains(&theta_rad)
-    }
-}
-
-impl Tracking {
-    /// Follows the angle; whether it is the same value as before.
-    fn update(&mut self, t_s: f64, reading: &Reading, stop_rad: f64) -> Result<bool, Trip> {
-        if t_s <= self.t_s + SAME_S {
-            return Ok(true);
-        }
-        let theta_rad = self.homed.follow(t_s, reading.angle)?;
-        finite("the angle", theta_rad)?;
-        self.proved |= (theta_rad - stop_rad).abs() > PROOF_RAD;
-        (self.t_s, self.theta_rad) = (t_s, theta_rad);
-        Ok(false)
     }
 }
 

@@ -11,8 +11,8 @@ pub const MOTOR_FORCE_N: f64 = 10.0;
 /// two.
 pub const FORCE_RATE_HZ: f64 = 80.0;
 
-/// What is to be allowed.
-pub(super) struct Asked<'a> {
+/// Voltages that are to be allowed, and for whom.
+pub(super) struct Request<'a> {
     /// The mode's id, or what else is to use the actuators.
     pub(super) name: &'a str,
     /// Highest voltages.
@@ -21,48 +21,48 @@ pub(super) struct Asked<'a> {
     pub(super) switches_on_force: bool,
 }
 
-impl<'a> Asked<'a> {
+impl<'a> Request<'a> {
     /// A mode with both actuators switches between them on the user's force.
-    pub(super) fn by(mode: &'a Mode) -> Self {
-        let volts = |v: Option<f64>| v.unwrap_or(0.0);
-        let most = Voltages { motor_v: volts(mode.motor_max_v), brake_v: volts(mode.brake_max_v) };
+    pub(super) fn of_mode(mode: &'a Mode) -> Self {
+        let motor_v = mode.motor_max_v.unwrap_or(0.0);
+        let brake_v = mode.brake_max_v.unwrap_or(0.0);
         Self {
             name: mode.id.as_str(),
-            most,
-            switches_on_force: most.motor_v > 0.0 && most.brake_v > 0.0,
+            most: Voltages { motor_v, brake_v },
+            switches_on_force: motor_v > 0.0 && brake_v > 0.0,
         }
     }
 }
 
-/// The first thing that stands against voltages on a device. The motor may give no more than the
+/// The first reason against voltages on a device. The motor may give no more than the
 /// limit of the study, and never more than [`MOTOR_FORCE_N`].
 pub(super) fn refuse(
     device: &Capabilities,
-    asked: &Asked<'_>,
+    request: &Request<'_>,
     calibration: &Calibration,
     force_limit_n: f64,
     no_watchdog: bool,
 ) -> Result<(), Refusal> {
-    let Voltages { motor_v, brake_v } = asked.most;
+    let Voltages { motor_v, brake_v } = request.most;
     if motor_v > 0.0 && device.watchdog_s.is_none() && !no_watchdog {
         return Err(Refusal::NoWatchdog {
             device: device.name.clone(),
-            mode: asked.name.to_owned(),
+            mode: request.name.to_owned(),
         });
     }
-    within(device, asked, "motor", motor_v, device.motor_max_v)?;
-    within(device, asked, "brake", brake_v, device.brake_max_v)?;
+    within(device, request, "motor", motor_v, device.motor_max_v)?;
+    within(device, request, "brake", brake_v, device.brake_max_v)?;
     let force_n = calibration.motor.force_n(motor_v);
     let most_n = force_limit_n.min(MOTOR_FORCE_N);
     if exceeds(force_n, most_n) {
-        let mode = asked.name.to_owned();
+        let mode = request.name.to_owned();
         return Err(Refusal::MotorForce { mode, voltage_v: motor_v, force_n, most_n });
     }
-    if asked.switches_on_force && exceeds(FORCE_RATE_HZ, device.force_rate_hz) {
+    if request.switches_on_force && exceeds(FORCE_RATE_HZ, device.force_rate_hz) {
         let found_hz = device.force_rate_hz;
         let least_hz = FORCE_RATE_HZ;
         let device = device.name.clone();
-        let mode = asked.name.to_owned();
+        let mode = request.name.to_owned();
         return Err(Refusal::SlowForce { device, mode, found_hz, least_hz });
     }
     Ok(())
@@ -70,7 +70,7 @@ pub(super) fn refuse(
 
 fn within(
     device: &Capabilities,
-    asked: &Asked<'_>,
+    request: &Request<'_>,
     actuator: &'static str,
     asked_v: f64,
     most_v: f64,
@@ -79,7 +79,7 @@ fn within(
         return Ok(());
     }
     let device = device.name.clone();
-    let mode = asked.name.to_owned();
+    let mode = request.name.to_owned();
     Err(Refusal::Voltage { device, mode, actuator, asked_v, most_v })
 }
 
@@ -104,7 +104,13 @@ mod tests {
         force_limit_n: f64,
         no_watchdog: bool,
     ) -> Result<(), Refusal> {
-        super::refuse(capabilities, &Asked::by(mode), calibration, force_limit_n, no_watchdog)
+        super::refuse(
+            capabilities,
+            &Request::of_mode(mode),
+            calibration,
+            force_limit_n,
+            no_watchdog,
+        )
     }
 
     fn refused(capabilities: &Capabilities, mode: &Mode) -> String {

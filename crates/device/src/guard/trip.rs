@@ -90,6 +90,7 @@ pub enum Trip {
 impl Trip {
     /// Whether the lever's turn may be lost, so that it must be homed again.
     pub fn needs_homing(&self) -> bool {
+        // Whatever leaves a motion unseen, in which a turn may be lost.
         matches!(
             self,
             Self::NotHomed

@@ -93,6 +93,7 @@ impl Course {
                 if t_s >= self.intent.onset_s + self.intent.forward_s {
                     let short_rad = (self.intent.goal.angle_rad - state.theta_rad).max(0.0);
                     let wanted_m_s = CORRECT_PER_S * lever_m * short_rad;
+                    // At most the whole way to the wanted rate, however long the step was.
                     *rate_m_s += (wanted_m_s - *rate_m_s) * (since_s / TURN_S).min(1.0);
                 }
                 self.turn(person, lever_m, t_s, state);
@@ -124,8 +125,8 @@ impl Course {
         let at_rest_n = state.contact_n - DRAG_NS_PER_RAD * state.theta_dot_rad_s;
         let rest_m = self.base_m + from.position_m + onward_m(from, slack_m_s)
             - person.compliance_m_per_n() * at_rest_n;
-        let is_there = rest_m >= lever_m * goal.angle_rad || state.contact_n >= goal.force_n;
-        if t_s >= self.intent.latest_turn_s() || t_s > self.intent.onset_s && is_there {
+        let is_reached = rest_m >= lever_m * goal.angle_rad || state.contact_n >= goal.force_n;
+        if t_s >= self.intent.latest_turn_s() || t_s > self.intent.onset_s && is_reached {
             let highest_rad = state.theta_rad;
             self.phase = Phase::LetGo { from, slack_m_s, highest_rad, felt_s: None };
         }

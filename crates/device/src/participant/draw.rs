@@ -30,6 +30,7 @@ impl Draw {
 
     /// Uniform in [0, 1).
     pub(crate) fn unit(&mut self) -> f64 {
+        // As many bits as a significand has: the number is exact, and never rounded up to 1.
         let bits = self.0.next_u64() >> (u64::BITS - SIGNIFICAND_BITS);
         libm::ldexp(bits as f64, -(SIGNIFICAND_BITS as i32))
     }
@@ -46,7 +47,7 @@ impl Draw {
 
     /// Normal with mean 0 and standard deviation 1 (Box & Muller 1958).
     pub(crate) fn normal(&mut self) -> f64 {
-        let radius = 1.0 - self.unit();
+        let radius = 1.0 - self.unit(); // in (0, 1], so that its logarithm is finite
         let turn = self.unit();
         (-2.0 * libm::log(radius)).sqrt() * libm::cos(TAU * turn)
     }

@@ -64,6 +64,7 @@ impl Felt {
 
     fn bin(&self, theta_rad: f64) -> usize {
         let [low, high] = self.range_rad;
+        // Beyond the ends the nearest bin: stops give a little.
         (((theta_rad - low) / (high - low) * BINS as f64) as usize).min(BINS - 1)
     }
 

@@ -91,9 +91,10 @@ impl Intent {
             back_s: vary(person.back_s) * slower,
             amplitude_m: 0.0,
             travel_rad: 0.0,
-            goal: goal(person, task, [(); 2].map(|()| spread * draw.moderate())),
+            goal: goal(person, task, [spread * draw.moderate(), spread * draw.moderate()]),
         };
         let angle_rad = intent.goal.angle_rad;
+        // Without waiting: after its share of the way the hand would else go on to the goal.
         let (share, wait_s) =
             if person.gives_up(trial) { (GIVEN_UP, 0.0) } else { (1.0, intent.wait_s) };
         let intent = Self { wait_s, ..intent };

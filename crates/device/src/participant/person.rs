@@ -109,8 +109,9 @@ impl Person {
     pub fn draw(seed: u64) -> Self {
         let mut draw = Draw::new(seed, Purpose::Person, 0);
         let hand = hand(HAND_RANGES.map(|range| draw.scaled(range)));
-        let mut usual = |spread: Spread| spread.mean + spread.sd * draw.moderate();
-        let [onset_s, pace, reach_rad, bias] = [ONSET_S, PACE, REACH_RAD, BIAS].map(&mut usual);
+        // The order of the draws is fixed: another one would make other people of the same seeds.
+        let [onset_s, pace, reach_rad, bias] = [ONSET_S, PACE, REACH_RAD, BIAS]
+            .map(|spread| spread.mean + spread.sd * draw.moderate());
         let lasting = Self { hand, onset_s, reach_rad, bias, ..Self::typical(seed) }.at(pace);
         Self {
             press_n: draw.between([1.4, 1.9]),
@@ -127,8 +128,8 @@ impl Person {
     /// Krakauer 2015, J. Neurophysiol. 114:969).
     pub fn in_session(self, seed: u64, practised: u32) -> Self {
         let mut draw = Draw::new(seed, Purpose::Day, 0);
-        let mut off = |spread: Spread| spread.day_sd() * draw.moderate();
-        let [onset_s, pace, reach_rad, bias] = [ONSET_S, PACE, REACH_RAD, BIAS].map(&mut off);
+        let [onset_s, pace, reach_rad, bias] =
+            [ONSET_S, PACE, REACH_RAD, BIAS].map(|spread| spread.day_sd() * draw.moderate());
         let today = Self {
             seed,
             practised,

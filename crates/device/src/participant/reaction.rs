@@ -26,6 +26,7 @@ pub(crate) struct Reaction {
 impl Reaction {
     /// At rest, with nothing on its way.
     pub(crate) fn new(person: &Person) -> Self {
+        // Less than the ring is long, or the newest entry would be taken for the oldest.
         let delay_steps = ((person.reaction_s / STEP_S) as usize).clamp(1, MOST_STEPS - 1);
         Self { pending_m: [0.0; MOST_STEPS], at: 0, delay_steps, retreat_m: 0.0, rate_m_s: 0.0 }
     }
@@ -45,6 +46,7 @@ impl Reaction {
         let too_far_m = (lever_m * state.theta_rad - limit_m).max(0.0);
         self.pending_m[self.at] = too_hard_m + too_far_m;
         self.at = (self.at + 1) % MOST_STEPS;
+        // The entry of this step is now one behind `at`; the one that acts lies a delay before it.
         let felt_m = self.pending_m[(self.at + MOST_STEPS - 1 - self.delay_steps) % MOST_STEPS];
         self.rate_m_s = RETREAT_PER_S * felt_m - FORGET_PER_S * self.retreat_m;
     }

@@ -25,6 +25,7 @@ impl Ending {
     /// Whether the participant has let go by this sample.
     pub(super) fn let_go(&mut self, sample: &Sample) -> bool {
         let start_rad = *self.start_rad.get_or_insert(sample.theta_rad);
+        // Before it moves, a lever at rest without a force is quiet, too.
         self.moved |= (sample.theta_rad - start_rad).abs() > MOVED_RAD;
         let quiet =
             sample.force_ex_n.abs() < QUIET_N && sample.theta_dot_rad_s.abs() < HOLDING_RAD_S;

@@ -18,7 +18,7 @@ const RING_S: f64 = 10.0;
 
 /// How often the caller is given what has come: no more is lost by a kill than this and one write
 /// of the journal.
-const POLL: Duration = Duration::from_millis(5);
+pub(crate) const POLL: Duration = Duration::from_millis(5);
 
 /// Where samples go, in batches, on the caller's thread. Break: they cannot be kept any more.
 pub type BatchSink<'a> = dyn FnMut(&[Sample]) -> ControlFlow<()> + 'a;
@@ -58,6 +58,7 @@ pub fn run_live(
             let mut sink = |sample: &Sample| ring.push(sample);
             (run_caught(device, clock, controller, guard, plan, stop, &mut sink), priority)
         });
+        // A panic of `batch` ends the trial; without this the scope would wait for its limit.
         let _abandon = collected.abandon_on_panic();
         while !running.is_finished() {
             collected.hand_over(batch);
@@ -66,8 +67,8 @@ pub fn run_live(
         collected.hand_over(batch);
         running.join()
     });
-    let (run, priority) =
-        outcome.unwrap_or_else(|panic| (TrialRun::tripped(said(&*panic)), Priority::Ordinary));
+    let (run, priority) = outcome
+        .unwrap_or_else(|panic| (TrialRun::tripped(panic_trip(&*panic)), Priority::Ordinary));
     let run = collected.conclude(run);
     LiveRun { run, lost: collected.lost(), priority }
 }
@@ -82,9 +83,10 @@ pub(crate) fn run_caught(
     stop: &AtomicBool,
     sink: &mut Sink<'_>,
 ) -> TrialRun {
+    // Asked now: the end of a trial disarms the guard, which then allows no motor.
     let unwatched = guard.unwatched();
     catch_unwind(AssertUnwindSafe(|| run_trial(device, clock, controller, guard, plan, stop, sink)))
-        .unwrap_or_else(|panic| TrialRun { unwatched, ..TrialRun::tripped(said(&*panic)) })
+        .unwrap_or_else(|panic| TrialRun { unwatched, ..TrialRun::tripped(panic_trip(&*panic)) })
 }
 
 /// What the two threads tell each other.
@@ -134,14 +136,15 @@ impl Collected {
     fn with_room(samples: usize) -> (Self, SampleRing) {
         let shared = Arc::<Shared>::default();
         let (producer, consumer) = RingBuffer::new(samples);
-        let of_loop = SampleRing { ring: producer, shared: Arc::clone(&shared), gap: false };
-        (Self { ring: consumer, shared }, of_loop)
+        let loop_side = SampleRing { ring: producer, shared: Arc::clone(&shared), gap: false };
+        (Self { ring: consumer, shared }, loop_side)
     }
 
     /// Gives `batch` what has come.
     pub(crate) fn hand_over(&mut self, batch: &mut BatchSink<'_>) {
         let Ok(chunk) = self.ring.read_chunk(self.ring.slots()) else { return };
         let (first, second) = chunk.as_slices();
+        // The first part may be empty; the caller has its turn all the same.
         let kept = batch(first).is_continue() && (second.is_empty() || batch(second).is_continue());
         chunk.commit_all();
         if !kept {
@@ -158,9 +161,10 @@ impl Collected {
         self.shared.lost.load(Ordering::Relaxed)
     }
 
-    /// The trial's end, as far as the samples did not get through.
+    /// The run, tripped if its samples did not get through.
     pub(crate) fn conclude(&self, mut run: TrialRun) -> TrialRun {
         let lost = self.lost();
+        // What tripped it is the cause; samples that are missing follow from it.
         let tripped = matches!(run.end, TrialEnd::Tripped(_));
         if self.shared.abandoned.load(Ordering::Relaxed) && !tripped {
             run.end = TrialEnd::Tripped(Trip::Storage); // it could not keep what came last
@@ -182,8 +186,8 @@ impl Drop for Abandon {
     }
 }
 
-/// A panic as what ended a trial.
-pub(crate) fn said(panic: &(dyn Any + Send)) -> Trip {
+/// The trip that a panic stands for.
+pub(crate) fn panic_trip(panic: &(dyn Any + Send)) -> Trip {
     let text = panic.downcast_ref::<&str>().map(|text| (*text).to_owned());
     let text = text.or_else(|| panic.downcast_ref::<String>().cloned());
     Trip::Panic { what: text.unwrap_or_else(|| "it did not say why".to_owned()) }

@@ -10,7 +10,7 @@ mod moments;
 mod output;
 
 pub use live::{BatchSink, LiveRun, run_live};
-pub(crate) use live::{Collected, run_caught, said};
+pub(crate) use live::{Collected, POLL, panic_trip, run_caught};
 pub use moments::Moments;
 
 use crate::digits::{on_steps, on_ticks};
@@ -29,7 +29,7 @@ use zwidth_study::{Environment, Flags, Sample, Study};
 /// ends at 0 V.
 pub type Sink<'a> = dyn FnMut(&Sample) -> ControlFlow<()> + 'a;
 
-/// What a trial is to be.
+/// The plan of a trial.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TrialPlan<'a> {
     /// What the device may know of it: number, environment, longest time.
@@ -90,7 +90,7 @@ pub struct TrialRun {
 }
 
 impl TrialRun {
-    /// One of which nothing is known but why it ended.
+    /// A run of which only the end is known.
     pub(crate) fn tripped(trip: Trip) -> Self {
         Self { end: TrialEnd::Tripped(trip), timing: Timing::default(), unwatched: false }
     }
@@ -110,13 +110,16 @@ pub fn run_trial(
     stop: &AtomicBool,
     sink: &mut Sink<'_>,
 ) -> TrialRun {
+    // Asked now: the end of the trial disarms the guard, which then allows no motor.
     let unwatched = guard.unwatched();
-    let mut timing = Timing::default(); // its buckets are allocated here, before the first tick
+    // Its buckets are allocated here, before the first tick.
+    let mut timing = Timing::default();
     let mut output = Output::new(device, guard, clock.now_s());
     if plan.shows_moments {
         output.show_moments();
     }
     let end = ticks(&mut output, clock, controller, plan, stop, sink, &mut timing);
+    // Writes 0 V before anything else is done.
     drop(output);
     TrialRun { end, timing, unwatched }
 }
@@ -144,6 +147,7 @@ fn ticks(
             return TrialEnd::Stopped;
         }
         if tick.now_s - start_s >= plan.cue.limit_s {
+            // A machine that slept past the limit has recorded nothing since: no complete trial.
             return output.in_time(&tick).map_or_else(TrialEnd::Tripped, |()| TrialEnd::Limit);
         }
         let sample = match step(output, clock, controller, &mut velocity, &tick, start_s) {
@@ -171,11 +175,12 @@ fn step(
     start_s: f64,
 ) -> Result<Sample, Trip> {
     let (reading, seen) = output.look(tick)?;
+    // Rounded before the controller sees them, so that a replay of the recording decides alike.
     let theta_rad = on_steps(seen.theta_rad);
     let force_ex_n = on_steps(reading.force_n);
     let theta_dot_rad_s = on_steps(velocity.step(seen.t_angle_s, theta_rad));
-    let (asked, flags) = controller.step(theta_rad, theta_dot_rad_s, force_ex_n);
-    let (voltages, clipped) = output.command(clock.now_s(), asked)?;
+    let (commanded, flags) = controller.step(theta_rad, theta_dot_rad_s, force_ex_n);
+    let (voltages, clipped) = output.command(clock.now_s(), commanded)?;
     Ok(Sample {
         t_s: tick.now_s - start_s,
         t_device_s: reading.t_device_s.map(on_ticks),
@@ -231,7 +236,9 @@ pub(crate) fn read_on(
         if !goes_on(tick.now_s) {
             return Ok(());
         }
+        // No time counts as missed: a machine that stalls between trials must not lose the turn.
         let looked = output.look(&Tick { missed_s: 0.0, ..tick });
+        // In every tick, whatever was seen: a board's watchdog waits for a write.
         output.off(clock.now_s())?;
         match looked {
             Ok((reading, judged)) => seen(tick.now_s, &reading, &judged),

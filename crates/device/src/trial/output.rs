@@ -44,10 +44,11 @@ impl<'a> Output<'a> {
         Ok(())
     }
 
-    /// Reads and has it judged.
+    /// Reads, and has the reading judged.
     pub(crate) fn look(&mut self, tick: &Tick) -> Result<(Reading, Seen), Trip> {
         let elapsed_s = tick.now_s - self.looked_s;
         (self.looked_s, self.now_s) = (tick.now_s, tick.now_s);
+        // A device that was not read was not followed either: its turn may be lost.
         let reading = self.device.read(tick.now_s).inspect_err(|_| self.guard.lose())?;
         let seen = self.guard.see(tick.now_s, elapsed_s, tick.missed_s, &reading)?;
         Ok((reading, seen))
@@ -63,9 +64,9 @@ impl<'a> Output<'a> {
     pub(crate) fn command(
         &mut self,
         now_s: f64,
-        asked: Voltages,
+        commanded: Voltages,
     ) -> Result<(Voltages, bool), Trip> {
-        let (voltages, clipped) = self.guard.permit(asked)?;
+        let (voltages, clipped) = self.guard.permit(commanded)?;
         self.write(now_s, voltages)?;
         Ok((voltages, clipped))
     }
@@ -84,6 +85,7 @@ impl<'a> Output<'a> {
 
 impl Drop for Output<'_> {
     fn drop(&mut self) {
+        // First, so that nothing is allowed any more even if the device panics.
         self.guard.disarm();
         // There is nobody left to tell: a device that cannot be written to has been reported by the
         // tick.

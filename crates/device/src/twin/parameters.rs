@@ -3,6 +3,7 @@
 
 use super::sensors::SHAFT_PER_LEVER;
 use crate::DeviceError;
+use crate::error::unable;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::FRAC_PI_4;
 use zwidth_dynamics::{DrivenParameters, Friction, Hand};
@@ -99,6 +100,7 @@ impl Default for TwinParameters {
             force_noise_n: 0.0,
             actuators: Calibration::thesis(),
         };
+        // The table alone has the numbers, so that it cannot differ from them.
         for parameter in Self::table() {
             *(parameter.field)(&mut twin) = parameter.default;
         }
@@ -141,6 +143,7 @@ impl TwinParameters {
     /// # Errors
     /// The first that does not, by name.
     pub fn check(&self) -> Result<(), DeviceError> {
+        // A copy, because the table reaches its fields for writing only.
         let mut copy = self.clone();
         for parameter in Self::table() {
             let value = *(parameter.field)(&mut copy);
@@ -190,11 +193,7 @@ impl TwinParameters {
 
 /// A plant that cannot be simulated.
 pub(super) fn impossible(error: &dyn std::error::Error) -> DeviceError {
-    DeviceError::Unable {
-        device: "twin".to_owned(),
-        what: error.to_string(),
-        remedy: "correct the twin's parameters".to_owned(),
-    }
+    unable("twin", &error.to_string(), "correct the twin's parameters")
 }
 
 #[cfg(test)]

@@ -47,6 +47,7 @@ pub(super) struct ForceSensor {
 impl ForceSensor {
     pub(super) fn new(noise_n: f64, noise: Draw, now_s: f64) -> Self {
         let mut sensor = Self { noise_n, noise, value_n: 0.0, taken_s: now_s };
+        // A value from the beginning on, as the HX711 holds its last one.
         sensor.take(now_s, 0.0);
         sensor
     }

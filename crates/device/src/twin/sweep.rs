@@ -6,8 +6,7 @@
 //! load cell, capstan friction included: the measured force is a little low while the motor's rises
 //! and a little high while it falls.
 
-use super::parameters::impossible;
-use super::parameters::{STOPS_RAD, TwinParameters};
+use super::parameters::{STOPS_RAD, TwinParameters, impossible};
 use super::sensors::{FORCE_RATE_HZ, ForceSensor};
 use crate::DeviceError;
 use crate::participant::draw::{Draw, Purpose};
@@ -70,13 +69,15 @@ pub fn brake_sweep(
     seed: u64,
     number: u32,
 ) -> Result<Vec<SweepPoint>, DeviceError> {
-    let force = |v: f64| Command { motor_n: 0.0, brake_n: parameters.actuators.brake.force_n(v) };
     let from_rad = STOPS_RAD[0] + CLEARANCE_RAD;
     let speed_rad_s = (STOPS_RAD[1] - CLEARANCE_RAD - from_rad) / SWEEP_S;
     /// Streams of the brake's sweeps lie above those of the motor's.
     const BRAKES: u64 = 1 << 32;
     let draw = Draw::new(seed, Purpose::Sweep, BRAKES + u64::from(number));
-    Sweep { top_v: BRAKE_V, from_rad, speed_rad_s, draw }.run(parameters, force)
+    Sweep { top_v: BRAKE_V, from_rad, speed_rad_s, draw }.run(parameters, |v| Command {
+        motor_n: 0.0,
+        brake_n: parameters.actuators.brake.force_n(v),
+    })
 }
 
 /// How a sweep goes.
@@ -94,6 +95,7 @@ impl Sweep {
         command: impl Fn(f64) -> Command,
     ) -> Result<Vec<SweepPoint>, DeviceError> {
         parameters.check()?;
+        let lever_m = parameters.lever_m;
         let mut plant = Driven::new(parameters.plant(Some(PUSHER))).map_err(|e| impossible(&e))?;
         plant.place(self.from_rad, 0.0).map_err(|e| impossible(&e))?;
         let values = (SWEEP_S * FORCE_RATE_HZ) as u32;
@@ -104,7 +106,10 @@ impl Sweep {
             let t_s = f64::from(i) * h_s;
             let end_s = f64::from(i + 1) * h_s;
             let voltage_v = self.voltage_v(t_s);
-            let aims = [t_s, end_s].map(|t| self.aim(parameters.lever_m, t));
+            let aims = [t_s, end_s].map(|t| Aim {
+                position_m: lever_m * (self.from_rad + self.speed_rad_s * t),
+                velocity_m_s: lever_m * self.speed_rad_s,
+            });
             plant.advance(h_s, command(voltage_v), aims).map_err(|e| impossible(&e))?;
             if (i + 1) % STEPS_PER_VALUE == 0 {
                 let state = plant.state();
@@ -124,13 +129,6 @@ impl Sweep {
     /// Up in straight lines and down again.
     fn voltage_v(&self, t_s: f64) -> f64 {
         self.top_v * (1.0 - (2.0 * t_s / SWEEP_S - 1.0).abs())
-    }
-
-    fn aim(&self, lever_m: f64, t_s: f64) -> Aim {
-        Aim {
-            position_m: lever_m * (self.from_rad + self.speed_rad_s * t_s),
-            velocity_m_s: lever_m * self.speed_rad_s,
-        }
     }
 }
 

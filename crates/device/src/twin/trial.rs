@@ -31,6 +31,7 @@ impl Trial {
     /// Between trials: the hand waits.
     pub(super) fn idle(person: &Person, parameters: &TwinParameters) -> Self {
         let intent = Intent::draw(person, 0, &task(parameters, Scene::None, f64::INFINITY));
+        // It never begins.
         let intent = Intent { amplitude_m: 0.0, onset_s: f64::INFINITY, ..intent };
         let base_m = base_m(parameters);
         Self {
@@ -69,6 +70,7 @@ impl Trial {
         let meant = self.course.aim(t_s - self.begin_s);
         let [retreat_m, rate_m_s] = self.reaction.retreat(t_s - last_step_s);
         Aim {
+            // A retreat goes no further back than where the hand waits.
             position_m: self.base_m + (meant.position_m - retreat_m).max(0.0),
             velocity_m_s: meant.velocity_m_s - rate_m_s,
         }

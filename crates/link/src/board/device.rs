@@ -29,8 +29,8 @@ pub(crate) struct Behind {
     written_s: f64,
     /// The watchdog took the voltages away.
     pub(crate) tripped: bool,
-    /// Is told every reading of the angle that is sent.
-    pub(crate) told: Box<dyn FnMut(&Reading) + Send>,
+    /// Gets every reading whose angle is sent.
+    pub(crate) observer: Box<dyn FnMut(&Reading) + Send>,
 }
 
 impl Behind {
@@ -51,7 +51,7 @@ impl Behind {
             watchdog_s,
             written_s: 0.0,
             tripped: false,
-            told: Box::new(|_| {}),
+            observer: Box::new(|_| {}),
         }
     }
 
@@ -66,7 +66,7 @@ impl Behind {
     /// A reading whose angle is sent.
     pub(crate) fn tell(&mut self, now_s: f64) -> Result<Reading, DeviceError> {
         let reading = self.read(now_s)?;
-        (self.told)(&reading);
+        (self.observer)(&reading);
         Ok(reading)
     }
 
@@ -76,6 +76,7 @@ impl Behind {
         if self.drive == Drive::default() {
             return Ok(());
         }
+        // Written again and again, so that a watchdog of the device behind finds nothing to do.
         let Some(limit_s) = self.watchdog_s else { return self.write(now_s, self.drive) };
         if now_s - self.written_s <= limit_s {
             return Ok(());

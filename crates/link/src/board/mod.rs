@@ -65,10 +65,10 @@ impl Board {
         Self { behind, speech, due_s: 0.0, weigh_s: 0.0, cell: Vec::new() }
     }
 
-    /// Tells every reading whose angle it sends, as it sends it.
+    /// Gives `observer` every reading whose angle it sends, as it sends it.
     #[must_use]
-    pub fn telling(mut self, told: impl FnMut(&Reading) + Send + 'static) -> Self {
-        self.behind.told = Box::new(told);
+    pub fn telling(mut self, observer: impl FnMut(&Reading) + Send + 'static) -> Self {
+        self.behind.observer = Box::new(observer);
         self
     }
 
@@ -94,28 +94,22 @@ impl Board {
     pub fn take(&mut self, now_s: f64, bytes: &[u8], out: &mut Vec<u8>) -> Result<(), DeviceError> {
         self.behind.watch(now_s)?;
         self.speech.take(&mut self.behind, now_s, bytes, out)?;
-        self.stream(now_s, out)
-    }
-
-    /// What the load cell's own port prints: the values since the last call.
-    pub fn load_cell(&mut self) -> Vec<u8> {
-        std::mem::take(&mut self.cell)
-    }
-
-    /// Sends a reading, and prints a value of the load cell, where one is due.
-    fn stream(&mut self, now_s: f64, out: &mut Vec<u8>) -> Result<(), DeviceError> {
         let Some(period_s) = self.speech.period_s() else { return Ok(()) };
         let force_period_s = 1.0 / self.behind.capabilities().force_rate_hz;
         if !self.speech.prints_force() && is_due(&mut self.weigh_s, force_period_s, now_s) {
             let (force, _) = force_counts(&self.behind.read(now_s)?);
             self.cell.extend(format!("{force}\r\n").bytes());
         }
-        if !is_due(&mut self.due_s, period_s, now_s) {
-            return Ok(());
+        if is_due(&mut self.due_s, period_s, now_s) {
+            let reading = self.behind.tell(now_s)?;
+            self.speech.print(now_s, &reading, out);
         }
-        let reading = self.behind.tell(now_s)?;
-        self.speech.print(now_s, &reading, out);
         Ok(())
+    }
+
+    /// What the load cell's own port prints: the values since the last call.
+    pub fn load_cell(&mut self) -> Vec<u8> {
+        std::mem::take(&mut self.cell)
     }
 }
 

@@ -5,7 +5,7 @@
 //! another interval; a channel is reported at once when its reporting is switched on; up to eight
 //! readings of the I²C bus at each interval.
 
-use super::host::{AS5600, RAW_ANGLE, SIMULATED};
+use super::host::{AS5600, RAW_ANGLE, SIMULATED, sysex};
 use super::{
     AngleAt, End, Firmata, I2cReply, I2cRequest, Message, Mode, Parser, Pin, id, joined, string,
     two, unstring,
@@ -39,7 +39,7 @@ enum Act {
     Read(What),
 }
 
-/// What a reading is told for.
+/// What a reading is for.
 enum What {
     /// An analog channel.
     Channel(u8),
@@ -54,8 +54,8 @@ pub(crate) struct Uno {
     parser: Parser,
     /// Mode, and what was written to it.
     pins: [(u8, u16); PINS as usize],
-    /// Channels that are told.
-    told: u16,
+    /// Channels that are reported, a bit each.
+    reported: u16,
     reads: Vec<I2cRequest>,
     interval_ms: u16,
     /// It has just begun and says who it is.
@@ -68,28 +68,34 @@ impl Uno {
             at,
             bits,
             parser: Parser::new(End::Host),
-            pins: std::array::from_fn(|pin| (first_mode(pin as u8) as u8, 0)),
-            told: 0,
+            pins: std::array::from_fn(|pin| {
+                let mode = if pin < usize::from(A0) { Mode::Output } else { Mode::Analog };
+                (mode as u8, 0)
+            }),
+            reported: 0,
             reads: Vec::new(),
             interval_ms: INTERVAL_MS,
             begins: true,
         }
     }
 
-    /// Takes a byte; what its device is to do then.
+    /// Takes a byte; returns what its device is to do then.
     fn hear(&mut self, byte: u8, out: &mut Vec<u8>) -> Option<Act> {
         match self.parser.push(byte)? {
             Message::Analog { channel, value } => self.set(channel, value),
             Message::Digital { port, pins } => {
-                let set = |(pin, bit)| (8 * port + pin, pins >> bit & 1);
-                let written: Vec<_> = (0..8).map(|bit| set((bit, bit))).collect();
-                written.into_iter().filter_map(|(pin, on)| self.output(pin, on.into())).last()
+                let mut act = None;
+                for bit in 0..8 {
+                    // The voltages of the last one take in all pins that were set before it.
+                    act = self.output(8 * port + bit, (pins >> bit & 1).into()).or(act);
+                }
+                act
             }
             Message::DigitalPin { pin, on } => self.output(pin, on.into()),
             Message::PinMode { pin, mode } => self.mode(pin, mode),
             Message::ReportAnalog { channel, on } => {
                 let bit = 1 << channel;
-                self.told = if on { self.told | bit } else { self.told & !bit };
+                self.reported = if on { self.reported | bit } else { self.reported & !bit };
                 on.then_some(Act::Read(What::Channel(channel)))
             }
             Message::VersionQuery => {
@@ -102,6 +108,7 @@ impl Uno {
                 Some(Act::Write(Drive::default()))
             }
             Message::Sysex { id, data } => {
+                // A copy, because the parser that holds the bytes goes on.
                 let data = data.to_vec();
                 self.longer(id, &data, out)
             }
@@ -111,26 +118,26 @@ impl Uno {
 
     /// A longer message.
     fn longer(&mut self, id: u8, data: &[u8], out: &mut Vec<u8>) -> Option<Act> {
-        let mut answer = |id, data: &[u8]| Message::Sysex { id, data }.write(out);
         match (id, data) {
             (id::FIRMWARE, _) => firmware(out),
             (id::CAPABILITY_QUERY, _) => {
-                answer(id::CAPABILITIES, &Pin::write_all(&pins(self.bits)))
+                sysex(id::CAPABILITIES, &Pin::write_all(&pins(self.bits)), out);
             }
             (id::ANALOG_MAPPING_QUERY, _) => {
                 let channels: Vec<u8> = (0..PINS).map(|pin| channel(pin).unwrap_or(127)).collect();
-                answer(id::ANALOG_MAPPING, &channels);
+                sysex(id::ANALOG_MAPPING, &channels, out);
             }
             (id::PIN_STATE_QUERY, [pin, ..]) => {
                 let (mode, value) = *self.pins.get(usize::from(*pin))?;
                 let [low, high] = two(value);
-                answer(id::PIN_STATE, &[*pin, mode, low, high]);
+                sysex(id::PIN_STATE, &[*pin, mode, low, high], out);
             }
             (id::EXTENDED_ANALOG, [pin, low, rest @ ..]) => {
                 let high = rest.first().copied().unwrap_or_default();
                 return self.set(*pin, joined(*low, high));
             }
             (id::SAMPLING_INTERVAL, [low, high, ..]) => {
+                // An interval of 0 would make a reading due at all times.
                 self.interval_ms = joined(*low, *high).max(1);
             }
             (id::STRING, _) => return marker(&unstring(data)),
@@ -141,10 +148,12 @@ impl Uno {
                 Some(read @ I2cRequest::Read { .. }) if self.reads.len() < MOST_READS => {
                     self.reads.push(read);
                 }
-                Some(I2cRequest::Read { .. }) => answer(id::STRING, &string("too many queries")),
-                Some(I2cRequest::Stop { address }) => {
-                    self.reads.retain(|read| !matches!(read, I2cRequest::Read { address: known, .. } if *known == address));
+                Some(I2cRequest::Read { .. }) => {
+                    sysex(id::STRING, &string("too many queries"), out);
                 }
+                Some(I2cRequest::Stop { address: stopped }) => self.reads.retain(
+                    |read| !matches!(read, I2cRequest::Read { address, .. } if *address == stopped),
+                ),
                 Some(I2cRequest::Write { .. }) | None => {}
             },
             _ => {}
@@ -152,14 +161,14 @@ impl Uno {
         None
     }
 
-    /// Tells a reading.
+    /// Reports a reading.
     fn tell(&self, what: &What, counts: u16, out: &mut Vec<u8>) {
         match what {
             What::Channel(channel) => {
-                let ours = self.at.angle == AngleAt::Analog(*channel);
+                let is_ours = self.at.angle == AngleAt::Analog(*channel);
                 // The sensor's 12 bits as this input sees them.
                 let seen = u32::from(counts) << self.bits >> SENSOR_BITS;
-                let value = if ours { seen as u16 } else { 0 };
+                let value = if is_ours { seen as u16 } else { 0 };
                 Message::Analog { channel: *channel, value }.write(out);
             }
             What::I2c(request) => {
@@ -168,14 +177,14 @@ impl Uno {
                 let bytes: Vec<u8> = if *address == AS5600 {
                     (0..*length).map(|i| as5600(register.wrapping_add(i), counts)).collect()
                 } else {
+                    // No other device is at the bus: nobody answers.
                     Vec::new()
                 };
                 if bytes.is_empty() {
-                    let text = string("I2C: Too few bytes received");
-                    Message::Sysex { id: id::STRING, data: &text }.write(out);
+                    sysex(id::STRING, &string("I2C: Too few bytes received"), out);
                 }
                 let reply = I2cReply { address: *address, register, bytes };
-                Message::Sysex { id: id::I2C_REPLY, data: &reply.data() }.write(out);
+                sysex(id::I2C_REPLY, &reply.data(), out);
             }
         }
     }
@@ -205,11 +214,11 @@ impl Uno {
         if ![motor_pwm, motor_direction, brake_pwm].contains(&pin) {
             return None;
         }
-        let held =
-            |pin: u8| self.pins.get(usize::from(pin)).map_or(0, |(_, held)| i32::from(*held));
-        let forwards = (held(motor_direction) != 0) != motor_reversed;
-        let motor = if forwards { held(motor_pwm) } else { -held(motor_pwm) };
-        Some(Act::Write(Drive::of_steps([motor, held(brake_pwm)], PWM_FULL, PWM_FULL)))
+        let [motor, direction, brake] = [motor_pwm, motor_direction, brake_pwm]
+            .map(|pin| self.pins.get(usize::from(pin)).map_or(0, |(_, held)| i32::from(*held)));
+        let forwards = (direction != 0) != motor_reversed;
+        let motor = if forwards { motor } else { -motor };
+        Some(Act::Write(Drive::of_steps([motor, brake], PWM_FULL, PWM_FULL)))
     }
 }
 
@@ -253,7 +262,7 @@ impl Speech for Uno {
         for pin in 0..PINS {
             let analog = self.pins[usize::from(pin)].0 == Mode::Analog as u8;
             let Some(channel) = channel(pin).filter(|_| analog) else { continue };
-            if self.told >> channel & 1 == 1 {
+            if self.reported >> channel & 1 == 1 {
                 self.tell(&What::Channel(channel), counts, out);
             }
         }
@@ -263,18 +272,13 @@ impl Speech for Uno {
     }
 }
 
-/// A pin's mode after a reset.
-fn first_mode(pin: u8) -> Mode {
-    if pin >= A0 { Mode::Analog } else { Mode::Output }
-}
-
 fn channel(pin: u8) -> Option<u8> {
     pin.checked_sub(A0)
 }
 
 /// What its pins can do; the first two are its serial line's.
 fn pins(analog_bits: u8) -> Vec<Pin> {
-    let of_pin = |pin: u8| {
+    let all = (0..PINS).map(|pin| {
         let modes = [
             (pin >= 2, Mode::Input, 1),
             (pin >= 2, Mode::Output, 1),
@@ -284,8 +288,8 @@ fn pins(analog_bits: u8) -> Vec<Pin> {
         ];
         let able = modes.iter().filter(|(able, _, _)| *able).map(|(_, mode, bits)| (*mode, *bits));
         Pin::new(&able.collect::<Vec<_>>())
-    };
-    (0..PINS).map(of_pin).collect()
+    });
+    all.collect()
 }
 
 fn version(out: &mut Vec<u8>) {
@@ -295,7 +299,7 @@ fn version(out: &mut Vec<u8>) {
 fn firmware(out: &mut Vec<u8>) {
     let name = string(&format!("{SIMULATED} board"));
     let data = [&[PROTOCOL.0, PROTOCOL.1], name.as_slice()].concat();
-    Message::Sysex { id: id::FIRMWARE, data: &data }.write(out);
+    sysex(id::FIRMWARE, &data, out);
 }
 
 /// A byte of the AS5600: its angle's high byte first (data sheet, Fig. 21).

@@ -56,32 +56,32 @@ pub(crate) struct Host {
     /// The analog channel of each pin.
     channels: Twice<Vec<u8>>,
     /// Questions for the version that were not answered yet.
-    asked: u32,
+    version_queries: u32,
     /// The motor was commanded towards +θ last.
     forwards: bool,
 }
 
-/// What a board said of itself. Firmata has no check: so it is asked twice, and the same must come
-/// again.
+/// A board's answer to a question. Firmata has no checksum, so each question is asked twice, and an
+/// answer is sure once it came twice in a row.
 #[derive(Debug, Default)]
 struct Twice<T> {
-    said: Option<T>,
+    answer: Option<T>,
     sure: bool,
 }
 
 impl<T: PartialEq> Twice<T> {
-    fn hear(&mut self, said: T) {
-        self.sure |= self.said.as_ref() == Some(&said);
-        self.said = Some(said);
+    fn hear(&mut self, answer: T) {
+        self.sure |= self.answer.as_ref() == Some(&answer);
+        self.answer = Some(answer);
     }
 
     fn sure(&self) -> Option<&T> {
-        self.said.as_ref().filter(|_| self.sure)
+        self.answer.as_ref().filter(|_| self.sure)
     }
 }
 
 impl Host {
-    /// By what the settings say.
+    /// For a board as the settings describe it.
     ///
     /// # Errors
     /// A rate that the line does not carry, or the firmware does not know.
@@ -89,6 +89,7 @@ impl Host {
         let reading = if pins.angle == AngleAt::I2c { I2C_BYTES } else { ANALOG_BYTES };
         let most_hz = stream_rate_hz(baud, reading, command_bytes(pins));
         within("readings", pins.rate_hz, most_hz, baud, "baud")?;
+        // Less a trifle: a quotient that rounding put above a whole number is that number.
         let interval_ms = (1e3 / pins.rate_hz - 1e-9).ceil();
         if pins.rate_hz > 1e3 || interval_ms > f64::from(u16::MAX >> 2) {
             let allowed =
@@ -105,25 +106,24 @@ impl Host {
             name: Twice::default(),
             capabilities: Twice::default(),
             channels: Twice::default(),
-            asked: 0,
+            version_queries: 0,
             forwards: true,
         })
     }
 
-    /// Who it is, once it was asked and is sure.
-    pub(crate) fn found(&self) -> Option<Pins> {
+    /// The board's name and pins, once its answers are sure.
+    pub(crate) fn described(&self) -> Option<Pins> {
         let name = self.name.sure()?;
         let channels = self.channels.sure()?;
         self.capabilities.sure()?;
-        let able = |mode| (0..=u8::MAX).filter(move |pin| self.able(*pin, mode).is_some());
         let analog = (0..).zip(channels).filter(|(_, channel)| **channel < ANALOG_CHANNELS);
         Some(Pins {
             name: name.clone(),
             analog: analog
                 .filter_map(|(pin, channel)| Some((*channel, self.able(pin, Mode::Analog)?)))
                 .collect(),
-            pulses: able(Mode::Pwm).collect(),
-            i2c: able(Mode::I2c).next().is_some(),
+            pulses: self.able_pins(Mode::Pwm).collect(),
+            i2c: self.able_pins(Mode::I2c).next().is_some(),
         })
     }
 
@@ -131,11 +131,15 @@ impl Host {
         self.capabilities.sure()?.get(usize::from(pin))?.bits(mode)
     }
 
-    /// A pin that must be able to do this; if it is not, those that are are named.
+    /// The pins that have a mode.
+    fn able_pins(&self, mode: Mode) -> impl Iterator<Item = u8> {
+        (0..=u8::MAX).filter(move |pin| self.able(*pin, mode).is_some())
+    }
+
+    /// The bits of a pin that must have a mode; if it has not, the error names those that have.
     fn need(&self, pin: u8, mode: Mode) -> Result<u8, DeviceError> {
         self.able(pin, mode).ok_or_else(|| {
-            let able = (0..=u8::MAX).filter(|pin| self.able(*pin, mode).is_some());
-            let able: Vec<String> = able.map(|pin| pin.to_string()).collect();
+            let able: Vec<String> = self.able_pins(mode).map(|pin| pin.to_string()).collect();
             self.unable(
                 format!("its pin {pin} cannot be {mode:?}"),
                 format!("choose one of those that can ({}) in rig.toml", able.join(", ")),
@@ -144,33 +148,33 @@ impl Host {
     }
 
     fn pin_of(&self, channel: u8) -> Option<u8> {
-        let pin = self.channels.sure()?.iter().position(|known| *known == channel)?;
+        let pin = self.channels.sure()?.iter().position(|mapped| *mapped == channel)?;
         u8::try_from(pin).ok()
     }
 
     fn counts_per_turn(&self) -> Result<u16, DeviceError> {
         match self.pins.angle {
-            AngleAt::I2c if (0..=u8::MAX).any(|pin| self.able(pin, Mode::I2c).is_some()) => {
-                Ok(AS5600_COUNTS)
-            }
+            AngleAt::I2c if self.able_pins(Mode::I2c).next().is_some() => Ok(AS5600_COUNTS),
             AngleAt::I2c => {
                 let remedy = "connect the sensor's analog output and name its channel in rig.toml";
                 Err(self.unable("it has no I2C bus".to_owned(), remedy.to_owned()))
             }
             AngleAt::Analog(channel) => {
                 let pin = self.pin_of(channel).ok_or_else(|| {
-                    let known = self.channels.sure().into_iter().flatten();
-                    let known = known.filter(|channel| **channel < ANALOG_CHANNELS);
-                    let known: Vec<String> = known.map(|channel| format!("A{channel}")).collect();
-                    let remedy = format!("choose one of {} in rig.toml", known.join(", "));
+                    let channels = self.channels.sure().into_iter().flatten();
+                    let analog = channels.filter(|channel| **channel < ANALOG_CHANNELS);
+                    let names: Vec<String> = analog.map(|channel| format!("A{channel}")).collect();
+                    let remedy = format!("choose one of {} in rig.toml", names.join(", "));
                     self.unable(format!("it has no analog channel A{channel}"), remedy)
                 })?;
+                // A board may claim any number of bits; a shift by more than 14 is no count.
                 Ok(1 << self.need(pin, Mode::Analog)?.clamp(1, MOST_BITS))
             }
         }
     }
 
-    fn known(&self, name: &str) -> Result<Facts, DeviceError> {
+    /// The facts of a board with this firmware, if it can do what the settings ask of it.
+    fn checked_facts(&self, name: &str) -> Result<Facts, DeviceError> {
         if self.version.is_some_and(|[major, _]| major != 2) {
             let what = "it speaks another version of Firmata than 2".to_owned();
             return Err(self.unable(what, "put StandardFirmata 2.5 on it".to_owned()));
@@ -198,11 +202,12 @@ impl Host {
 
 /// Bytes of a command for both voltages at its longest, with a change of direction.
 fn command_bytes(pins: &Firmata) -> usize {
-    let value = |pin: u8| if pin <= LAST_SHORT { 3 } else { 6 };
-    2 * value(pins.motor_pwm) + 3 + value(pins.brake_pwm)
+    let [motor, brake] =
+        [pins.motor_pwm, pins.brake_pwm].map(|pin| if pin <= LAST_SHORT { 3 } else { 6 });
+    2 * motor + 3 + brake
 }
 
-fn sysex(id: u8, data: &[u8], out: &mut Vec<u8>) {
+pub(super) fn sysex(id: u8, data: &[u8], out: &mut Vec<u8>) {
     Message::Sysex { id, data }.write(out);
 }
 
@@ -225,15 +230,16 @@ impl Talk for Host {
 
     fn begin_anew(&mut self) {
         self.parser = Parser::new(End::Board);
-        (self.version, self.asked, self.forwards) = (None, 0, true);
+        (self.version, self.version_queries, self.forwards) = (None, 0, true);
         (self.name, self.capabilities, self.channels) =
             (Twice::default(), Twice::default(), Twice::default());
     }
 
     fn hello(&mut self, out: &mut Vec<u8>) {
-        self.asked += 1;
+        self.version_queries += 1;
         Message::VersionQuery.write(out);
         let questions = [id::FIRMWARE, id::CAPABILITY_QUERY, id::ANALOG_MAPPING_QUERY];
+        // Twice each: see `Twice`.
         for question in [questions, questions].concat() {
             sysex(question, &[], out);
         }
@@ -241,14 +247,15 @@ impl Talk for Host {
 
     fn facts(&self) -> Option<Result<Facts, DeviceError>> {
         let name = self.name.sure()?;
-        let asked = self.version.is_some() && self.channels.sure().is_some();
-        (asked && self.capabilities.sure().is_some()).then(|| self.known(name))
+        let has_answered = self.version.is_some() && self.channels.sure().is_some();
+        let is_sure = has_answered && self.capabilities.sure().is_some();
+        is_sure.then(|| self.checked_facts(name))
     }
 
     fn begin(&mut self, out: &mut Vec<u8>) {
         let Firmata { motor_pwm, brake_pwm, motor_direction, .. } = self.pins;
         // A version from here on is one that a board says when it has begun.
-        self.asked = 0;
+        self.version_queries = 0;
         let modes =
             [(motor_pwm, Mode::Pwm), (brake_pwm, Mode::Pwm), (motor_direction, Mode::Output)];
         for (pin, mode) in modes {
@@ -267,6 +274,7 @@ impl Talk for Host {
                 let register = Some(RAW_ANGLE);
                 let read = I2cRequest::Read { address, register, length: 2, again: true };
                 sysex(id::I2C_CONFIG, &[0, 0], out);
+                // Each homing comes here again, and would add one more read to those before.
                 sysex(id::I2C_REQUEST, &I2cRequest::Stop { address }.data(), out);
                 sysex(id::I2C_REQUEST, &read.data(), out);
             }
@@ -274,46 +282,49 @@ impl Talk for Host {
     }
 
     fn push(&mut self, byte: u8) -> Option<Heard> {
-        let reading = |counts: u16| Some(Heard::Reading { ticks: None, counts, force: None });
-        match self.parser.push(byte)? {
+        let counts = match self.parser.push(byte)? {
             Message::Analog { channel, value } if self.pins.angle == AngleAt::Analog(channel) => {
-                reading(value)
+                value
             }
             Message::Version { major, minor } => {
                 self.version = Some([major, minor]);
-                let unasked = self.asked == 0;
-                self.asked = self.asked.saturating_sub(1);
-                unasked.then_some(Heard::Reset)
+                // A version more than was asked for: the board has begun anew.
+                let is_unasked = self.version_queries == 0;
+                self.version_queries = self.version_queries.saturating_sub(1);
+                return is_unasked.then_some(Heard::Reset);
             }
             Message::Sysex { id: id::FIRMWARE, data } => {
                 let ([major, minor], name) = data.split_first_chunk::<2>()?;
                 self.name.hear(format!("{} {major}.{minor}", super::unstring(name)));
-                None
+                return None;
             }
             Message::Sysex { id: id::CAPABILITIES, data } => {
                 self.capabilities.hear(Pin::read_all(data));
-                None
+                return None;
             }
             Message::Sysex { id: id::ANALOG_MAPPING, data } => {
                 self.channels.hear(data.to_vec());
-                None
+                return None;
             }
             Message::Sysex { id: id::I2C_REPLY, data } => {
                 let reply = I2cReply::read(data)?;
                 let [high, low] = *reply.bytes.as_array::<2>()?;
-                let ours = (reply.address, reply.register) == (AS5600, RAW_ANGLE);
-                let counts = u16::from_be_bytes([high, low]) & (AS5600_COUNTS - 1);
-                if ours && self.pins.angle == AngleAt::I2c { reading(counts) } else { None }
+                let is_ours = (reply.address, reply.register) == (AS5600, RAW_ANGLE);
+                if !is_ours || self.pins.angle != AngleAt::I2c {
+                    return None;
+                }
+                u16::from_be_bytes([high, low]) & (AS5600_COUNTS - 1)
             }
-            _ => None,
-        }
+            _ => return None,
+        };
+        Some(Heard::Reading { ticks: None, counts, force: None })
     }
 
     fn write(&mut self, drive: Drive, out: &mut Vec<u8>) {
         let Firmata { motor_pwm, motor_direction, motor_reversed, brake_pwm, .. } = self.pins;
         let [motor, brake] = drive.steps(self.full(motor_pwm), self.full(brake_pwm));
         let forwards = motor >= 0;
-        // The other way never gets what was meant for the one.
+        // At 0 while the direction changes: what was meant for the one way never goes the other.
         if forwards != self.forwards {
             pulses(motor_pwm, 0, out);
             self.forwards = forwards;

@@ -134,18 +134,17 @@ pub fn joined(low: u8, high: u8) -> u16 {
 impl Message<'_> {
     /// Writes its bytes.
     pub fn write(&self, out: &mut Vec<u8>) {
-        let with = |command: u8, channel: u8| command | channel & 0x0F;
         match *self {
             Self::Analog { channel, value } => {
                 let [low, high] = two(value);
-                out.extend([with(0xE0, channel), low, high]);
+                out.extend([0xE0 | channel & 0x0F, low, high]);
             }
             Self::Digital { port, pins } => {
                 let [low, high] = two(pins.into());
-                out.extend([with(0x90, port), low, high]);
+                out.extend([0x90 | port & 0x0F, low, high]);
             }
-            Self::ReportAnalog { channel, on } => out.extend([with(0xC0, channel), on.into()]),
-            Self::ReportDigital { port, on } => out.extend([with(0xD0, port), on.into()]),
+            Self::ReportAnalog { channel, on } => out.extend([0xC0 | channel & 0x0F, on.into()]),
+            Self::ReportDigital { port, on } => out.extend([0xD0 | port & 0x0F, on.into()]),
             Self::PinMode { pin, mode } => out.extend([PIN_MODE, pin & 0x7F, mode & 0x7F]),
             Self::DigitalPin { pin, on } => out.extend([DIGITAL_PIN, pin & 0x7F, on.into()]),
             Self::VersionQuery => out.push(VERSION),
@@ -172,12 +171,12 @@ pub enum End {
 /// Takes bytes as they come, in whatever pieces, and gives messages. Its memory is bounded.
 #[derive(Debug, Clone)]
 pub struct Parser {
-    of: End,
+    sender: End,
     /// The message that has begun, and its bytes so far; none within what is dropped.
     command: Option<u8>,
     bytes: Vec<u8>,
-    /// The message that was given last is still in `bytes`.
-    given: bool,
+    /// The message that was handed out last is still in `bytes`.
+    handed_out: bool,
     /// Messages that were cut off or not known, and runs of bytes that belong to none.
     damaged: u64,
     /// What comes belongs to no message.
@@ -185,15 +184,15 @@ pub struct Parser {
 }
 
 impl Parser {
-    /// Of what this end says.
-    pub fn new(of: End) -> Self {
+    /// A parser of what this end sends.
+    pub fn new(sender: End) -> Self {
         let bytes = Vec::with_capacity(64);
-        Self { of, command: None, bytes, given: false, damaged: 0, astray: false }
+        Self { sender, command: None, bytes, handed_out: false, damaged: 0, astray: false }
     }
 
     /// Takes one byte; the message that it ends.
     pub fn push(&mut self, byte: u8) -> Option<Message<'_>> {
-        if std::mem::take(&mut self.given) {
+        if std::mem::take(&mut self.handed_out) {
             self.bytes.clear();
         }
         if byte < 0x80 { self.take(byte) } else { self.begin(byte) }
@@ -210,6 +209,7 @@ impl Parser {
             self.stray();
             return None;
         };
+        // Dropped once it is too long, so that the memory stays bounded.
         if command == START_SYSEX && self.bytes.len() == MOST_SYSEX {
             self.command = None;
             self.bytes.clear();
@@ -220,7 +220,7 @@ impl Parser {
         if command == START_SYSEX || self.bytes.len() < length(command) {
             return None;
         }
-        (self.command, self.given) = (None, true);
+        (self.command, self.handed_out) = (None, true);
         short(command, &self.bytes)
     }
 
@@ -229,8 +229,8 @@ impl Parser {
         let before = self.command.take();
         self.astray = false;
         if byte == END_SYSEX {
-            self.given = before == Some(START_SYSEX) && !self.bytes.is_empty();
-            if !self.given {
+            self.handed_out = before == Some(START_SYSEX) && !self.bytes.is_empty();
+            if !self.handed_out {
                 self.bytes.clear();
                 self.damaged += 1;
                 return None;
@@ -241,7 +241,8 @@ impl Parser {
         self.damaged += u64::from(before.is_some());
         self.bytes.clear();
         match byte {
-            VERSION if self.of == End::Host => return Some(Message::VersionQuery),
+            // The host's question is this byte alone; a board's answer has two more.
+            VERSION if self.sender == End::Host => return Some(Message::VersionQuery),
             RESET => return Some(Message::Reset),
             _ if byte == START_SYSEX || length(byte) > 0 => self.command = Some(byte),
             _ => self.stray(),

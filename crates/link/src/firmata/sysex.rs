@@ -35,7 +35,7 @@ impl Pin {
 
     /// Bits of a mode; none for a mode that it does not have.
     pub fn bits(&self, mode: Mode) -> Option<u8> {
-        self.0.iter().find(|(known, _)| *known == mode as u8).map(|(_, bits)| *bits)
+        self.0.iter().find(|(able, _)| *able == mode as u8).map(|(_, bits)| *bits)
     }
 
     /// Every pin of an answer to [`super::id::CAPABILITY_QUERY`]; of a broken one those before the
@@ -126,19 +126,16 @@ impl I2cRequest {
 
     /// What a message carries.
     pub fn data(&self) -> Vec<u8> {
-        let with = |address: u8, how: u8, bytes: &[u8]| {
-            let bytes = bytes.iter().flat_map(|byte| two(u16::from(*byte)));
-            [address & 0x7F, how].into_iter().chain(bytes).collect()
-        };
-        match self {
-            Self::Write { address, bytes } => with(*address, 0, bytes),
-            Self::Stop { address } => with(*address, STOP, &[]),
+        let (address, how, bytes) = match self {
+            Self::Write { address, bytes } => (address, 0, bytes.clone()),
+            Self::Stop { address } => (address, STOP, Vec::new()),
             Self::Read { address, register, length, again } => {
                 let how = if *again { READ_AGAIN } else { READ_ONCE };
-                let bytes: Vec<u8> = register.iter().copied().chain([*length]).collect();
-                with(*address, how, &bytes)
+                (address, how, register.iter().copied().chain([*length]).collect())
             }
-        }
+        };
+        let pairs = bytes.into_iter().flat_map(|byte| two(u16::from(byte)));
+        [address & 0x7F, how].into_iter().chain(pairs).collect()
     }
 }
 

@@ -60,15 +60,13 @@ impl Speech for Framed {
 
 fn description(behind: &Behind) -> Description {
     let can = behind.capabilities();
-    let micros = |hz: f64| (1e6 / hz).round() as u32;
-    let millivolts = |volts: f64| (volts * 1e3).floor() as u32;
     Description {
         protocol: PROTOCOL,
-        period_us: micros(can.rate_hz),
-        force_period_us: micros(can.force_rate_hz),
+        period_us: (1e6 / can.rate_hz).round() as u32,
+        force_period_us: (1e6 / can.force_rate_hz).round() as u32,
         counts_per_turn: can.counts_per_turn.map_or(0, |counts| counts as u16),
-        motor_mv: millivolts(can.motor_max_v),
-        brake_mv: millivolts(can.brake_max_v),
+        motor_mv: (can.motor_max_v * 1e3).floor() as u32,
+        brake_mv: (can.brake_max_v * 1e3).floor() as u32,
         watchdog_ms: behind.watchdog_s.map_or(0, |s| (s * 1e3).round() as u16),
         simulated: can.source == Source::Twin,
         name: format!("board with {}", can.name),
@@ -79,8 +77,8 @@ fn seen(behind: &Behind, now_s: f64, reading: &Reading) -> Seen {
     let (force, is_saturated) = force_counts(reading);
     let saturated = if is_saturated { status::FORCE_SATURATED } else { 0 };
     let watchdog = if behind.tripped { status::WATCHDOG } else { 0 };
-    let micros = |s: f64| (s * 1e6).round();
     Seen {
+        // A clock of 32 bits, as a board's is: it turns over after 71.6 minutes.
         t_us: (micros(reading.t_device_s.unwrap_or(now_s)) as u64 & u64::from(u32::MAX)) as u32,
         counts: counts(reading),
         angle_age_us: micros(reading.angle_age_s) as u16,
@@ -89,6 +87,11 @@ fn seen(behind: &Behind, now_s: f64, reading: &Reading) -> Seen {
         status: saturated | watchdog,
         drive: behind.drive,
     }
+}
+
+/// A time in whole microseconds.
+fn micros(time_s: f64) -> f64 {
+    (time_s * 1e6).round()
 }
 
 fn send(message: &FromBoard, sequence: u16, out: &mut Vec<u8>) {

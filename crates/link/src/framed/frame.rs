@@ -52,7 +52,7 @@ impl Frame {
         (wire, length + 1)
     }
 
-    /// From what stood between two zeros.
+    /// Decodes what stood between two zeros.
     fn decode(stuffed: &mut [u8]) -> Option<Self> {
         let length = cobs::decode_in_place(stuffed).ok()?;
         let (head, check) = stuffed[..length].split_last_chunk::<4>()?;

@@ -64,6 +64,7 @@ impl Patience {
             (false, true) => self.futile + 1,
             (false, false) if self.futile < FUTILE => self.futile,
             (false, false) if self.futile < FUTILE + AGAIN => self.futile + 1,
+            // One wait more; if it is futile too, the next ticks do not wait either.
             (false, false) => FUTILE - 1,
         };
     }

@@ -36,12 +36,12 @@ pub struct Rig<W> {
     came: usize,
     frames: Frames,
     sequence: u16,
-    /// When the last questions were asked, host time, s, by their number.
-    asked: [(u16, f64); KEPT],
+    /// The last questions, by their number, and when they were asked, host time, s.
+    questions: [(u16, f64); KEPT],
     /// When the last one was, s.
-    asked_s: f64,
+    question_s: f64,
     patience: Patience,
-    last: Option<Known>,
+    last: Option<Answer>,
     /// What was commanded last.
     drive: Drive,
     /// The board has begun anew since the last homing.
@@ -54,10 +54,10 @@ pub struct Rig<W> {
 
 /// The newest answer.
 #[derive(Debug, Clone, Copy)]
-struct Known {
+struct Answer {
     seen: Seen,
     /// When it was asked for, host time, s.
-    asked_s: f64,
+    question_s: f64,
     /// The board's clock without its turning over, µs.
     t_us: u64,
 }
@@ -85,8 +85,8 @@ impl<W: Wire> Rig<W> {
             came: 0,
             frames: Frames::default(),
             sequence: 0,
-            asked: [(0, 0.0); KEPT],
-            asked_s: 0.0,
+            questions: [(0, 0.0); KEPT],
+            question_s: 0.0,
             patience: Patience::at(settings.baud()),
             last: None,
             drive: Drive::default(),
@@ -99,6 +99,7 @@ impl<W: Wire> Rig<W> {
         rig.full = Voltages { motor_v: volts(board.motor_mv), brake_v: volts(board.brake_mv) };
         rig.shaft.counts_per_turn = board.counts_per_turn;
         rig.capabilities = capabilities(&board, &rig.settings)?;
+        // A board that begins when its port is opened says so; that is no restart in a session.
         rig.reset = false;
         Ok(rig)
     }
@@ -135,6 +136,7 @@ impl<W: Wire> Rig<W> {
 
     /// The number of the next question.
     fn next(&self) -> u16 {
+        // Round, and past the number of what a board says unasked.
         self.sequence.wrapping_add(1).max(UNASKED + 1)
     }
 
@@ -146,6 +148,7 @@ impl<W: Wire> Rig<W> {
 
     /// The wire failed.
     fn break_off(&mut self, why: &io::Error) -> DeviceError {
+        // A wire that only took too long is still there.
         self.gone |= why.kind() != io::ErrorKind::TimedOut;
         self.lost(&why.to_string())
     }
@@ -164,6 +167,7 @@ impl<W: Wire> Rig<W> {
             let what = format!("another board is at the port now, {}", board.name);
             return Err(self.unable(what, "plug in the one that the session began with"));
         }
+        // A board without a watchdog may have kept its voltages while the cable was out.
         self.write(0.0, Voltages::OFF)
     }
 
@@ -174,7 +178,7 @@ impl<W: Wire> Rig<W> {
             let Some(byte) = self.byte(until)? else { return Ok(None) };
             let Some(frame) = self.frames.push(byte) else { continue };
             match FromBoard::read(&frame) {
-                Some(FromBoard::Seen(seen)) => self.know(frame.sequence, seen),
+                Some(FromBoard::Seen(seen)) => self.take_answer(frame.sequence, seen),
                 // What it was asked for may come late, when it has said who it is by itself.
                 Some(FromBoard::Description(_)) => self.reset |= frame.sequence == UNASKED,
                 None => continue,
@@ -197,34 +201,34 @@ impl<W: Wire> Rig<W> {
     }
 
     /// Takes an answer, if its question is known and nothing newer came.
-    fn know(&mut self, sequence: u16, seen: Seen) {
-        let (asked, asked_s) = self.asked[usize::from(sequence) % KEPT];
-        if asked != sequence || self.last.is_some_and(|last| last.asked_s > asked_s) {
+    fn take_answer(&mut self, sequence: u16, seen: Seen) {
+        let (question, question_s) = self.questions[usize::from(sequence) % KEPT];
+        if question != sequence || self.last.is_some_and(|last| last.question_s > question_s) {
             return;
         }
         let passed_us = self.last.map_or(0, |last| seen.t_us.wrapping_sub(last.seen.t_us));
         // A clock that goes back has begun anew, though nobody said so.
         self.reset |= passed_us > u32::MAX / 2;
         let t_us = self.last.map_or(u64::from(seen.t_us), |last| last.t_us + u64::from(passed_us));
-        self.last = Some(Known { seen, asked_s, t_us });
+        self.last = Some(Answer { seen, question_s, t_us });
     }
 
     /// Asks what the board sees, and waits for the answer for so long; whether it came.
     fn poll(&mut self, now_s: f64, wait: Duration) -> Result<bool, DeviceError> {
-        let before_s = self.last.map(|last| last.asked_s);
+        let before_s = self.last.map(|last| last.question_s);
         let next = self.next();
-        self.asked[usize::from(next) % KEPT] = (next, now_s);
-        self.asked_s = now_s;
+        self.questions[usize::from(next) % KEPT] = (next, now_s);
+        self.question_s = now_s;
         self.send(&ToBoard::Poll)?;
         let until = self.wire.now() + wait;
-        while self.last.is_none_or(|last| last.asked_s < now_s) {
+        while self.last.is_none_or(|last| last.question_s < now_s) {
             let left = until.saturating_sub(self.wire.now());
             let came = self.receive(left)?;
             if self.reset {
                 return Err(self.lost("the board has begun anew"));
             }
             if came.is_none() {
-                let newest_s = self.last.map(|last| last.asked_s);
+                let newest_s = self.last.map(|last| last.question_s);
                 self.late += u64::from(newest_s == before_s);
                 return Ok(false);
             }
@@ -234,16 +238,17 @@ impl<W: Wire> Rig<W> {
 
     /// The newest answer as a reading.
     fn reading(&self, now_s: f64) -> Result<Reading, DeviceError> {
-        let Some(Known { seen, asked_s, t_us }) = self.last else {
+        let Some(Answer { seen, question_s, t_us }) = self.last else {
             return Err(self.lost("it does not answer"));
         };
         if seen.status & status::NO_MAGNET != 0 {
             return Err(self.lost("its angle sensor does not see the magnet"));
         }
+        // At 0 V a watchdog takes nothing away.
         if seen.status & status::WATCHDOG != 0 && self.drive != Drive::default() {
             return Err(self.lost("its watchdog took the voltages away"));
         }
-        let since_s = (now_s - asked_s).max(0.0);
+        let since_s = (now_s - question_s).max(0.0);
         let force = f64::from(seen.force) - self.settings.zero_counts;
         Ok(Reading {
             t_device_s: Some(t_us as f64 * 1e-6),
@@ -292,6 +297,7 @@ impl<W: Wire> Device for Rig<W> {
         let began = self.wire.now();
         let mut first = None;
         while self.wire.now() - began < HOMING {
+            // The loop stands still meanwhile: its time goes on by that of the wire.
             let passed = self.wire.now() - began;
             self.poll(now_s + passed.as_secs_f64(), HELLO_EVERY)?;
             // The next homing connects anew to a board that is silent.
@@ -305,12 +311,12 @@ impl<W: Wire> Device for Rig<W> {
             let what = "the lever is not where its stop was before".to_owned();
             return Err(self.unable(what, "hold it against its lower stop, then home again"));
         }
-        let now_s = self.last.map_or(now_s, |last| last.asked_s);
+        let now_s = self.last.map_or(now_s, |last| last.question_s);
         self.reading(now_s)
     }
 
     fn read(&mut self, now_s: f64) -> Result<Reading, DeviceError> {
-        let wait = self.patience.of(now_s - self.asked_s);
+        let wait = self.patience.of(now_s - self.question_s);
         let came = self.poll(now_s, wait)?;
         self.patience.learn(came, !wait.is_zero());
         self.reading(now_s)
@@ -341,20 +347,20 @@ fn volts(millivolts: u32) -> f64 {
     f64::from(millivolts) * 1e-3
 }
 
+/// A board whose firmware is not for this program.
+fn outdated(board: &Description, what: String) -> DeviceError {
+    let remedy = "put the firmware of this zwidth on it".to_owned();
+    DeviceError::Unable { device: board.name.clone(), what, remedy }
+}
+
 /// What a board can do behind its wire.
 fn capabilities(board: &Description, settings: &Settings) -> Result<Capabilities, DeviceError> {
-    let unable = |what: String, remedy: &str| {
-        let device = board.name.clone();
-        let remedy = remedy.to_owned();
-        Err(DeviceError::Unable { device, what, remedy })
-    };
     if board.protocol != PROTOCOL {
         let what = format!("it speaks version {} of the protocol, not {PROTOCOL}", board.protocol);
-        return unable(what, "put the firmware of this zwidth on it");
+        return Err(outdated(board, what));
     }
     if board.period_us == 0 || board.force_period_us == 0 || board.counts_per_turn < 2 {
-        let what = "it gives no rate, or no counts in a turn".to_owned();
-        return unable(what, "put the firmware of this zwidth on it");
+        return Err(outdated(board, "it gives no rate, or no counts in a turn".to_owned()));
     }
     Ok(Capabilities {
         name: board.name.clone(),

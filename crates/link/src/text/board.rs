@@ -28,18 +28,16 @@ impl Sketch {
     /// A line that is no command of its does nothing.
     fn hear(&mut self, byte: u8, behind: &mut Behind, now_s: f64) -> Result<(), DeviceError> {
         let Some(line) = self.lines.push(byte) else { return Ok(()) };
-        let number = |values: &Values, field| values.get(field).unwrap_or_default();
         if let Some(values) = self.templates.command.read(line) {
-            let steps =
-                [Field::MotorPwm, Field::BrakePwm].map(|field| number(&values, field) as i32);
+            let steps = [Field::MotorPwm, Field::BrakePwm]
+                .map(|field| values.get(field).unwrap_or_default() as i32);
             return behind.write(now_s, Drive::of_steps(steps, self.pwm_full, self.pwm_full));
         }
         let mark = self.templates.mark.as_ref().and_then(|mark| mark.read(line));
-        mark.map_or(Ok(()), |values| {
-            let code = number(&values, Field::Code);
-            let which = number(&values, Field::Number);
-            behind.mark(now_s, code as u8, which as u16)
-        })
+        let Some(values) = mark else { return Ok(()) };
+        let [code, number] =
+            [Field::Code, Field::Number].map(|field| values.get(field).unwrap_or_default());
+        behind.mark(now_s, code as u8, number as u16)
     }
 }
 
@@ -69,10 +67,11 @@ impl Speech for Sketch {
     fn print(&mut self, now_s: f64, reading: &Reading, out: &mut Vec<u8>) {
         let since_s = reading.t_device_s.unwrap_or(now_s) - self.began_s;
         // A clock of 32 bits, round after the last.
-        let clock = |per_s: f64| i64::from(((since_s * per_s).round() as i64) as u32);
+        let [millis, micros] =
+            [1e3, 1e6].map(|per_s| i64::from(((since_s * per_s).round() as i64) as u32));
         let values = Values::default()
-            .with(Field::Millis, clock(1e3))
-            .with(Field::Micros, clock(1e6))
+            .with(Field::Millis, millis)
+            .with(Field::Micros, micros)
             .with(Field::Counts, counts(reading))
             .with(Field::Hx711, force_counts(reading).0);
         self.templates.line.write(&values, out);

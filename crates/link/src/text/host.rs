@@ -20,7 +20,7 @@ pub(crate) struct Host {
 }
 
 impl Host {
-    /// By what the settings say.
+    /// For a board as the settings describe it.
     ///
     /// # Errors
     /// A template that is none; a rate that the line does not carry.

@@ -5,7 +5,7 @@ use super::board::Sketch;
 use super::host::Host;
 use super::settings::Text;
 use crate::board::Speech;
-use crate::check::{not_below_0, positive};
+use crate::check::{not_below_0, positive, require};
 use crate::streams::Streams;
 use crate::talk::Talk;
 use zwidth_device::DeviceError;
@@ -20,11 +20,8 @@ impl Streams for Text {
         positive("text.pwm_full", self.pwm_full.into())?;
         not_below_0("text.motor_max_v", self.motor_max_v)?;
         not_below_0("text.brake_max_v", self.brake_max_v)?;
-        if self.counts_per_turn < 2 {
-            let name = "text.counts_per_turn";
-            let value = self.counts_per_turn.into();
-            return Err(DeviceError::Parameter { name, value, allowed: "2 or more" });
-        }
+        let counts = self.counts_per_turn;
+        require(counts >= 2, "text.counts_per_turn", counts.into(), "2 or more")?;
         self.templates().map(drop)
     }
 

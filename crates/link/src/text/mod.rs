@@ -27,8 +27,8 @@ pub struct Lines {
     length: usize,
     /// What comes until the next end is too long, or has no beginning.
     dropped: bool,
-    /// The line that was given last is still in `bytes`.
-    given: bool,
+    /// The line that was handed out last is still in `bytes`.
+    handed_out: bool,
     /// Lines that were too long.
     damaged: u64,
 }
@@ -36,7 +36,7 @@ pub struct Lines {
 impl Lines {
     /// Of a board: a host begins anywhere in what it prints.
     pub fn from_anywhere() -> Self {
-        Self { bytes: [0; MOST_LINE], length: 0, dropped: true, given: false, damaged: 0 }
+        Self { bytes: [0; MOST_LINE], length: 0, dropped: true, handed_out: false, damaged: 0 }
     }
 
     /// Of a host: a board hears it from its first byte on.
@@ -46,7 +46,7 @@ impl Lines {
 
     /// Takes one byte; the line that it ends.
     pub fn push(&mut self, byte: u8) -> Option<&[u8]> {
-        if std::mem::take(&mut self.given) {
+        if std::mem::take(&mut self.handed_out) {
             self.length = 0;
         }
         if byte != b'\n' {
@@ -61,7 +61,7 @@ impl Lines {
             self.length = 0;
             return None;
         }
-        self.given = true;
+        self.handed_out = true;
         let line = &self.bytes[..self.length];
         Some(line.strip_suffix(b"\r").unwrap_or(line))
     }

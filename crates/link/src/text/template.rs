@@ -44,7 +44,7 @@ const FIELDS: [(&str, Field, i64, i64); 9] = [
 
 impl Field {
     fn facts(self) -> &'static (&'static str, Self, i64, i64) {
-        &FIELDS[self as usize]
+        &FIELDS[self as usize] // the table has the order of the variants
     }
 
     fn word(self) -> &'static str {
@@ -54,8 +54,10 @@ impl Field {
     /// Longest text of it, bytes.
     fn longest(self) -> usize {
         let (_, _, lowest, highest) = *self.facts();
-        let digits = |number: i64| number.to_string().len();
-        if self == Self::Any { MOST_ANY } else { digits(lowest).max(digits(highest)) }
+        if self == Self::Any {
+            return MOST_ANY;
+        }
+        lowest.to_string().len().max(highest.to_string().len())
     }
 
     /// A number of it; none that is no decimal number, or beyond its ends. Blanks around it are
@@ -65,6 +67,7 @@ impl Field {
         let text = std::str::from_utf8(text.trim_ascii()).ok()?;
         let digits = text.strip_prefix('-').unwrap_or(text);
         let decimal = !digits.is_empty() && digits.bytes().all(|byte| byte.is_ascii_digit());
+        // Not by `parse` alone, which takes a plus sign too.
         let number: i64 = text.parse().ok().filter(|_| decimal)?;
         (lowest..=highest).contains(&number).then_some(number)
     }
@@ -146,9 +149,9 @@ impl Template {
         let mut fields: Vec<(Field, Vec<u8>)> = Vec::new();
         for part in parts {
             let (word, behind) = part.split_once('}').ok_or(TemplateError::Open)?;
-            let field = named(word, may)?;
+            let field = find_field(word, may)?;
             let word = field.word();
-            if field != Field::Any && fields.iter().any(|(known, _)| *known == field) {
+            if field != Field::Any && fields.iter().any(|(before, _)| *before == field) {
                 return Err(TemplateError::Twice { word });
             }
             if fields.last().is_some_and(|(_, between)| !can_part(between)) {
@@ -160,6 +163,7 @@ impl Template {
         if let Some(field) = must.iter().find(|field| !template.has(**field)) {
             return Err(TemplateError::Missing { word: field.word() });
         }
+        // Two bytes more for the line's end, which `Lines` does not keep.
         if text.contains(['\n', '\r']) || template.longest() > MOST_LINE + 2 {
             return Err(TemplateError::Long);
         }
@@ -168,7 +172,7 @@ impl Template {
 
     /// Whether it contains a field.
     pub fn has(&self, field: Field) -> bool {
-        self.fields.iter().any(|(known, _)| *known == field)
+        self.fields.iter().any(|(contained, _)| *contained == field)
     }
 
     /// Bytes of its longest line on the wire, with `\r\n` as `Serial.println` ends it.
@@ -182,6 +186,7 @@ impl Template {
         let mut rest = line.strip_prefix(self.before.as_slice())?;
         let mut values = Values::default();
         for (i, (field, behind)) in self.fields.iter().enumerate() {
+            // The last field ends with the line, the others where the text behind them comes first.
             let last = i + 1 == self.fields.len();
             let end =
                 if last { rest.len().checked_sub(behind.len())? } else { find(rest, behind)? };
@@ -209,18 +214,16 @@ impl Template {
     }
 }
 
-fn named(word: &str, may: &[Field]) -> Result<Field, TemplateError> {
+fn find_field(word: &str, may: &[Field]) -> Result<Field, TemplateError> {
     may.iter().copied().find(|field| field.word() == word).ok_or_else(|| {
-        let known = may.iter().map(|field| format!("{{{}}}", field.word()));
-        TemplateError::Unknown {
-            word: word.to_owned(),
-            known: known.collect::<Vec<_>>().join(", "),
-        }
+        let words: Vec<String> = may.iter().map(|f| format!("{{{}}}", f.word())).collect();
+        TemplateError::Unknown { word: word.to_owned(), known: words.join(", ") }
     })
 }
 
 /// Whether a text can part two numbers.
 fn can_part(between: &[u8]) -> bool {
+    // A minus sign could begin the number behind it.
     between.first().is_some_and(|first| !first.is_ascii_digit() && *first != b'-')
 }
 

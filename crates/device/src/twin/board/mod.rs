@@ -62,6 +62,7 @@ impl Twin {
             force,
             clock_offset_s: board.between([0.0, 60.0]),
             clock_rate: 1.0 + 1e-6 * board.between([-DRIFT_PPM, DRIFT_PPM]),
+            // Not known before it is first asked.
             now_s: f64::NEG_INFINITY,
             step_s: 0.0,
             steps: 0,
@@ -101,15 +102,22 @@ impl Twin {
     /// Moves everything up to a moment, step by step of the participant, the watchdog in between.
     fn advance_to(&mut self, now_s: f64) -> Result<(), DeviceError> {
         if self.now_s < f64::MIN {
-            self.start(now_s, 0); // a host's clock may begin anywhere
+            // A host's clock may begin anywhere.
+            self.start(now_s, 0);
         }
         while self.now_s < now_s {
             let next_step_s = self.step_s + STEP_S;
             let expiry_s = self.written_s + WATCHDOG_S;
             let pending = self.voltages != Voltages::OFF;
+            // Up to the watchdog's moment exactly, which may lie within a step.
             let until_s =
                 if pending { expiry_s.clamp(self.now_s, now_s) } else { now_s }.min(next_step_s);
-            self.move_to(until_s)?;
+            let aims = [self.now_s, until_s].map(|t_s| self.trial.aim(t_s, self.step_s));
+            let command = self.command();
+            self.plant
+                .advance(until_s - self.now_s, command, aims)
+                .map_err(|error| impossible(&error))?;
+            self.now_s = until_s;
             if pending && until_s >= expiry_s {
                 self.voltages = Voltages::OFF;
             }
@@ -125,15 +133,6 @@ impl Twin {
         (self.now_s, self.step_s, self.steps) = (now_s, now_s, phase);
     }
 
-    /// Moves the plant within one step of the participant.
-    fn move_to(&mut self, until_s: f64) -> Result<(), DeviceError> {
-        let aims = [self.now_s, until_s].map(|t_s| self.trial.aim(t_s, self.step_s));
-        let command = self.command();
-        self.plant.advance(until_s - self.now_s, command, aims).map_err(|e| impossible(&e))?;
-        self.now_s = until_s;
-        Ok(())
-    }
-
     fn command(&self) -> Command {
         let Voltages { motor_v, brake_v } = self.voltages;
         Command {
@@ -146,7 +145,12 @@ impl Twin {
     fn step(&mut self, at_s: f64) -> Result<(), DeviceError> {
         (self.step_s, self.steps) = (at_s, self.steps + 1);
         if at_s >= self.trial.over_s {
-            self.carry_back()?;
+            // Somebody moves the lever back to its start, which pushing alone cannot.
+            let theta_rad = self.plant.state().theta_rad;
+            let is_back = theta_rad <= STOPS_RAD[0];
+            if !is_back {
+                self.rest_at((theta_rad - CARRY_RAD_S * STEP_S).max(STOPS_RAD[0]))?;
+            }
         }
         let state = self.plant.state();
         self.trial.step(&self.person, self.parameters.lever_m, at_s, &state);
@@ -154,15 +158,6 @@ impl Twin {
             self.force.take(at_s, state.contact_n);
         }
         Ok(())
-    }
-
-    /// After a trial somebody moves the lever back to its start, which pushing alone cannot.
-    fn carry_back(&mut self) -> Result<(), DeviceError> {
-        let theta_rad = self.plant.state().theta_rad;
-        if theta_rad <= STOPS_RAD[0] {
-            return Ok(());
-        }
-        self.rest_at((theta_rad - CARRY_RAD_S * STEP_S).max(STOPS_RAD[0]))
     }
 
     fn reading(&mut self) -> Reading {
@@ -209,6 +204,7 @@ impl Device for Twin {
         // The stop is always a place to rest at, so there is no error to tell.
         let _ = self.rest_at(STOPS_RAD[0]);
         self.trial = Trial::begin(&self.person, &self.parameters, now_s, cue);
+        // A stream of its own, so that a trial does not depend on those before it.
         let mut noise = Draw::new(self.seed, Purpose::Sensors, u64::from(cue.trial));
         let phase = noise.between([0.0, STEPS_PER_FORCE as f64]) as u64;
         self.force = ForceSensor::new(self.parameters.force_noise_n, noise, now_s);
@@ -216,21 +212,22 @@ impl Device for Twin {
     }
 
     fn answer(&mut self, on: &AnswerScale) -> Option<i16> {
+        // A question ends the trial: what comes after it is not felt.
         self.trial.over_s = self.trial.over_s.min(self.now_s);
         self.trial.answer(&self.person, on)
     }
 }
 
 fn capabilities(parameters: &TwinParameters) -> Capabilities {
-    let highest = |knots: &[f64]| knots.last().copied().unwrap_or(0.0);
+    let actuators = &parameters.actuators;
     Capabilities {
         name: format!("twin {VERSION}"),
         rate_hz: RATE_HZ,
         force_rate_hz: FORCE_RATE_HZ,
         counts_per_turn: Some(COUNTS_PER_TURN),
         shaft_per_lever: SHAFT_PER_LEVER,
-        motor_max_v: highest(&parameters.actuators.motor.voltage_v),
-        brake_max_v: highest(&parameters.actuators.brake.voltage_v),
+        motor_max_v: actuators.motor.voltage_v.last().copied().unwrap_or(0.0),
+        brake_max_v: actuators.brake.voltage_v.last().copied().unwrap_or(0.0),
         watchdog_s: Some(WATCHDOG_S),
         shows_moments: false,
         source: Source::Twin,
@@ -247,6 +244,7 @@ fn channels() -> Vec<Channel> {
     ];
     all.into_iter()
         .filter_map(|(id, unit, description)| {
+            // Always: both are valid ids.
             let id = ChannelId::new(id).ok()?;
             Some(Channel { id, unit: unit.to_owned(), description: description.to_owned() })
         })
