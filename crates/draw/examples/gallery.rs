@@ -154,8 +154,12 @@ fn wall(direction: Direction, label: Option<&str>) -> Layer {
     })
 }
 
+/// Time, shared by all panels of a figure.
+fn time() -> Axis {
+    Axis::new("*t*", "s").ranged(Range::Tight).linked("t")
+}
+
 fn four_panels() -> Figure {
-    let t = || Axis::new("*t*", "s").ranged(Range::Tight).linked("t");
     let theta = Axis::new("*θ*", "°").linked("θ");
     let force = Axis::new("*F*_{ex}", "N").linked("F");
     let mut angle = mode_layers("t", "θ");
@@ -165,9 +169,9 @@ fn four_panels() -> Figure {
     Figure {
         description: "Angle, force and velocity against time, and force against angle, mean of six per mode".into(),
         panels: vec![
-            Panel::new(Cell::at(0, 0), t(), theta.clone(), angle).titled("**a**"),
-            Panel::new(Cell::at(1, 0), t(), force.clone(), mode_layers("t", "F")).titled("**b**"),
-            Panel::new(Cell::at(2, 0), t(), Axis::new("*θ̇*", "°/s"), mode_layers("t", "θ̇")).titled("**c**"),
+            Panel::new(Cell::at(0, 0), time(), theta.clone(), angle).titled("**a**"),
+            Panel::new(Cell::at(1, 0), time(), force.clone(), mode_layers("t", "F")).titled("**b**"),
+            Panel::new(Cell::at(2, 0), time(), Axis::new("*θ̇*", "°/s"), mode_layers("t", "θ̇")).titled("**c**"),
             Panel::new(Cell::at(0, 1).spanning(3, 1), theta, force, loops).titled("**d**"),
         ],
         footnotes: vec![
@@ -182,23 +186,7 @@ fn four_panels() -> Figure {
 }
 
 fn one_mode() -> Figure {
-    let layers = |x: &str, y: &str| -> Vec<Layer> {
-        let repeat = |i: u32| {
-            let run = push(2, i);
-            let x = quantity(&run, x).to_vec();
-            let y = quantity(&run, y).to_vec();
-            let stroke = style::single(style::repeat_colour(style::mode_colour(2), i as usize, 6));
-            Layer::Line(Line {
-                x,
-                y,
-                stroke,
-                name: Some(format!("repeat {}", i + 1)),
-                ..Line::default()
-            })
-        };
-        (0..6).map(repeat).collect()
-    };
-    let mut force = layers("θ", "F");
+    let mut force = repeat_layers("θ", "F");
     force.push(Layer::Line(Line {
         x: vec![0.0, WALL_DEG, WALL_DEG, 28.0],
         y: vec![0.0, 0.14 * WALL_DEG, 10.0, 10.0],
@@ -206,18 +194,31 @@ fn one_mode() -> Figure {
         name: Some("commanded".into()),
         ..Line::default()
     }));
-    let t = || Axis::new("*t*", "s").ranged(Range::Tight).linked("t");
     Figure {
         title: Some("Hybrid, spring + wall: all repeats".into()),
         width_mm: ONE_COLUMN_MM,
         panels: vec![
             Panel::new(Cell::at(0, 0), Axis::new("*θ*", "°"), Axis::new("*F*", "N"), force),
-            Panel::new(Cell::at(1, 0), t(), Axis::new("*θ*", "°"), layers("t", "θ")),
-            Panel::new(Cell::at(2, 0), t(), Axis::new("*θ̇*", "°/s"), layers("t", "θ̇")),
+            Panel::new(Cell::at(1, 0), time(), Axis::new("*θ*", "°"), repeat_layers("t", "θ")),
+            Panel::new(Cell::at(2, 0), time(), Axis::new("*θ̇*", "°/s"), repeat_layers("t", "θ̇")),
         ],
         mark: Some("SYNTHETIC".into()),
         ..Figure::default()
     }
+}
+
+/// Six repeats of the hybrid mode, in shades of its colour.
+fn repeat_layers(x: &str, y: &str) -> Vec<Layer> {
+    let mut layers = Vec::new();
+    for i in 0..6 {
+        let run = push(2, i);
+        let x = quantity(&run, x).to_vec();
+        let y = quantity(&run, y).to_vec();
+        let stroke = style::single(style::repeat_colour(style::mode_colour(2), i as usize, 6));
+        let name = Some(format!("repeat {}", i + 1));
+        layers.push(Layer::Line(Line { x, y, stroke, name, ..Line::default() }));
+    }
+    layers
 }
 
 fn characteristic() -> Figure {
@@ -264,7 +265,12 @@ fn characteristic() -> Figure {
 }
 
 fn likert() -> Figure {
-    let panel = |column: usize, title: &str, rows: [[u32; 5]; 3]| {
+    let counts = [
+        ("**a**  Spring", [[0, 1, 2, 5, 4], [5, 4, 2, 1, 0], [0, 0, 1, 6, 5]]),
+        ("**b**  Spring + wall", [[7, 4, 0, 1, 0], [1, 3, 4, 3, 1], [0, 1, 1, 4, 6]]),
+    ];
+    let mut panels = Vec::new();
+    for (column, (title, rows)) in counts.into_iter().enumerate() {
         let answers = ["strongly disagree", "disagree", "neutral", "agree", "strongly agree"];
         let layer = Layer::Likert(Likert {
             answers: answers.map(String::from).to_vec(),
@@ -274,14 +280,11 @@ fn likert() -> Figure {
         let mut x = Axis::new("← negative     answers     positive →", "").linked("answers");
         x.ticks = Ticks::Magnitudes;
         let modes = Axis::categories(MODES).linked("modes");
-        Panel::new(Cell::at(0, column), x, modes, vec![layer]).titled(title)
-    };
+        panels.push(Panel::new(Cell::at(0, column), x, modes, vec![layer]).titled(title));
+    }
     Figure {
         description: "Answers to two statements by mode".into(),
-        panels: vec![
-            panel(0, "**a**  Spring", [[0, 1, 2, 5, 4], [5, 4, 2, 1, 0], [0, 0, 1, 6, 5]]),
-            panel(1, "**b**  Spring + wall", [[7, 4, 0, 1, 0], [1, 3, 4, 3, 1], [0, 1, 1, 4, 6]]),
-        ],
+        panels,
         mark: Some("SYNTHETIC".into()),
         ..Figure::default()
     }
@@ -289,7 +292,13 @@ fn likert() -> Figure {
 
 fn intervals() -> Figure {
     let sessions = ["session 9", "session 10", "session 11", "session 12"];
-    let panel = |column: usize, label: &str, unit: &str, size: f64, seed: u32| {
+    let parameters = [
+        ("offset *c*", "N·m", 0.004, 1),
+        ("inertia *I*", "kg·m²", 1.7e-4, 2),
+        ("damping *b*", "N·m·s/rad", 0.0021, 3),
+    ];
+    let mut panels = Vec::new();
+    for (column, (label, unit, size, seed)) in parameters.into_iter().enumerate() {
         let mut noise = Noise(seed);
         let mut layers = vec![Layer::Reference(Reference {
             direction: Direction::Horizontal,
@@ -321,14 +330,11 @@ fn intervals() -> Figure {
                 name,
             }));
         }
-        Panel::new(Cell::at(0, column), Axis::categories(sessions), Axis::new(label, unit), layers)
-    };
+        let (x, y) = (Axis::categories(sessions), Axis::new(label, unit));
+        panels.push(Panel::new(Cell::at(0, column), x, y, layers));
+    }
     Figure {
-        panels: vec![
-            panel(0, "offset *c*", "N·m", 0.004, 1),
-            panel(1, "inertia *I*", "kg·m²", 1.7e-4, 2),
-            panel(2, "damping *b*", "N·m·s/rad", 0.0021, 3),
-        ],
+        panels,
         footnotes: vec![
             "Plane fit torque = *c* + *I*·acceleration + *b*·velocity, 95 % block-bootstrap intervals."
                 .into(),
@@ -360,9 +366,9 @@ fn powers() -> Figure {
             ..Line::default()
         }));
     }
-    let axis = |label: &str, unit: &str| Axis { ticks: Ticks::Powers, ..Axis::new(label, unit) };
-    let panel =
-        Panel::new(Cell::at(0, 0), axis("step *h*", "s"), axis("largest error", "rad"), layers);
+    let [x, y] = [("step *h*", "s"), ("largest error", "rad")]
+        .map(|(label, unit)| Axis { ticks: Ticks::Powers, ..Axis::new(label, unit) });
+    let panel = Panel::new(Cell::at(0, 0), x, y, layers);
     Figure { width_mm: ONE_COLUMN_MM, panels: vec![panel], ..Figure::default() }
 }
 
@@ -375,10 +381,6 @@ fn places() -> Figure {
     let line = |points: [(f64, f64); 2]| {
         let (x, y) = points.into_iter().unzip();
         Layer::Line(Line { x, y, ..Line::default() })
-    };
-    let frame = |(left, low): (f64, f64), (right, high): (f64, f64)| {
-        let corners = [(left, low), (right, low), (right, high), (left, high), (left, low)];
-        (0..4).map(|i| line([corners[i], corners[i + 1]])).collect::<Vec<Layer>>()
     };
     let mut layers = vec![
         line([(30.0, 10.0), (50.0, 10.0)]),
@@ -400,10 +402,10 @@ fn places() -> Figure {
         ),
     ];
     for (left, lines) in boxes {
-        let low = (left, 20.0);
-        let high = (left + 24.0, 32.0);
-        layers.extend(frame(low, high));
-        layers.push(text(lines, TextPlace::Within(low, high)));
+        let (right, low, high) = (left + 24.0, 20.0, 32.0);
+        let corners = [(left, low), (right, low), (right, high), (left, high), (left, low)];
+        layers.extend((0..4).map(|i| line([corners[i], corners[i + 1]])));
+        layers.push(text(lines, TextPlace::Within((left, low), (right, high))));
     }
     let panel = Panel::new(Cell::at(0, 0), Axis::bare(0.0, 82.0), Axis::bare(0.0, 34.0), layers);
     let panel = Panel { height_mm: Some(34.0), ..panel };
@@ -411,16 +413,15 @@ fn places() -> Figure {
 }
 
 fn note() -> Figure {
-    let t = || Axis::new("*t*", "s").ranged(Range::Tight).linked("t");
     let force = Axis::new("torque", "N·m");
-    let mut panel = Panel::new(Cell::at(1, 0), t(), force, mode_layers("t", "F"));
+    let mut panel = Panel::new(Cell::at(1, 0), time(), force, mode_layers("t", "F"));
     panel.layers.truncate(6);
     Figure {
         width_mm: ONE_COLUMN_MM,
         panels: vec![
             Panel::with_note(
                 Cell::at(0, 0),
-                t(),
+                time(),
                 Axis::new("*θ*", "°"),
                 "no angle was recorded, and its integral drifts by a radian",
             ),

@@ -50,11 +50,11 @@ pub(crate) struct AxisPlan {
 impl AxisPlan {
     /// Room that tick labels take across the axis.
     pub(crate) fn ticks_depth_pt(&self, direction: Direction) -> f64 {
-        let depth = |tick: &PlannedTick| match (direction, self.turned) {
+        let depths = self.ticks.iter().map(|tick| match (direction, self.turned) {
             (Direction::Horizontal, false) => font::height_pt(&tick.lines),
             _ => font::widest_pt(&tick.lines),
-        };
-        self.ticks.iter().map(depth).fold(0.0, f64::max)
+        });
+        depths.fold(0.0, f64::max)
     }
 
     /// Room from the plot's edge outwards.
@@ -75,16 +75,16 @@ impl AxisPlan {
     pub(crate) fn overhang_pt(&self, direction: Direction, length_pt: f64) -> (f64, f64) {
         let Some(ends) = self.ends else { return (0.0, 0.0) };
         let scale = Scale { ends, page_pt: (0.0, length_pt) };
-        let half = |tick: &PlannedTick| match (direction, self.turned) {
-            (Direction::Horizontal, false) => font::widest_pt(&tick.lines) / 2.0,
-            _ => font::height_pt(&tick.lines) / 2.0,
-        };
-        let over =
-            |out: &dyn Fn(&PlannedTick) -> f64| self.ticks.iter().map(out).fold(0.0, f64::max);
-        (
-            over(&|tick| half(tick) - scale.pt(tick.at)),
-            over(&|tick| scale.pt(tick.at) + half(tick) - length_pt),
-        )
+        let mut overhang: (f64, f64) = (0.0, 0.0);
+        for tick in &self.ticks {
+            let half = match (direction, self.turned) {
+                (Direction::Horizontal, false) => font::widest_pt(&tick.lines) / 2.0,
+                _ => font::height_pt(&tick.lines) / 2.0,
+            };
+            overhang.0 = overhang.0.max(half - scale.pt(tick.at));
+            overhang.1 = overhang.1.max(scale.pt(tick.at) + half - length_pt);
+        }
+        overhang
     }
 }
 
@@ -113,10 +113,11 @@ pub(crate) fn plan(
             plan.ticks.push(PlannedTick { at: tick.at, lines, minor: false });
         }
         if axis.ticks == Ticks::Powers && length_pt / (ends.1 - ends.0) >= DECADE_PT {
-            let minor = |at| PlannedTick { at, lines: Vec::new(), minor: true };
-            plan.ticks.extend(ticks::between_powers(ends.0, ends.1).map(minor));
+            let minor = ticks::between_powers(ends.0, ends.1);
+            plan.ticks.extend(minor.map(|at| PlannedTick { at, lines: Vec::new(), minor: true }));
         }
     }
+    // Without numbers the ticks stay: the grid lines of stacked panels go through.
     if numbered {
         plan.label = fonts.parted(&label(axis, exponent), LABEL_PT, length_pt)?;
     } else {
@@ -132,6 +133,7 @@ fn label(axis: &Axis, exponent: i32) -> String {
         n if n < 0 => format!("10^{{−{}}}", -n),
         n => format!("10^{{{n}}}"),
     };
+    // No line break parts the power from its unit.
     let space = if power.is_empty() || axis.unit.is_empty() { "" } else { "\u{a0}" };
     match format!("{power}{space}{}", axis.unit) {
         scale if scale.is_empty() => axis.label.clone(),
@@ -147,14 +149,16 @@ fn apart(
     direction: Direction,
     length_pt: f64,
 ) -> bool {
-    let width = |label: &str| fonts.label(label, SMALL_PT).map_or(0.0, |label| label.width_pt);
     ticks.ticks.windows(2).all(|pair| {
         let spacing = (pair[1].at - pair[0].at) / (ends.1 - ends.0) * length_pt;
         match direction {
             Direction::Vertical => spacing >= TICKS_APART_Y_PT,
             Direction::Horizontal => {
-                let labels = (width(&pair[0].label) + width(&pair[1].label)) / 2.0;
-                spacing >= TICKS_APART_X_PT.max(labels + LABELS_APART_PT)
+                // A label that cannot be set is an error once the ticks are chosen.
+                let widths = pair.iter().map(|tick| {
+                    fonts.label(&tick.label, SMALL_PT).map_or(0.0, |label| label.width_pt)
+                });
+                spacing >= TICKS_APART_X_PT.max(widths.sum::<f64>() / 2.0 + LABELS_APART_PT)
             }
         }
     })
@@ -170,8 +174,8 @@ const SHARE_BESIDE_NAMES: f64 = 0.3;
 
 /// Length of a vertical axis, in a figure that is `figure_pt` wide, on which each of the names has room.
 pub(crate) fn names_pt(fonts: &Fonts, names: &[String], figure_pt: f64) -> Result<f64, Error> {
-    let is_left = |width_pt: &&f64| **width_pt <= (1.0 - SHARE_BESIDE_NAMES) * figure_pt;
-    let width_pt = NAME_PT.iter().rev().find(is_left).unwrap_or(&NAME_PT[0]);
+    let most_pt = (1.0 - SHARE_BESIDE_NAMES) * figure_pt;
+    let width_pt = NAME_PT.iter().rev().find(|pt| **pt <= most_pt).unwrap_or(&NAME_PT[0]);
     let mut highest: f64 = 0.0;
     for name in names {
         highest = highest.max(font::height_pt(&fonts.parted(name, SMALL_PT, *width_pt)?));
@@ -191,29 +195,21 @@ fn categories<'f>(
     direction: Direction,
     length_pt: f64,
 ) -> Result<(Vec<PlannedTick>, bool), Error> {
-    let set = |width_pt: f64, lines: SetLines<'f>| -> Result<Vec<PlannedTick>, Error> {
-        let tick = |(i, name): (usize, &String)| {
-            let lines = lines(fonts, name, SMALL_PT, width_pt)?;
-            Ok(PlannedTick { at: i as f64, lines, minor: false })
-        };
-        names.iter().enumerate().map(tick).collect()
-    };
-    let height_pt = |ticks: &[PlannedTick]| {
-        ticks.iter().map(|tick| font::height_pt(&tick.lines)).fold(0.0, f64::max)
-    };
     let slot_pt = length_pt / (ends.1 - ends.0);
     if direction == Direction::Horizontal {
-        let upright = set(SLOT_SHARE * slot_pt, Fonts::wrap)?;
+        let upright = named_ticks(fonts, names, SLOT_SHARE * slot_pt, Fonts::wrap)?;
         let widths: Vec<f64> = upright.iter().map(|tick| font::widest_pt(&tick.lines)).collect();
         // A name may fill its slot where those beside it leave room.
-        let is_apart = |pair: &[f64]| (pair[0] + pair[1]) / 2.0 <= SLOT_SHARE * slot_pt;
-        if widths.iter().all(|width| *width <= slot_pt) && widths.windows(2).all(is_apart) {
+        if widths.iter().all(|width| *width <= slot_pt)
+            && widths.windows(2).all(|pair| (pair[0] + pair[1]) / 2.0 <= SLOT_SHARE * slot_pt)
+        {
             return Ok((upright, false));
         }
-        let mut turned = set(TURNED_PT[0], Fonts::parted)?;
+        let mut turned = named_ticks(fonts, names, TURNED_PT[0], Fonts::parted)?;
+        // The greatest length is taken even where it is not enough: no name is left out.
         for length_pt in &TURNED_PT[1..] {
-            if height_pt(&turned) > slot_pt {
-                turned = set(*length_pt, Fonts::parted)?;
+            if highest_pt(&turned) > slot_pt {
+                turned = named_ticks(fonts, names, *length_pt, Fonts::parted)?;
             }
         }
         return Ok((turned, true));
@@ -222,24 +218,43 @@ fn categories<'f>(
     let ways: [SetLines<'f>; 2] = [Fonts::block, Fonts::parted];
     for lines in ways {
         for width_pt in NAME_PT {
-            match set(width_pt, lines) {
+            match named_ticks(fonts, names, width_pt, lines) {
                 Err(Error::TextTooLong { .. }) => {}
-                Ok(ticks) if height_pt(&ticks) > slot_pt => {}
+                Ok(ticks) if highest_pt(&ticks) > slot_pt => {}
                 ticks => return Ok((ticks?, false)),
             }
         }
     }
-    let ticks = set(NAME_PT[NAME_PT.len() - 1], Fonts::parted)?;
+    let ticks = named_ticks(fonts, names, NAME_PT[NAME_PT.len() - 1], Fonts::parted)?;
     let highest = ticks
         .iter()
         .zip(names)
         .max_by(|(a, _), (b, _)| font::height_pt(&a.lines).total_cmp(&font::height_pt(&b.lines)));
     let text = highest.map(|(_, name)| name.clone()).unwrap_or_default();
-    Err(Error::TextTooLong { text, need_pt: height_pt(&ticks), have_pt: slot_pt })
+    Err(Error::TextTooLong { text, need_pt: highest_pt(&ticks), have_pt: slot_pt })
 }
 
 /// How a text becomes lines of a size within a width.
 type SetLines<'f> = fn(&Fonts<'f>, &str, f64, f64) -> Result<Vec<Label>, Error>;
+
+/// A tick for each name, set in lines within a width.
+fn named_ticks<'f>(
+    fonts: &Fonts<'f>,
+    names: &[String],
+    width_pt: f64,
+    set_lines: SetLines<'f>,
+) -> Result<Vec<PlannedTick>, Error> {
+    let mut ticks = Vec::new();
+    for (i, name) in names.iter().enumerate() {
+        let lines = set_lines(fonts, name, SMALL_PT, width_pt)?;
+        ticks.push(PlannedTick { at: i as f64, lines, minor: false });
+    }
+    Ok(ticks)
+}
+
+fn highest_pt(ticks: &[PlannedTick]) -> f64 {
+    ticks.iter().map(|tick| font::height_pt(&tick.lines)).fold(0.0, f64::max)
+}
 
 #[cfg(test)]
 mod tests {

@@ -16,11 +16,12 @@ use crate::legend;
 use crate::sheet::{At, Rect, Sheet};
 use crate::style::{Colour, Dash, Marker, Stroke};
 
-/// Backend pixels a point.
+/// Backend pixels per point.
 pub(crate) const UNITS_PER_PT: f64 = 100.0;
 
 /// A length in backend pixels.
 pub(crate) fn units(pt: f64) -> i32 {
+    // Far within i32: the largest page, 1189 mm, has 337,000 of these.
     (pt * UNITS_PER_PT).round() as i32
 }
 

@@ -28,25 +28,26 @@ impl Window {
 /// point between them, so that a curve stays connected where it changes from solid to dotted. A
 /// piece between two points is of the `true` kind if both its ends are.
 pub(crate) fn stretches(points: &[Point], kind: impl Fn(usize) -> bool) -> Vec<(bool, Vec<Point>)> {
-    let mut found: Vec<(bool, Vec<Point>)> = Vec::new();
+    let mut stretches: Vec<(bool, Vec<Point>)> = Vec::new();
     let mut connected = false;
     for (i, &point) in points.iter().enumerate() {
         let finite = point.0.is_finite() && point.1.is_finite();
         if finite && connected {
             let piece = kind(i - 1) && kind(i);
-            match found.last_mut() {
+            match stretches.last_mut() {
+                // A lone point has no piece yet: the first piece says of which kind it is.
                 Some((last, stretch)) if *last == piece || stretch.len() == 1 => {
                     *last = piece;
                     stretch.push(point);
                 }
-                _ => found.push((piece, vec![points[i - 1], point])),
+                _ => stretches.push((piece, vec![points[i - 1], point])),
             }
         } else if finite {
-            found.push((kind(i), vec![point]));
+            stretches.push((kind(i), vec![point]));
         }
         connected = finite;
     }
-    found
+    stretches
 }
 
 /// The parts of an open curve inside the window, cut exactly at its edge (Liang & Barsky 1984).
@@ -57,6 +58,7 @@ pub(crate) fn cut_line(points: &[Point], window: &Window) -> Vec<Vec<Point>> {
             continue;
         };
         match parts.last_mut() {
+            // A point that was not cut is the same to the bit in the piece before it.
             Some(part) if part.last() == Some(&from) => part.push(to),
             _ => parts.push(vec![from, to]),
         }
@@ -80,6 +82,7 @@ fn cut_piece(a: Point, b: Point, window: &Window) -> Option<(Point, Point)> {
             enter = enter.max(room / outward);
         } else if outward > 0.0 {
             leave = leave.min(room / outward);
+        // The piece runs along this edge, and all of it lies outside.
         } else if room < 0.0 {
             return None;
         }
@@ -87,21 +90,20 @@ fn cut_piece(a: Point, b: Point, window: &Window) -> Option<(Point, Point)> {
     if enter > leave {
         return None;
     }
-    let at = |share: f64| (a.0 + share * dx, a.1 + share * dy);
-    let from = if enter > 0.0 { at(enter) } else { a };
-    let to = if leave < 1.0 { at(leave) } else { b };
+    let from = if enter > 0.0 { (a.0 + enter * dx, a.1 + enter * dy) } else { a };
+    let to = if leave < 1.0 { (a.0 + leave * dx, a.1 + leave * dy) } else { b };
     window.hold(from).zip(window.hold(to))
 }
 
 /// The part of a filled polygon inside the window (Sutherland & Hodgman 1974).
 pub(crate) fn cut_area(polygon: &[Point], window: &Window) -> Vec<Point> {
-    let swap = |(x, y): Point| (y, x);
     let left = cut_below(polygon, window.x.0);
     let sides = cut_above(&left, window.x.1);
-    let turned: Vec<Point> = sides.into_iter().map(swap).collect();
+    // The same two cuts once more, with x and y changed over.
+    let turned: Vec<Point> = sides.into_iter().map(|(x, y)| (y, x)).collect();
     let low = cut_below(&turned, window.y.0);
-    let inside = cut_above(&low, window.y.1).into_iter().map(swap);
-    inside.filter_map(|point| window.hold(point)).collect()
+    let inside = cut_above(&low, window.y.1).into_iter();
+    inside.filter_map(|(y, x)| window.hold((x, y))).collect()
 }
 
 /// Keeps what lies at `x >= limit`.
@@ -121,9 +123,8 @@ fn cut_below(polygon: &[Point], limit: f64) -> Vec<Point> {
 
 /// Keeps what lies at `x <= limit`.
 fn cut_above(polygon: &[Point], limit: f64) -> Vec<Point> {
-    let mirror =
-        |points: &[Point]| -> Vec<Point> { points.iter().map(|&(x, y)| (-x, y)).collect() };
-    mirror(&cut_below(&mirror(polygon), -limit))
+    let mirrored: Vec<Point> = polygon.iter().map(|&(x, y)| (-x, y)).collect();
+    cut_below(&mirrored, -limit).into_iter().map(|(x, y)| (-x, y)).collect()
 }
 
 /// Width of the columns that a curve is thinned in, in pt: 200 to the inch, less than any line is
@@ -144,16 +145,17 @@ pub(crate) fn thin(points: &[Point]) -> Vec<usize> {
 }
 
 fn extremes(points: &[Point]) -> Vec<usize> {
-    let column = |i: usize| (points[i].0 / COLUMN_PT).floor();
+    let columns: Vec<f64> = points.iter().map(|point| (point.0 / COLUMN_PT).floor()).collect();
     let mut kept = Vec::new();
     let mut start = 0;
     while start < points.len() {
         let run =
-            (start..points.len()).take_while(|&i| column(i).total_cmp(&column(start)).is_eq());
+            (start..points.len()).take_while(|&i| columns[i].total_cmp(&columns[start]).is_eq());
         let end = run.last().unwrap_or(start);
-        let height = |i: &usize, j: &usize| points[*i].1.total_cmp(&points[*j].1);
-        let lowest = (start..=end).min_by(height).unwrap_or(start);
-        let highest = (start..=end).max_by(height).unwrap_or(end);
+        let lowest = (start..=end).min_by(|&i, &j| points[i].1.total_cmp(&points[j].1));
+        let highest = (start..=end).max_by(|&i, &j| points[i].1.total_cmp(&points[j].1));
+        let (lowest, highest) = (lowest.unwrap_or(start), highest.unwrap_or(end));
+        // In the order of the curve, whichever of the two comes first.
         kept.extend([start, lowest.min(highest), lowest.max(highest), end]);
         start = end + 1;
     }
@@ -166,6 +168,7 @@ fn straighten(points: &[Point], chosen: &[usize]) -> Vec<usize> {
         return chosen.to_vec();
     }
     let mut keep = vec![false; chosen.len()];
+    // A list, not recursion, which could go as deep as the curve has points.
     let mut open = vec![(0, chosen.len() - 1)];
     while let Some((first, last)) = open.pop() {
         (keep[first], keep[last]) = (true, true);
@@ -184,6 +187,7 @@ fn distance(p: Point, a: Point, b: Point) -> f64 {
     let dx = b.0 - a.0;
     let dy = b.1 - a.1;
     let length2 = dx * dx + dy * dy;
+    // Of a closed curve both ends are one spot, from which the distance is taken.
     let along = if length2 > 0.0 { ((p.0 - a.0) * dx + (p.1 - a.1) * dy) / length2 } else { 0.0 };
     let along = along.clamp(0.0, 1.0);
     let ex = p.0 - a.0 - along * dx;

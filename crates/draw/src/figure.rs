@@ -376,9 +376,10 @@ pub struct Intervals {
     pub name: Option<String>,
 }
 
-/// Diverging stacked bars: one row of boxes a group of answers, one box an answer, with its count
+/// Diverging stacked bars: one row of boxes per group of answers, one box per answer, with its count
 /// inside; or a thin strip for each person, one under the other, without counts. The middle answer of
-/// an odd number straddles zero, so that the bar leans to the side that the answers lean to. Belongs on `y: Axis::categories(rows)`.
+/// an odd number straddles zero, so that the bar leans to the side that the answers lean to. Belongs
+/// on `y: Axis::categories(rows)`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Likert {
     /// The answers from the most negative to the most positive: the legend.

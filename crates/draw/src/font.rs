@@ -128,12 +128,12 @@ impl Label {
 type Shaped = (Vec<Glyph>, i32);
 
 /// Texts that were shaped already: a page is laid out in rounds, and figures share words.
-type Known = Mutex<BTreeMap<(Style, String), Shaped>>;
+type Cache = Mutex<BTreeMap<(Style, String), Shaped>>;
 
-/// The bundled font, parsed once a process.
+/// The bundled font, parsed once per process.
 struct Bundled {
     faces: [Face<'static>; 3],
-    shaped: Known,
+    shaped: Cache,
 }
 
 /// The faces in which a figure is set.
@@ -147,22 +147,24 @@ pub(crate) struct Fonts<'a> {
 /// A font of one's own, parsed.
 struct Own<'a> {
     faces: [Face<'a>; 3],
-    shaped: Known,
+    shaped: Cache,
 }
 
 impl<'a> Fonts<'a> {
     /// A font of one's own over the bundled one, or the bundled one alone.
     pub(crate) fn new(font: Option<&'a Font>) -> Result<Self, Error> {
-        static BUNDLED: LazyLock<Option<Bundled>> = LazyLock::new(|| {
-            let face = |style: Style| Face::from_slice(style.bundled(), 0);
-            let faces = [face(Style::Regular)?, face(Style::Italic)?, face(Style::Bold)?];
-            Some(Bundled { faces, shaped: Known::default() })
-        });
+        static BUNDLED: LazyLock<Option<Bundled>> =
+            LazyLock::new(|| match Style::ALL.map(|style| Face::from_slice(style.bundled(), 0)) {
+                [Some(regular), Some(italic), Some(bold)] => {
+                    Some(Bundled { faces: [regular, italic, bold], shaped: Cache::default() })
+                }
+                _ => None,
+            });
         let bundled = BUNDLED.as_ref().ok_or(Error::Font)?;
-        let face = |style| Face::from_slice(&font?.file(style)?.bytes, 0);
-        let own = match [face(Style::Regular), face(Style::Italic), face(Style::Bold)] {
+        // All or none: a missing face has the upright one's file, and `Font::new` has tried each.
+        let own = match Style::ALL.map(|style| Face::from_slice(&font?.file(style)?.bytes, 0)) {
             [Some(regular), Some(italic), Some(bold)] => {
-                Some(Own { faces: [regular, italic, bold], shaped: Known::default() })
+                Some(Own { faces: [regular, italic, bold], shaped: Cache::default() })
             }
             _ => None,
         };
@@ -183,7 +185,7 @@ impl<'a> Fonts<'a> {
         }
     }
 
-    /// Font units an em.
+    /// Font units per em.
     pub(crate) fn units_per_em(&self, face: Typeface) -> f64 {
         f64::from(self.face(face).units_per_em())
     }
@@ -275,17 +277,17 @@ impl<'a> Fonts<'a> {
     }
 
     fn shaped(&self, text: &str, face: Typeface, markup: &str) -> Result<Shaped, Error> {
-        let known = match &self.own {
+        let cache = match &self.own {
             Some(own) if face.is_own => &own.shaped,
             _ => &self.bundled.shaped,
         };
-        let known = || known.lock().unwrap_or_else(PoisonError::into_inner);
         let key = (face.style, text.to_owned());
-        if let Some(shaped) = known().get(&key) {
+        if let Some(shaped) = cache.lock().unwrap_or_else(PoisonError::into_inner).get(&key) {
             return Ok(shaped.clone());
         }
+        // The lock is free while letters are shaped: another thread may draw meanwhile.
         let shaped = shape(self.face(face), text, markup)?;
-        known().insert(key, shaped.clone());
+        cache.lock().unwrap_or_else(PoisonError::into_inner).insert(key, shaped.clone());
         Ok(shaped)
     }
 
@@ -368,6 +370,7 @@ impl<'a> Fonts<'a> {
                     }
                 }
             }
+            // A word that was parted begins a line; what comes after may join its last part.
             let whole = parts.len() == 1;
             for (part, set) in parts {
                 let longer = lines.last().map(|(line, _)| markup::join(line, &part));
@@ -404,6 +407,7 @@ fn shape(face: &Face<'_>, text: &str, markup: &str) -> Result<Shaped, Error> {
     let mut buffer = UnicodeBuffer::new();
     buffer.push_str(text);
     buffer.guess_segment_properties();
+    // The usual level counts a mark to its letter, so that nothing would tell the two apart below.
     buffer.set_cluster_level(BufferClusterLevel::Characters);
     let shaped = rustybuzz::shape(face, &[], buffer);
     let mut pen: i32 = 0;
@@ -411,6 +415,7 @@ fn shape(face: &Face<'_>, text: &str, markup: &str) -> Result<Shaped, Error> {
     let mut base = None;
     for (info, place) in shaped.glyph_infos().iter().zip(shaped.glyph_positions()) {
         let start = info.cluster as usize;
+        // A damaged file may claim any advance.
         let x = pen.saturating_add(place.x_offset);
         let y = place.y_offset;
         // the shaper may have moved marks past each other: what follows in the text need not
@@ -447,15 +452,16 @@ fn over(face: &Face<'_>, base: &Glyph, mark: Glyph) -> Glyph {
     const LEANS_EM: f64 = 0.195;
     /// No letter leans further; a damaged file may claim more.
     const MOST_LEAN_DEG: f64 = 45.0;
-    let bounds = |glyph: &Glyph| face.glyph_bounding_box(GlyphId(glyph.id));
-    let (Some(under), Some(dot)) = (bounds(base), bounds(&mark)) else {
+    let bounds = [base, &mark].map(|glyph| face.glyph_bounding_box(GlyphId(glyph.id)));
+    let [Some(under), Some(dot)] = bounds else {
         return mark;
     };
-    let middle = |low: i16, high: i16| (i32::from(low) + i32::from(high)) / 2;
+    let [under_x, dot_x] =
+        [under, dot].map(|ink| (i32::from(ink.x_min) + i32::from(ink.x_max)) / 2);
     let em = f64::from(face.units_per_em());
     let angle_deg = f64::from(-face.italic_angle()).clamp(-MOST_LEAN_DEG, MOST_LEAN_DEG);
     let lean = (LEANS_EM * libm::tan(angle_deg.to_radians()) * em).round() as i32;
-    let x = base.x + middle(under.x_min, under.x_max) + lean - middle(dot.x_min, dot.x_max);
+    let x = base.x + under_x + lean - dot_x;
     let y = base.y + i32::from(under.y_max) + (GAP_EM * em).round() as i32 - i32::from(dot.y_min);
     Glyph { x, y, ..mark }
 }

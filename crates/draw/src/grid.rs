@@ -27,17 +27,22 @@ const MOST_TRACKS: usize = 50;
 
 /// First cell that is empty, out of bounds, or overlaps an earlier one.
 pub(crate) fn clash(cells: &[Cell]) -> Option<usize> {
-    let apart = |a: &Cell, b: &Cell| {
-        a.row + a.rows <= b.row
-            || b.row + b.rows <= a.row
-            || a.column + a.columns <= b.column
-            || b.column + b.columns <= a.column
-    };
-    let within =
-        |first: usize, count: usize| first < MOST_TRACKS && (1..=MOST_TRACKS).contains(&count);
-    let sound = |c: &Cell| within(c.row, c.rows) && within(c.column, c.columns);
-    (0..cells.len())
-        .find(|&i| !sound(&cells[i]) || cells[..i].iter().any(|earlier| !apart(earlier, &cells[i])))
+    (0..cells.len()).find(|&i| {
+        let b = &cells[i];
+        // Checked before the sums below, which a cell far out of bounds would make overflow.
+        let is_sound = [(b.row, b.rows), (b.column, b.columns)]
+            .iter()
+            .all(|(first, count)| *first < MOST_TRACKS && (1..=MOST_TRACKS).contains(count));
+        let mut earlier = cells[..i].iter();
+        !is_sound
+            || earlier.any(|a| {
+                let is_apart = a.row + a.rows <= b.row
+                    || b.row + b.rows <= a.row
+                    || a.column + a.columns <= b.column
+                    || b.column + b.columns <= a.column;
+                !is_apart
+            })
+    })
 }
 
 /// Room before and after each track: the most that any panel starting or ending there needs.
@@ -65,6 +70,7 @@ pub(crate) fn row_margins(cells: &[Cell], decor: &[Decor]) -> Vec<(f64, f64)> {
 pub(crate) fn share(whole: f64, margins: &[(f64, f64)], gap: f64, weights: &[f64]) -> Vec<f64> {
     let taken: f64 = margins.iter().map(|(a, b)| a + b).sum::<f64>()
         + gap * margins.len().saturating_sub(1) as f64;
+    // Negative lengths are refused by the panel that gets one, which can say how much it lacks.
     let total: f64 = weights.iter().sum();
     weights.iter().map(|weight| (whole - taken) * weight / total).collect()
 }
@@ -72,12 +78,13 @@ pub(crate) fn share(whole: f64, margins: &[(f64, f64)], gap: f64, weights: &[f64
 /// Tracks of the given lengths from `start` on.
 pub(crate) fn tracks(start: f64, margins: &[(f64, f64)], gap: f64, lengths: &[f64]) -> Tracks {
     let mut at = start;
-    let place = |(&(before, after), &length): (&(f64, f64), &f64)| {
+    let mut tracks = Vec::new();
+    for (&(before, after), &length) in margins.iter().zip(lengths) {
         let from = at + before;
         at = from + length + after + gap;
-        (from, from + length)
-    };
-    margins.iter().zip(lengths).map(place).collect()
+        tracks.push((from, from + length));
+    }
+    tracks
 }
 
 /// The plot area of a cell.

@@ -42,9 +42,8 @@ pub(crate) fn draw(sheet: &mut Sheet, plan: &PanelPlan<'_>, size_pt: (f64, f64))
     let (Some(x), Some(y)) = (plan.x_scale(), plan.y_scale()) else {
         return Ok(());
     };
-    let pixels = |scale: &Scale| units(scale.page_pt.0)..units(scale.page_pt.1);
-    let coordinates =
-        Cartesian2d::new(x.ends.0..x.ends.1, y.ends.0..y.ends.1, (pixels(&x), pixels(&y)));
+    let [x_units, y_units] = [&x, &y].map(|s| units(s.page_pt.0)..units(s.page_pt.1));
+    let coordinates = Cartesian2d::new(x.ends.0..x.ends.1, y.ends.0..y.ends.1, (x_units, y_units));
     let area = Pen { sheet, size_pt }.into_drawing_area().apply_coord_spec(coordinates);
     let plot = Plot { area, window: Window { x: x.ends, y: y.ends }, x, y };
     plan.panel.layers.iter().try_for_each(|layer| match layer {
@@ -70,19 +69,24 @@ impl Plot<'_, '_> {
 
     /// The points that print needs, in data coordinates.
     fn thinned(&self, points: Vec<Point>) -> Vec<Point> {
+        // What print can show is a length on the page, so thinning needs places there.
         let page: Vec<Point> = points.iter().map(|&(x, y)| (self.x.pt(x), self.y.pt(y))).collect();
         curve::thin(&page).into_iter().map(|i| points[i]).collect()
     }
 
     fn line(&self, line: &Line) -> Outcome {
         let points: Vec<Point> = line.x.iter().copied().zip(line.y.iter().copied()).collect();
-        let dotted = |i: usize| line.dotted.get(i).copied().unwrap_or(false);
-        for (dotted, stretch) in curve::stretches(&points, dotted) {
+        let stretches = curve::stretches(&points, |i| line.dotted.get(i).copied().unwrap_or(false));
+        for (dotted, stretch) in stretches {
             let dash = if dotted { line.stroke.dash.dotted() } else { line.stroke.dash };
             let stroke = line.stroke.dashed(dash);
-            if let [lone] = stretch[..] {
-                self.lone_point(lone, &stroke)?;
+            // A value between two gaps would vanish as a line: it is drawn as a dot.
+            if let [lone] = stretch[..]
+                && self.window.holds(lone)
+            {
+                self.disc(lone, 1.5 * stroke.width_pt, stroke.colour, stroke.opacity)?;
             }
+            // Cut before it is thinned: what lies outside must not decide what stays inside.
             for part in curve::cut_line(&stretch, &self.window) {
                 let begins = part.first().filter(|_| dotted).map(|from| self.x.pt(from.0));
                 let stroke = begins.map_or(stroke, |x_pt| stroke.on_beat(x_pt));
@@ -92,26 +96,18 @@ impl Plot<'_, '_> {
         Ok(())
     }
 
-    /// A value between two gaps would vanish as a line: it is drawn as a dot.
-    fn lone_point(&self, at: Point, stroke: &Stroke) -> Outcome {
-        if !self.window.holds(at) {
-            return Ok(());
-        }
-        self.disc(at, 1.5 * stroke.width_pt, stroke.colour, stroke.opacity)
-    }
-
     /// An area between two curves; plotters' own area ends at one height.
     fn band(&self, band: &Band) -> Outcome {
         let style = rgb(band.colour).mix(BAND_OPACITY).filled();
-        let edge = |edge: &[f64]| -> Vec<Point> {
-            // a gap in either edge is a gap in both
-            let whole = |i: usize| band.low[i].is_finite() && band.high[i].is_finite();
-            (0..edge.len())
-                .map(|i| (band.x[i], if whole(i) { edge[i] } else { f64::NAN }))
-                .collect()
-        };
-        let lows = curve::stretches(&edge(&band.low), |_| false);
-        let highs = curve::stretches(&edge(&band.high), |_| false);
+        let [lows, highs] = [&band.low, &band.high].map(|edge| {
+            let mut points: Vec<Point> = Vec::new();
+            for (i, &value) in edge.iter().enumerate() {
+                // A gap in either edge is a gap in both.
+                let is_whole = band.low[i].is_finite() && band.high[i].is_finite();
+                points.push((band.x[i], if is_whole { value } else { f64::NAN }));
+            }
+            curve::stretches(&points, |_| false)
+        });
         for ((_, low), (_, high)) in lows.into_iter().zip(highs) {
             let mut outline = self.thinned(low);
             outline.extend(self.thinned(high).into_iter().rev());
@@ -173,6 +169,8 @@ impl Plot<'_, '_> {
             let height = 2.0 * HALF_BAR / strips.len().max(1) as f64;
             for (strip, counts) in strips.iter().enumerate() {
                 let top = row as f64 - HALF_BAR + strip as f64 * height;
+                // Counts of narrow boxes stand over the bar, from left to right, and must not
+                // touch.
                 let mut taken_pt = f64::NEG_INFINITY;
                 for segment in likert::segments(counts, likert.scale) {
                     let colour = style::likert_colour(segment.answer, likert.answers.len());
@@ -200,6 +198,7 @@ impl Plot<'_, '_> {
             return Ok(None);
         }
         let page = (self.x.pt(from), self.x.pt(to));
+        // A box thinner than its seams would not be seen: they leave half of it.
         let seam = SEAM_PT.min((page.1 - page.0) / 4.0) * (to - from) / (page.1 - page.0);
         let corners = [(from + seam, top), (to - seam, bottom)];
         self.area.draw(&Rectangle::new(corners, rgb(colour).filled())).map_err(refused)?;

@@ -6,7 +6,7 @@
 
 use crate::axis;
 use crate::error::Error;
-use crate::figure::{Cell, Figure, LegendPlace, Panel, Ticks};
+use crate::figure::{Cell, Figure, LegendPlace, Ticks};
 use crate::font::{self, Fonts, Label};
 use crate::grid::{self, Decor};
 use crate::legend::{self, Legend};
@@ -43,7 +43,7 @@ pub(crate) struct Plan<'a> {
 /// The most that a page may measure, in mm: ISO A0.
 const MOST_MM: f64 = 1189.0;
 
-fn sensible(what: &'static str, value: f64, most: f64) -> Result<(), Error> {
+fn check_size(what: &'static str, value: f64, most: f64) -> Result<(), Error> {
     if value > 0.0 && value <= most { Ok(()) } else { Err(Error::Size { what, value, most }) }
 }
 
@@ -51,16 +51,18 @@ fn check(figure: &Figure) -> Result<(), Error> {
     if figure.panels.is_empty() {
         return Err(Error::NoPanels);
     }
-    sensible("width_mm", figure.width_mm, MOST_MM)?;
-    figure.height_mm.map_or(Ok(()), |height| sensible("height_mm", height, MOST_MM))?;
+    check_size("width_mm", figure.width_mm, MOST_MM)?;
+    if let Some(height) = figure.height_mm {
+        check_size("height_mm", height, MOST_MM)?;
+    }
     for panel in &figure.panels {
-        panel
-            .height_mm
-            .map_or(Ok(()), |height| sensible("a panel's height_mm", height, MOST_MM))?;
+        if let Some(height) = panel.height_mm {
+            check_size("a panel's height_mm", height, MOST_MM)?;
+        }
         scale::check(panel)?;
     }
     for &weight in &figure.column_weights {
-        sensible("a column's weight", weight, 1e6)?;
+        check_size("a column's weight", weight, 1e6)?;
     }
     match grid::clash(&cells(figure)) {
         Some(i) => Err(Error::Grid { panel: scale::name(&figure.panels[i]) }),
@@ -74,6 +76,7 @@ fn cells(figure: &Figure) -> Vec<Cell> {
 
 /// Plans the page of a figure, refusing what cannot be drawn.
 pub(crate) fn plan<'a>(figure: &'a Figure, fonts: &Fonts) -> Result<Plan<'a>, Error> {
+    // First of all: what follows indexes the grid by cells and divides by weights.
     check(figure)?;
     let width_pt = figure.width_mm * PT_PER_MM;
     let inner_pt = width_pt - 2.0 * PAGE_MARGIN_PT;
@@ -102,6 +105,7 @@ pub(crate) fn plan<'a>(figure: &'a Figure, fonts: &Fonts) -> Result<Plan<'a>, Er
     let grid_pt = figure.height_mm.map(|mm| mm * PT_PER_MM - top - foot_pt);
     let (panels, bottom) = solve(figure, fonts, top, grid_pt)?;
 
+    // The legend begins where the plots do, unless it would stick out to the right then.
     let plots_left = panels.iter().map(|panel| panel.plot.left).fold(width_pt, f64::min);
     let last_left = PAGE_MARGIN_PT + legend_room_pt - legend.width_pt();
     let legend_top = if below { bottom + BLOCK_GAP_PT } else { head + title_pt };
@@ -176,6 +180,7 @@ fn solve<'a>(
         }
         decor = panels.iter().map(|panel| panel.decor).collect();
     }
+    // What a column has at its left is certain only when all of its panels are planned.
     let margins = grid::column_margins(&cells, &decor);
     for panel in &mut panels {
         panel.left_pt = margins[panel.panel.cell.column].0;
@@ -218,15 +223,26 @@ const FIRST_GUESS: Decor = Decor { left: 36.0, right: 6.0, top: 12.0, bottom: 28
 fn row_heights(figure: &Figure, fonts: &Fonts, widths: &[f64]) -> Result<Vec<f64>, Error> {
     let rows = grid::size(&cells(figure)).0;
     let narrowest = widths.iter().copied().fold(f64::INFINITY, f64::min);
-    let usual = usual_height_pt(rows, narrowest);
+    // Two thirds of the narrowest plot's width, less where several are stacked.
+    let (share, least_mm, most_mm) = match rows {
+        1 => (0.68, 35.0, 62.0),
+        2 => (0.6, 30.0, 45.0),
+        _ => (0.5, 22.0, 26.0),
+    };
+    let usual = (share * narrowest).clamp(least_mm * PT_PER_MM, most_mm * PT_PER_MM);
     let mut heights: Vec<Option<f64>> = vec![None; rows];
     for panel in figure.panels.iter().filter(|panel| panel.cell.rows == 1) {
-        let mut asked = panel.height_mm.map_or(own_height_pt(panel, usual), |mm| mm * PT_PER_MM);
+        let mut need = match (panel.height_mm, &panel.y.ticks) {
+            (Some(mm), _) => mm * PT_PER_MM,
+            (None, Ticks::Categories(names)) => NAMED_ROW_PT * names.len().max(1) as f64,
+            (None, _) if panel.note.is_some() => NOTE_PT.min(usual),
+            (None, _) => usual,
+        };
         if let Ticks::Categories(names) = &panel.y.ticks {
-            asked = asked.max(axis::names_pt(fonts, names, figure.width_mm * PT_PER_MM)?);
+            need = need.max(axis::names_pt(fonts, names, figure.width_mm * PT_PER_MM)?);
         }
         let height = &mut heights[panel.cell.row];
-        *height = Some(height.map_or(asked, |height| height.max(asked)));
+        *height = Some(height.map_or(need, |height| height.max(need)));
     }
     Ok(heights.into_iter().map(|height| height.unwrap_or(usual)).collect())
 }
@@ -236,21 +252,3 @@ const NAMED_ROW_PT: f64 = 19.0;
 
 /// Height of a panel that has only a note, in pt.
 const NOTE_PT: f64 = 56.0;
-
-fn own_height_pt(panel: &Panel, usual: f64) -> f64 {
-    match &panel.y.ticks {
-        Ticks::Categories(names) => NAMED_ROW_PT * names.len().max(1) as f64,
-        _ if panel.note.is_some() => NOTE_PT.min(usual),
-        _ => usual,
-    }
-}
-
-/// Height of a plot area that is `width_pt` wide: two thirds of it, less where several are stacked.
-fn usual_height_pt(rows: usize, width_pt: f64) -> f64 {
-    let (share, least_mm, most_mm) = match rows {
-        1 => (0.68, 35.0, 62.0),
-        2 => (0.6, 30.0, 45.0),
-        _ => (0.5, 22.0, 26.0),
-    };
-    (share * width_pt).clamp(least_mm * PT_PER_MM, most_mm * PT_PER_MM)
-}

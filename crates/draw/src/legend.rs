@@ -94,12 +94,15 @@ pub(crate) fn plan(figure: &Figure, fonts: &Fonts, width_pt: f64) -> Result<Lege
             placed.x_pt = 0.0;
             rows.push(Vec::new());
         }
+        // Too wide even alone in its row.
         let need_pt = placed.end_pt();
         if need_pt > width_pt {
             return Err(Error::TextTooLong { text: entry.name, need_pt, have_pt: width_pt });
         }
         x_pt = need_pt + ENTRY_GAP_PT;
-        rows.last_mut().into_iter().for_each(|row| row.push(placed.clone()));
+        if let Some(row) = rows.last_mut() {
+            row.push(placed);
+        }
     }
     Ok(Legend { rows })
 }
@@ -107,6 +110,7 @@ pub(crate) fn plan(figure: &Figure, fonts: &Fonts, width_pt: f64) -> Result<Lege
 /// Names in order of appearance; layers of one name share an entry, equal samples are shown once.
 fn entries(figure: &Figure) -> Vec<Entry> {
     let mut entries: Vec<Entry> = Vec::new();
+    // What a note stands in the place of is not drawn, and not named.
     let shown = figure.panels.iter().filter(|panel| panel.note.is_none());
     for (name, sample) in shown.flat_map(|panel| &panel.layers).flat_map(samples) {
         match entries.iter_mut().find(|entry| entry.name == name) {
@@ -176,6 +180,7 @@ fn draw_sample(sheet: &mut Sheet, sample: &Sample, (centre, middle): At) {
         }
         Sample::Band(colour) => sheet.rect(&patch(half_line), *colour, style::BAND_OPACITY),
         Sample::Disc { colour, diameter_pt, opacity } => {
+            // Faint points lie in heaps in the plot; a sample lies alone and must be seen.
             sheet.disc((centre, middle), *diameter_pt, *colour, opacity.max(0.6));
         }
         Sample::Whisker { colour, marker, direction } => {

@@ -67,7 +67,7 @@ use sheet::{Shape, Sheet};
 use svg::Head;
 use typeface::with_font;
 
-/// Resolution of PNGs for screens, in dots an inch.
+/// Resolution of PNGs for screens, in dots per inch.
 pub const DEFAULT_DPI: f64 = 200.0;
 
 /// A figure that has been laid out and drawn.
@@ -124,6 +124,8 @@ impl Drawing {
         self.svg_of(svg::Words::Text(font.or(own)))
     }
 
+    // Fonts are parsed anew for each file: faces borrow the font's bytes, so a `Drawing` cannot
+    // hold them.
     fn svg_of(&self, words: svg::Words<'_>) -> Result<String, Error> {
         with_font(self.font.as_ref(), || {
             let (width_pt, height_pt) = self.size_pt;
@@ -132,7 +134,7 @@ impl Drawing {
         })
     }
 
-    /// An opaque PNG at `dpi` dots an inch ([`DEFAULT_DPI`] for screens), provenance in its
+    /// An opaque PNG at `dpi` dots per inch ([`DEFAULT_DPI`] for screens), provenance in its
     /// `Comment`.
     ///
     /// # Errors
@@ -185,25 +187,25 @@ impl Drawing {
     /// Every word of a line whose letters are smaller than those of small print
     /// ([`style::SMALL_PT`]), its lowered and raised letters apart: none.
     pub fn small_words(&self) -> Vec<String> {
-        let small = |shape: &Shape| match &shape.form {
+        let small = self.shapes.iter().filter_map(|shape| match &shape.form {
             sheet::Form::Words { piece, .. } if piece.line_pt < style::SMALL_PT => {
                 Some(piece.text.clone())
             }
             _ => None,
-        };
-        self.shapes.iter().filter_map(small).collect()
+        });
+        small.collect()
     }
 
     /// The words with what their letters cover on the page, pt.
     fn words(&self, fonts: &Fonts) -> Vec<(String, tiny_skia::Rect)> {
-        let word = |shape: &Shape| match &shape.form {
+        let words = self.shapes.iter().filter_map(|shape| match &shape.form {
             form @ sheet::Form::Words { piece, .. } => {
                 let ink = png::outline(form, fonts, 1.0)?.compute_tight_bounds()?;
                 Some((piece.text.clone(), ink))
             }
             _ => None,
-        };
-        self.shapes.iter().filter_map(word).collect()
+        });
+        words.collect()
     }
 
     fn head(&self) -> Head<'_> {

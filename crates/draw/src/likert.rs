@@ -22,6 +22,7 @@ pub(crate) fn segments(counts: &[u32], scale: LikertScale) -> Vec<Segment> {
     let half = counts.len() / 2;
     let negative: f64 = counts[..half].iter().map(|&count| f64::from(count)).sum();
     let neutral = if counts.len() % 2 == 1 { f64::from(counts[half]) } else { 0.0 };
+    // Counted in answers and scaled last: each box begins to the bit where the one before it ends.
     let mut edge = -(negative + neutral / 2.0);
     let mut segments = Vec::new();
     for (answer, &count) in counts.iter().enumerate() {

@@ -31,11 +31,14 @@ pub(crate) struct Run {
 
 /// `text` escaped so that it is set unchanged.
 pub fn escape(text: &str) -> String {
-    text.chars().flat_map(|c| special(c).then_some('\\').into_iter().chain([c])).collect()
-}
-
-fn special(letter: char) -> bool {
-    matches!(letter, '*' | '_' | '^' | '\\' | '}') || raised(letter).is_some()
+    let mut escaped = String::new();
+    for letter in text.chars() {
+        if matches!(letter, '*' | '_' | '^' | '\\' | '}') || raised(letter).is_some() {
+            escaped.push('\\');
+        }
+        escaped.push(letter);
+    }
+    escaped
 }
 
 /// The letters without their markup: for titles of files and the like.
@@ -46,19 +49,21 @@ pub fn plain(markup: &str) -> String {
 /// The letters as plain text is typed: `F_ex` for what stands below the line, `10⁻³` for raised
 /// figures, `x^k` for other raised letters.
 pub fn typed(markup: &str) -> String {
-    let typed = |run: Run| match run.script {
-        Script::Base => run.text,
-        Script::Sub => format!("_{}", run.text),
-        Script::Super => raised_letters(&run.text).unwrap_or_else(|| format!("^{}", run.text)),
-    };
-    parse(markup).into_iter().map(typed).collect()
-}
-
-/// Letters that have raised ones of their own, as these; none where one has not.
-fn raised_letters(text: &str) -> Option<String> {
-    text.chars()
-        .map(|letter| RAISED.iter().find(|(_, plain)| *plain == letter).map(|(r, _)| *r))
-        .collect()
+    let mut typed = String::new();
+    for Run { text, script, .. } in parse(markup) {
+        // Raised letters of their own only if there are some for the whole run.
+        let raised: Option<String> = text
+            .chars()
+            .map(|letter| RAISED.iter().find(|(_, plain)| *plain == letter).map(|(r, _)| *r))
+            .collect();
+        match (script, raised) {
+            (Script::Base, _) => typed.push_str(&text),
+            (Script::Super, Some(raised)) => typed.push_str(&raised),
+            (Script::Super, None) => typed.extend(["^", &text]),
+            (Script::Sub, _) => typed.extend(["_", &text]),
+        }
+    }
+    typed
 }
 
 /// Splits markup into runs. Total: every text has a reading.
@@ -66,6 +71,7 @@ pub(crate) fn parse(markup: &str) -> Vec<Run> {
     let mut runs = Vec::new();
     let mut now = Run::default();
     let mut rest = markup;
+    // The order matters: a backslash before all signs, two stars before one.
     while let Some(letter) = rest.chars().next() {
         let after = &rest[letter.len_utf8()..];
         if let Some(escaped) = after.chars().next().filter(|_| letter == '\\') {
@@ -81,6 +87,7 @@ pub(crate) fn parse(markup: &str) -> Vec<Run> {
             let italic = !now.italic;
             turn(&mut runs, &mut now, |run| run.italic = italic);
             rest = after;
+        // Scripts do not nest: within one, the sign of another stands for itself.
         } else if let Some((script, tail)) =
             script_start(rest).filter(|_| now.script == Script::Base)
         {
@@ -107,6 +114,7 @@ pub(crate) fn parse(markup: &str) -> Vec<Run> {
 /// stays one.
 pub(crate) fn words(markup: &str) -> Vec<Vec<Run>> {
     let mut words: Vec<Vec<Run>> = vec![Vec::new()];
+    // The first space of two becomes one that no line breaks at, and stays with the word before it.
     for run in parse(&markup.replace("  ", "\u{a0} ")) {
         for (i, part) in run.text.split(' ').enumerate() {
             if i > 0 {

@@ -16,10 +16,14 @@ use crate::words;
 /// Draws the page.
 pub(crate) fn draw(sheet: &mut Sheet, plan: &Plan<'_>) -> Result<(), Error> {
     let page = Rect { left: 0.0, top: 0.0, right: plan.width_pt, bottom: plan.height_pt };
+    // SVG and PDF have no paper of their own: on a dark screen the ink would not be seen.
     sheet.rect(&page, PAPER, 1.0);
     lines(sheet, &plan.title.0, plan.title.1, INK);
     if let Some((label, frame)) = &plan.mark {
-        stamp(sheet, label, frame);
+        let stroke = Stroke { width_pt: 0.8, ..style::mean(MARK) };
+        sheet.frame(&frame.grown(-stroke.width_pt / 2.0), 2.0, &stroke);
+        let start = (frame.left + MARK_PAD_PT.0, frame.bottom - MARK_PAD_PT.1);
+        sheet.text(label, start, MARK, false);
     }
     legend::draw(sheet, &plan.legend.0, plan.legend.1);
     for panel in &plan.panels {
@@ -29,13 +33,8 @@ pub(crate) fn draw(sheet: &mut Sheet, plan: &Plan<'_>) -> Result<(), Error> {
     Ok(())
 }
 
-fn stamp(sheet: &mut Sheet, label: &Label, frame: &Rect) {
-    let stroke = Stroke { width_pt: 0.8, ..style::mean(MARK) };
-    sheet.frame(&frame.grown(-stroke.width_pt / 2.0), 2.0, &stroke);
-    sheet.text(label, (frame.left + MARK_PAD_PT.0, frame.bottom - MARK_PAD_PT.1), MARK, false);
-}
-
 fn draw_panel(sheet: &mut Sheet, plan: &PanelPlan<'_>, size_pt: (f64, f64)) -> Result<(), Error> {
+    // The grid lies under the data, the axes and all words over them.
     grid_lines(sheet, plan);
     if plan.note.is_empty() {
         layers::draw(sheet, plan, size_pt)?;
@@ -54,6 +53,7 @@ fn draw_panel(sheet: &mut Sheet, plan: &PanelPlan<'_>, size_pt: (f64, f64)) -> R
         (plot.top + plot.bottom - font::height_pt(&plan.note)) / 2.0,
     );
     centred(sheet, &plan.note, middle, GREY);
+    // Words avoid those of the layers before theirs.
     let mut taken = Vec::new();
     for layer in plan.panel.layers.iter().filter(|_| plan.note.is_empty()) {
         if let Layer::Text(text) = layer {

@@ -2,7 +2,7 @@
 
 use crate::axis::{self, AxisPlan, PLOT_GAP_PT};
 use crate::error::Error;
-use crate::figure::{Cell, Direction, Figure, Panel, Ticks};
+use crate::figure::{Direction, Figure, Panel, Ticks};
 use crate::font::{self, Fonts, Label};
 use crate::grid::Decor;
 use crate::references::{self, Word};
@@ -64,15 +64,18 @@ pub(crate) fn plan<'a>(
         return Err(Error::NoRoom { panel: scale::name(panel), have_pt, need_pt: LEAST_PLOT_PT });
     }
     let [x_numbered, y_numbered] = numbered(figure, panel);
-    let ends = if bare(panel) { one_scale(ends, &plot) } else { ends };
+    let is_drawing = panel.x.ticks == Ticks::Bare && panel.y.ticks == Ticks::Bare;
+    let ends = if is_drawing { one_scale(ends, &plot) } else { ends };
     let x = axis::plan(fonts, &panel.x, ends[0], Direction::Horizontal, plot.width(), x_numbered)?;
     let y = axis::plan(fonts, &panel.y, ends[1], Direction::Vertical, plot.height(), y_numbered)?;
-    let block = |markup: &Option<String>, size_pt, width_pt| match markup {
-        Some(markup) => fonts.parted(markup, size_pt, width_pt),
-        None => Ok(Vec::new()),
+    let title = match &panel.title {
+        Some(title) => fonts.parted(title, LABEL_PT, plot.width())?,
+        None => Vec::new(),
     };
-    let title = block(&panel.title, LABEL_PT, plot.width())?;
-    let note = block(&panel.note, SMALL_PT, NOTE_SHARE * plot.width())?;
+    let note = match &panel.note {
+        Some(note) => fonts.parted(note, SMALL_PT, NOTE_SHARE * plot.width())?,
+        None => Vec::new(),
+    };
     let references = match panel.note {
         None => {
             references::plan(fonts, panel, x_scale(&x, &plot), y_scale(&y, &plot), &title, &plot)?
@@ -83,19 +86,14 @@ pub(crate) fn plan<'a>(
     Ok(PanelPlan { panel, plot, x, y, title, note, references, decor, left_pt: decor.left })
 }
 
-fn bare(panel: &Panel) -> bool {
-    panel.x.ticks == Ticks::Bare && panel.y.ticks == Ticks::Bare
-}
-
 /// The ends, the range of one axis grown to both sides so that a unit is as long on either.
 fn one_scale(ends: [Option<Ends>; 2], plot: &Rect) -> [Option<Ends>; 2] {
     let [Some(x), Some(y)] = ends else { return ends };
     let unit = ((x.1 - x.0) / plot.width()).max((y.1 - y.0) / plot.height());
-    let grown = |(low, high): Ends, length_pt: f64| {
+    [(x, plot.width()), (y, plot.height())].map(|((low, high), length_pt)| {
         let room = (unit * length_pt - (high - low)) / 2.0;
         Some((low - room, high + room))
-    };
-    [grown(x, plot.width()), grown(y, plot.height())]
+    })
 }
 
 /// Room that a panel needs on its four sides.
@@ -116,28 +114,26 @@ fn decor(x: &AxisPlan, y: &AxisPlan, title: &[Label], references: &[Word], plot:
 /// Whether a panel's x and y axis carry numbers: not where the panel below, or to the left, shares
 /// that axis.
 fn numbered(figure: &Figure, panel: &Panel) -> [bool; 2] {
-    let same = |a: &Option<String>, b: &Option<String>| a.is_some() && a == b;
-    let any = |holds: &dyn Fn(&Panel, Cell) -> bool| {
-        figure.panels.iter().any(|other| holds(other, other.cell))
-    };
-    let cell = panel.cell;
-    let below = any(&|other, o| {
-        o.row == cell.row + cell.rows
-            && (o.column, o.columns) == (cell.column, cell.columns)
-            && same(&panel.x.link, &other.x.link)
-    });
-    let left = any(&|other, o| {
-        o.column + o.columns == cell.column
-            && (o.row, o.rows) == (cell.row, cell.rows)
-            && same(&panel.y.link, &other.y.link)
-    });
-    [!below, !left]
+    // The neighbour must cover the same columns, or rows: else its numbers do not line up with
+    // these.
+    let (cell, x, y) = (panel.cell, &panel.x.link, &panel.y.link);
+    let mut numbered = [true; 2];
+    for other in &figure.panels {
+        let o = other.cell;
+        let is_below =
+            o.row == cell.row + cell.rows && (o.column, o.columns) == (cell.column, cell.columns);
+        let is_left =
+            o.column + o.columns == cell.column && (o.row, o.rows) == (cell.row, cell.rows);
+        numbered[0] &= !(is_below && x.is_some() && *x == other.x.link);
+        numbered[1] &= !(is_left && y.is_some() && *y == other.y.link);
+    }
+    numbered
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::figure::Axis;
+    use crate::figure::{Axis, Cell};
 
     #[test]
     fn one_unit_of_a_bare_panel_is_as_long_across_as_upwards() {

@@ -15,7 +15,7 @@ use krilla::text::{GlyphId, KrillaGlyph};
 use rustybuzz::ttf_parser::OutlineBuilder;
 
 use crate::error::Error;
-use crate::font::{Fonts, Glyph, Piece};
+use crate::font::{Fonts, Piece};
 use crate::sheet::{At, Form, Ink, Shape};
 use crate::style::{self, Colour};
 use crate::svg::Head;
@@ -37,7 +37,9 @@ pub(crate) fn pdf(
 ) -> Result<Vec<u8>, Error> {
     let size = Size::from_wh(width_pt as f32, height_pt as f32)
         .ok_or_else(|| fault(&"the page is empty"))?;
-    let faces = Faces { fonts, own: Style::ALL.map(|style| own_face(font, style)) };
+    let own =
+        Style::ALL.map(|style| krilla::text::Font::new(font?.file(style)?.bytes.clone().into(), 0));
+    let faces = Faces { fonts, own };
     let mut document = Document::new();
     let metadata =
         Metadata::new().title(head.title.to_owned()).description(head.description.to_owned());
@@ -47,7 +49,24 @@ pub(crate) fn pdf(
     });
     let mut page = document.start_page_with(PageSettings::new(size));
     let mut surface = page.surface();
-    shapes.iter().try_for_each(|shape| draw(&mut surface, shape, &faces))?;
+    for shape in shapes {
+        let (fill, stroke) = match &shape.ink {
+            Ink::Fill(colour, opacity) => (Some(fill(*colour, *opacity)), None),
+            Ink::Stroke(pen) => (None, Some(stroke(pen))),
+        };
+        // Both, though one is none: the surface keeps what the shape before was drawn with.
+        surface.set_fill(fill);
+        surface.set_stroke(stroke);
+        if let Form::Words { piece, start, turned } = &shape.form {
+            write(&mut surface, piece, *start, *turned, &faces)?;
+            continue;
+        }
+        let mut paper = Paper(PathBuilder::new());
+        shape.form.trace(fonts, &mut paper);
+        if let Some(path) = paper.0.finish() {
+            surface.draw_path(&path);
+        }
+    }
     surface.finish();
     page.finish();
     document.finish().map_err(|error| fault(&format!("{error:?}")))
@@ -60,7 +79,7 @@ struct Faces<'a> {
 }
 
 impl Faces<'_> {
-    /// A face to be embedded; those of the bundled font are parsed once a process.
+    /// A face to be embedded; those of the bundled font are parsed once per process.
     fn embedded(&self, Typeface { is_own, style }: Typeface) -> Result<krilla::text::Font, Error> {
         static BUNDLED: LazyLock<[Option<krilla::text::Font>; 3]> = LazyLock::new(|| {
             Style::ALL.map(|style| krilla::text::Font::new(style.bundled().into(), 0))
@@ -70,28 +89,7 @@ impl Faces<'_> {
     }
 }
 
-fn own_face(font: Option<&Font>, style: Style) -> Option<krilla::text::Font> {
-    krilla::text::Font::new(font?.file(style)?.bytes.clone().into(), 0)
-}
-
-fn draw(surface: &mut Surface<'_>, shape: &Shape, faces: &Faces<'_>) -> Result<(), Error> {
-    let (fill, stroke) = match &shape.ink {
-        Ink::Fill(colour, opacity) => (Some(fill(*colour, *opacity)), None),
-        Ink::Stroke(pen) => (None, Some(stroke(pen))),
-    };
-    surface.set_fill(fill);
-    surface.set_stroke(stroke);
-    if let Form::Words { piece, start, turned } = &shape.form {
-        return write(surface, piece, *start, *turned, faces);
-    }
-    let mut paper = Paper(PathBuilder::new());
-    shape.form.trace(faces.fonts, &mut paper);
-    if let Some(path) = paper.0.finish() {
-        surface.draw_path(&path);
-    }
-    Ok(())
-}
-
+/// Writes letters of one face as text.
 fn write(
     surface: &mut Surface<'_>,
     piece: &Piece,
@@ -100,30 +98,25 @@ fn write(
     faces: &Faces<'_>,
 ) -> Result<(), Error> {
     let em = faces.fonts.units_per_em(piece.face);
-    let place = |k: usize| piece.glyphs.get(k).map_or(piece.advance, |glyph| glyph.x);
-    let glyph = |(k, glyph): (usize, &Glyph)| {
-        let advance = f64::from(place(k + 1) - glyph.x) / em;
+    let mut glyphs = Vec::new();
+    for (k, glyph) in piece.glyphs.iter().enumerate() {
+        // As far as to the next: glyphs have places here, and advances in a PDF.
+        let next = piece.glyphs.get(k + 1).map_or(piece.advance, |next| next.x);
+        let advance = (f64::from(next - glyph.x) / em) as f32;
+        let up = (f64::from(glyph.y) / em) as f32;
         let id = GlyphId::new(u32::from(glyph.id));
         let letters = glyph.letters.clone();
-        KrillaGlyph::new(
-            id,
-            advance as f32,
-            0.0,
-            (f64::from(glyph.y) / em) as f32,
-            0.0,
-            letters,
-            None,
-        )
-    };
-    let glyphs: Vec<KrillaGlyph> = piece.glyphs.iter().enumerate().map(glyph).collect();
+        glyphs.push(KrillaGlyph::new(id, advance, 0.0, up, 0.0, letters, None));
+    }
+    let first = piece.glyphs.first().map_or(piece.advance, |glyph| glyph.x);
     let x = x as f32;
     let y = y as f32;
     surface.push_transform(&match turned {
         true => Transform::from_row(0.0, -1.0, 1.0, 0.0, x, y),
         false => Transform::from_translate(x, y),
     });
-    let from = Point::from_xy((f64::from(place(0)) / em * piece.size_pt) as f32, 0.0);
-    // letters that changed places cannot be copied in their order: they are outlines
+    let from = Point::from_xy((f64::from(first) / em * piece.size_pt) as f32, 0.0);
+    // Letters that changed places cannot be copied in their order: they are outlines.
     let outlined = !piece.glyphs.is_sorted_by_key(|glyph| glyph.letters.start);
     surface.draw_glyphs(
         from,
@@ -150,17 +143,16 @@ fn fill(ink: Colour, opacity: f64) -> Fill {
 }
 
 fn stroke(pen: &style::Stroke) -> Stroke {
-    let dash = |pt: Vec<f64>| StrokeDash {
-        array: pt.into_iter().map(|pt| pt as f32).collect(),
-        offset: pen.from_pt as f32,
-    };
     Stroke {
         paint: colour(pen.colour).into(),
         width: pen.width_pt as f32,
         opacity: share(pen.opacity),
         line_join: LineJoin::Round,
         line_cap: if pen.round_ends() { LineCap::Round } else { LineCap::Butt },
-        dash: pen.dashes_pt().map(dash),
+        dash: pen.dashes_pt().map(|dashes_pt| StrokeDash {
+            array: dashes_pt.into_iter().map(|pt| pt as f32).collect(),
+            offset: pen.from_pt as f32,
+        }),
         ..Stroke::default()
     }
 }

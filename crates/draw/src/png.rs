@@ -17,9 +17,9 @@ use crate::font::Fonts;
 use crate::sheet::{At, Form, Ink, Shape};
 use crate::style::{Colour, Stroke};
 
-/// Points an inch.
+/// Points per inch.
 const PT_PER_INCH: f64 = 72.0;
-/// Millimetres an inch.
+/// Millimetres per inch.
 const MM_PER_INCH: f64 = 25.4;
 /// A curve of more points is stroked in pieces, of so many points each.
 const LONG: usize = 4096;
@@ -62,7 +62,7 @@ pub(crate) fn png(
     Ok(bytes)
 }
 
-/// The outline of a form in pixels, `scale` a point; `None` where nothing is to be seen.
+/// The outline of a form in pixels, `scale` per point; `None` where nothing is to be seen.
 pub(crate) fn outline(form: &Form, fonts: &Fonts, scale: f32) -> Option<Path> {
     let mut pixels = Pixels { path: PathBuilder::new(), scale };
     form.trace(fonts, &mut pixels);
@@ -79,6 +79,7 @@ fn paint(pixmap: &mut Pixmap, shape: &Shape, fonts: &Fonts, scale: f32) {
     match &shape.ink {
         Ink::Fill(colour, opacity) => {
             let ink = ink(*colour, *opacity);
+            // By winding, as fonts mean it: parts of a letter may overlap.
             pixmap.fill_path(&path, &ink, FillRule::Winding, Transform::identity(), None);
         }
         Ink::Stroke(stroke) => {
@@ -90,15 +91,14 @@ fn paint(pixmap: &mut Pixmap, shape: &Shape, fonts: &Fonts, scale: f32) {
 }
 
 fn pen(stroke: &Stroke, scale: f32) -> tiny_skia::Stroke {
-    let dash = |pt: Vec<f64>| {
-        let dashes = pt.into_iter().map(|pt| pt as f32 * scale).collect();
-        StrokeDash::new(dashes, stroke.from_pt as f32 * scale)
-    };
     tiny_skia::Stroke {
         width: stroke.width_pt as f32 * scale,
         line_join: LineJoin::Round,
         line_cap: if stroke.round_ends() { LineCap::Round } else { LineCap::Butt },
-        dash: stroke.dashes_pt().and_then(dash),
+        dash: stroke.dashes_pt().and_then(|dashes_pt| {
+            let dashes = dashes_pt.into_iter().map(|pt| pt as f32 * scale).collect();
+            StrokeDash::new(dashes, stroke.from_pt as f32 * scale)
+        }),
         ..tiny_skia::Stroke::default()
     }
 }
@@ -121,16 +121,15 @@ fn long_curve(pixmap: &mut Pixmap, points: &[At], stroke: &Stroke, scale: f32) {
         }
         // Dashes go on where the piece's own part ends.
         let own = &part[..part.len().min(PIECE + 1)];
-        piece.from_pt += own.windows(2).map(|pair| length(pair[0], pair[1])).sum::<f64>();
+        let lengths = own.windows(2).map(|pair| {
+            let dx = pair[1].0 - pair[0].0;
+            let dy = pair[1].1 - pair[0].1;
+            (dx * dx + dy * dy).sqrt()
+        });
+        piece.from_pt += lengths.sum::<f64>();
     }
     let paint = PixmapPaint { opacity: stroke.opacity as f32, ..PixmapPaint::default() };
     pixmap.draw_pixmap(0, 0, layer.as_ref(), &paint, Transform::identity(), None);
-}
-
-fn length(from: At, to: At) -> f64 {
-    let dx = to.0 - from.0;
-    let dy = to.1 - from.1;
-    (dx * dx + dy * dy).sqrt()
 }
 
 fn ink(Colour { r, g, b }: Colour, opacity: f64) -> Paint<'static> {
@@ -180,6 +179,7 @@ fn encode(
         unit: Unit::Meter,
     }));
     if let Some(comment) = comment {
+        // Not tEXt, which holds Latin-1 alone: provenance may name any path.
         encoder.add_itxt_chunk("Comment".to_owned(), comment.to_owned())?;
     }
     let mut writer = encoder.write_header()?;

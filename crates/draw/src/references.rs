@@ -26,6 +26,7 @@ pub(crate) fn plan(
     title: &[Label],
     plot: &Rect,
 ) -> Result<Vec<Word>, Error> {
+    // The heading's lines from the lowest up, as rows of labels are counted.
     let title_ends = title.iter().rev().map(|line| plot.left + line.width_pt).collect();
     let mut upright = Vec::new();
     for (at, markup) in labels(panel, Direction::Vertical, x) {
@@ -64,6 +65,7 @@ fn over(labels: Vec<(f64, Vec<Label>)>, mut row_ends: Vec<f64>, plot: &Rect) -> 
     for (at, lines) in labels {
         let width_pt = font::widest_pt(&lines);
         let left = (at - width_pt / 2.0).min(plot.right - width_pt).max(plot.left);
+        // The lowest rows that are free where the label begins: labels come from left to right.
         let lowest = (0..row_ends.len())
             .find(|row| {
                 row_ends[*row..].iter().take(lines.len()).all(|end| end + LABEL_GAP_PT < left)

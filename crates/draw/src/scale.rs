@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::error::Error;
-use crate::figure::{Axis, Direction, Figure, Layer, Likert, Panel, Range, TextPlace, Ticks};
+use crate::figure::{Direction, Figure, Layer, Likert, Panel, Range, TextPlace, Ticks};
 use crate::likert;
 
 /// Ends of an axis: low, high.
@@ -49,6 +49,7 @@ pub(crate) fn name(panel: &Panel) -> String {
 
 /// Refuses arrays of unequal length, infinities, and panels with nothing in them.
 pub(crate) fn check(panel: &Panel) -> Result<(), Error> {
+    // What stands under a note is not drawn, and may be anything.
     if panel.note.is_some() {
         return Ok(());
     }
@@ -149,7 +150,13 @@ fn extent(layer: &Layer) -> [Option<Ends>; 2] {
             along(i.direction, reach, at)
         }
         Layer::Reference(r) => along(r.direction, None, Some((r.at, r.at))),
-        Layer::Likert(likert) => [likert_extent(likert), None],
+        Layer::Likert(likert) => {
+            let strips = likert.rows.iter().flatten();
+            let segments = strips.flat_map(|counts| likert::segments(counts, likert.scale));
+            // From zero on, which is always shown.
+            let ends = segments.fold((0.0_f64, 0.0_f64), |(a, b), s| (a.min(s.from), b.max(s.to)));
+            [(ends.0 < ends.1).then_some(ends), None]
+        }
         Layer::Text(_) => [None, None],
     }
 }
@@ -178,28 +185,27 @@ fn union(a: Option<Ends>, b: Option<Ends>) -> Option<Ends> {
 
 /// The ends of every panel's x and y axis; `None` where there is neither data nor a fixed range.
 pub(crate) fn ends(figure: &Figure) -> Result<Vec<[Option<Ends>; 2]>, Error> {
-    let mut own = Vec::new();
+    let mut ends = Vec::new();
     for panel in &figure.panels {
-        own.push([panel_ends(panel, 0)?, panel_ends(panel, 1)?]);
+        ends.push([panel_ends(panel, 0)?, panel_ends(panel, 1)?]);
     }
     let mut shared: BTreeMap<&str, Option<Ends>> = BTreeMap::new();
-    for (panel, ends) in figure.panels.iter().zip(&own) {
-        for (axis, &ends) in [&panel.x, &panel.y].into_iter().zip(ends) {
+    for (panel, own) in figure.panels.iter().zip(&ends) {
+        for (axis, &own) in [&panel.x, &panel.y].into_iter().zip(own) {
             if let Some(key) = axis.link.as_deref() {
                 let so_far = shared.entry(key).or_default();
-                *so_far = union(*so_far, ends);
+                *so_far = union(*so_far, own);
             }
         }
     }
-    let linked = |axis: &Axis, own| {
-        axis.link.as_deref().and_then(|key| shared.get(key).copied()).unwrap_or(own)
-    };
-    Ok(figure
-        .panels
-        .iter()
-        .zip(own)
-        .map(|(panel, [x, y])| [linked(&panel.x, x), linked(&panel.y, y)])
-        .collect())
+    for (panel, own) in figure.panels.iter().zip(&mut ends) {
+        for (axis, own) in [&panel.x, &panel.y].into_iter().zip(own) {
+            if let Some(shared) = axis.link.as_deref().and_then(|key| shared.get(key)) {
+                *own = *shared;
+            }
+        }
+    }
+    Ok(ends)
 }
 
 /// The ends of one panel's own x (0) or y (1) axis.
@@ -214,6 +220,7 @@ fn panel_ends(panel: &Panel, which: usize) -> Result<Option<Ends>, Error> {
         _ => covered,
     };
     let ends = match (&axis.ticks, axis.range) {
+        // Names have their places, whatever range is asked for.
         (Ticks::Categories(names), _) => Some((-0.5, names.len() as f64 - 0.5)),
         (_, Range::Fixed(low, high)) => Some((low, high)),
         (Ticks::Powers, _) => held.map(|ends| two_powers(widen(ends, ROOM))),
@@ -221,16 +228,15 @@ fn panel_ends(panel: &Panel, which: usize) -> Result<Option<Ends>, Error> {
         (_, Range::Holding(..) | Range::Auto) => held.map(|ends| widen(ends, ROOM)),
     };
     let largest = if axis.ticks == Ticks::Powers { LARGEST_POWER } else { LARGEST };
-    let drawable = |(low, high): Ends| {
-        high - low > NARROWEST * low.abs().max(high.abs()).max(SMALLEST)
-            && low.abs().max(high.abs()) < largest
-    };
-    match ends {
-        Some(ends) if !drawable(ends) => {
-            Err(Error::Range { panel: name(panel), low: ends.0, high: ends.1 })
+    if let Some((low, high)) = ends {
+        let size = low.abs().max(high.abs());
+        // Said so that an end that is no number is refused too: every comparison with it fails.
+        let is_drawable = high - low > NARROWEST * size.max(SMALLEST) && size < largest;
+        if !is_drawable {
+            return Err(Error::Range { panel: name(panel), low, high });
         }
-        ends => Ok(ends),
     }
+    Ok(ends)
 }
 
 /// Logarithms between which fewer than two whole powers lie reach to the ones around them: with one
@@ -252,36 +258,23 @@ fn widen((low, high): Ends, share: f64) -> Ends {
     (low - room, high + room)
 }
 
-/// Every row has one count an answer, and the y axis one name a row.
+/// Every row has one count per answer, and the y axis one name per row.
 fn check_likert(likert: &Likert, panel: &Panel) -> Result<(), Error> {
-    let lengths = |first, first_len, second, second_len| {
-        Err(Error::Lengths { panel: name(panel), first, first_len, second, second_len })
-    };
-    let strips = likert.rows.iter().flatten();
-    if let Some(row) = strips.clone().find(|row| row.len() != likert.answers.len()) {
-        return lengths("answers", likert.answers.len(), "a row of counts", row.len());
+    for strip in likert.rows.iter().flatten() {
+        same_length(panel, "answers", likert.answers.len(), "a row of counts", strip.len())?;
     }
+    let (first, second, second_len) = ("the y axis' names", "rows", likert.rows.len());
     match &panel.y.ticks {
-        Ticks::Categories(names) if names.len() == likert.rows.len() => Ok(()),
-        Ticks::Categories(names) => {
-            lengths("the y axis' names", names.len(), "rows", likert.rows.len())
-        }
-        _ => lengths("the y axis' names", 0, "rows", likert.rows.len()),
+        Ticks::Categories(names) => same_length(panel, first, names.len(), second, second_len),
+        // Refused even for no rows: the bars stand at places that only such an axis has.
+        _ => Err(Error::Lengths { panel: name(panel), first, first_len: 0, second, second_len }),
     }
-}
-
-/// What the bars of all rows cover, zero included.
-fn likert_extent(likert: &Likert) -> Option<Ends> {
-    let strips = likert.rows.iter().flatten();
-    let segments = strips.flat_map(|counts| likert::segments(counts, likert.scale));
-    let ends = segments.fold((0.0_f64, 0.0_f64), |(a, b), s| (a.min(s.from), b.max(s.to)));
-    (ends.0 < ends.1).then_some(ends)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::figure::{Cell, Line};
+    use crate::figure::{Axis, Cell, Line};
 
     fn panel(x: Vec<f64>, y: Vec<f64>) -> Panel {
         let line = Layer::Line(Line { x, y, ..Line::default() });

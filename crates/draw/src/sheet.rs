@@ -5,7 +5,7 @@ use rustybuzz::ttf_parser::OutlineBuilder;
 use crate::font::{Fonts, Label, Piece};
 use crate::style::{Colour, Stroke};
 
-/// Points a millimetre.
+/// Points per millimetre.
 pub(crate) const PT_PER_MM: f64 = 72.0 / 25.4;
 
 /// A point on the page, in pt from the top left.
@@ -111,6 +111,7 @@ impl<'f> Sheet<'f> {
 
     /// A line of text that starts on the base line at `at`; `turned` reads upwards.
     pub(crate) fn text(&mut self, label: &Label, (x, y): At, colour: Colour, turned: bool) {
+        // Spaces leave no ink.
         for piece in label.pieces.iter().filter(|piece| !piece.text.trim().is_empty()) {
             let (dx, dy) =
                 if turned { (piece.y_pt, -piece.x_pt) } else { (piece.x_pt, piece.y_pt) };
@@ -150,6 +151,7 @@ fn places(points: &[At]) -> Vec<At> {
 
 fn sized(rect: &Rect) -> Rect {
     let (left, top) = place((rect.left, rect.top));
+    // Rounded by their lengths: boxes of one size stay of one size, wherever they stand.
     Rect {
         left,
         top,

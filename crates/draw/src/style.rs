@@ -182,21 +182,21 @@ pub fn likert_colour(index: usize, count: usize) -> Colour {
 
 /// Black or white, whichever stands out more against `ground` (contrast ratio of WCAG 2.2, §1.4.3).
 pub fn text_on(ground: Colour) -> Colour {
-    let contrast = |colour| {
+    let [black, white] = [BLACK, PAPER].map(|colour| {
         let a = luminance(colour);
         let b = luminance(ground);
         (a.max(b) + 0.05) / (a.min(b) + 0.05)
-    };
-    if contrast(BLACK) >= contrast(PAPER) { BLACK } else { PAPER }
+    });
+    if black >= white { BLACK } else { PAPER }
 }
 
 /// Relative luminance of an sRGB colour, 0 … 1 (WCAG 2.2).
 fn luminance(colour: Colour) -> f64 {
-    let linear = |channel: u8| {
+    let [r, g, b] = [colour.r, colour.g, colour.b].map(|channel| {
         let c = f64::from(channel) / 255.0;
         if c <= 0.04045 { c / 12.92 } else { libm::pow((c + 0.055) / 1.055, 2.4) }
-    };
-    0.2126 * linear(colour.r) + 0.7152 * linear(colour.g) + 0.0722 * linear(colour.b)
+    });
+    0.2126 * r + 0.7152 * g + 0.0722 * b
 }
 
 /// How a pen draws along its way.
@@ -293,23 +293,23 @@ pub struct Stroke {
 impl Stroke {
     /// Lengths of dashes and gaps in turn, in pt; nothing for a pen that does not break.
     pub(crate) fn dashes_pt(&self) -> Option<Vec<f64>> {
-        let widths: &[f64] = match self.dash {
-            Dash::Solid => return None,
-            dashed @ (Dash::Dashed | Dash::DashDotted | Dash::LongDashed) => dashed.widths(),
-            dotted => return Some(self.gaps_pt(dotted.dots())),
-        };
-        Some(widths.iter().map(|width| width * self.width_pt).collect())
-    }
-
-    /// Dots at these places of a beat, from the first of them on: dashes of almost no length under
-    /// round ends.
-    fn gaps_pt(&self, dots: &[usize]) -> Vec<f64> {
-        const LENGTH_PT: f64 = 0.01;
-        let next = |i: usize| dots.get(i + 1).copied().unwrap_or(dots[0] + BEAT);
+        /// A dot is a dash of almost no length under round ends.
+        const DOT_PT: f64 = 0.01;
+        if self.dash == Dash::Solid {
+            return None;
+        }
+        let dots = self.dash.dots();
+        if dots.is_empty() {
+            return Some(self.dash.widths().iter().map(|width| width * self.width_pt).collect());
+        }
         // Every dot of a beat alike: one dash and one gap say it.
         let shown = if dots.len() == BEAT { 1 } else { dots.len() };
-        let gap = |i: usize| (next(i) - dots[i]) as f64 * DOT * self.width_pt - LENGTH_PT;
-        (0..shown).flat_map(|i| [LENGTH_PT, gap(i)]).collect()
+        let mut lengths = Vec::new();
+        for (i, dot) in dots.iter().take(shown).enumerate() {
+            let next = dots.get(i + 1).copied().unwrap_or(dots[0] + BEAT);
+            lengths.extend([DOT_PT, (next - dot) as f64 * DOT * self.width_pt - DOT_PT]);
+        }
+        Some(lengths)
     }
 
     pub(crate) fn round_ends(&self) -> bool {

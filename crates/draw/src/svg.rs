@@ -9,8 +9,7 @@ use std::fmt::Write as _;
 use rustybuzz::ttf_parser::OutlineBuilder;
 
 use crate::font::{Fonts, Piece};
-use crate::sheet::{At, Form, Ink, PT_PER_MM, Rect, Shape};
-use crate::style::{Colour, Stroke};
+use crate::sheet::{At, Form, Ink, PT_PER_MM, Shape};
 use crate::typeface::{Style, Typeface};
 
 /// Texts stored in the file and not shown.
@@ -86,6 +85,7 @@ impl Body<'_> {
     fn put(&mut self, shape: &Shape) {
         if self.open != Some(shape.ink) {
             self.close();
+            // Writing to a string cannot fail, here and below.
             let _ = writeln!(self.text, "<g {}>", style(&shape.ink));
             self.open = Some(shape.ink);
         }
@@ -107,7 +107,11 @@ impl Body<'_> {
                 let _ = write!(self.text, "<circle cx=\"{x}\" cy=\"{y}\" r=\"{r}\"/>");
             }
             Form::Box(rect, r) => {
-                let _ = write!(self.text, "<rect {}", rect_attributes(rect));
+                let x = number(rect.left);
+                let y = number(rect.top);
+                let w = number(rect.width());
+                let h = number(rect.height());
+                let _ = write!(self.text, "<rect x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\"");
                 if *r > 0.0 {
                     let _ = write!(self.text, " rx=\"{}\"", number(*r));
                 }
@@ -163,6 +167,7 @@ impl Body<'_> {
                 path.0
             });
             if !outline.is_empty() {
+                // Readers of SVG 1.1 know no plain `href`.
                 let _ =
                     write!(self.text, "<use xlink:href=\"#{}\"", glyph_name(piece.face, glyph.id));
                 attribute(&mut self.text, "x", glyph.x);
@@ -225,13 +230,16 @@ fn attribute(element: &mut String, name: &str, value: i32) {
 }
 
 fn style(ink: &Ink) -> String {
-    match ink {
-        Ink::Stroke(stroke) => stroke_style(stroke),
-        Ink::Fill(colour, opacity) => fill_style(*colour, *opacity),
-    }
-}
-
-fn stroke_style(stroke: &Stroke) -> String {
+    let stroke = match ink {
+        Ink::Stroke(stroke) => stroke,
+        Ink::Fill(colour, opacity) => {
+            let mut style = format!("fill=\"{}\"", colour.css());
+            if *opacity < 1.0 {
+                let _ = write!(style, " fill-opacity=\"{}\"", number(*opacity));
+            }
+            return style;
+        }
+    };
     let mut style = format!(
         "fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" stroke-linejoin=\"round\"",
         stroke.colour.css(),
@@ -253,22 +261,6 @@ fn stroke_style(stroke: &Stroke) -> String {
     style
 }
 
-fn fill_style(colour: Colour, opacity: f64) -> String {
-    let mut style = format!("fill=\"{}\"", colour.css());
-    if opacity < 1.0 {
-        let _ = write!(style, " fill-opacity=\"{}\"", number(opacity));
-    }
-    style
-}
-
-fn rect_attributes(rect: &Rect) -> String {
-    let x = number(rect.left);
-    let y = number(rect.top);
-    let w = number(rect.width());
-    let h = number(rect.height());
-    format!("x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\"")
-}
-
 /// Path data: the first point absolute, then steps in hundredths that add up exactly.
 fn push_path(path: &mut String, points: &[At]) {
     path.push('M');
@@ -277,6 +269,7 @@ fn push_path(path: &mut String, points: &[At]) {
         if i == 1 {
             path.push('l');
         }
+        // Differences of whole numbers: rounded steps would add up to a drift.
         let here = (hundredths(x), hundredths(y));
         push_number(path, here.0 - last.0);
         push_number(path, here.1 - last.1);
@@ -297,12 +290,8 @@ fn hundredths(value: f64) -> i64 {
 
 /// `value` to two decimals, without trailing or leading zeros.
 pub(crate) fn number(value: f64) -> String {
-    decimal(hundredths(value))
-}
-
-fn decimal(hundredths: i64) -> String {
     let mut text = String::new();
-    push_decimal(&mut text, hundredths);
+    push_decimal(&mut text, hundredths(value));
     text
 }
 
@@ -312,7 +301,6 @@ fn push_decimal(text: &mut String, hundredths: i64) {
     let size = hundredths.unsigned_abs();
     let whole = size / 100;
     let rest = (size % 100) as u8;
-    let digit = |value: u8| char::from(b'0' + value);
     if hundredths < 0 {
         text.push('-');
     }
@@ -321,10 +309,10 @@ fn push_decimal(text: &mut String, hundredths: i64) {
     }
     if rest > 0 {
         text.push('.');
-        text.push(digit(rest / 10));
+        text.push(char::from(b'0' + rest / 10));
     }
     if !rest.is_multiple_of(10) {
-        text.push(digit(rest % 10));
+        text.push(char::from(b'0' + rest % 10));
     }
 }
 
@@ -353,6 +341,7 @@ impl PathData {
         self.0.push(command);
         for (i, &value) in values.iter().enumerate() {
             let text = number(f64::from(value));
+            // A minus sign parts two numbers as well as a blank.
             if i > 0 && !text.starts_with('-') {
                 self.0.push(' ');
             }

@@ -40,6 +40,7 @@ impl Step {
 /// `count` steps, rounded once, so that 3 × 0.1 is 0.3.
 fn multiple(step: Step, count: i64) -> f64 {
     let whole = (step.digit * count) as f64;
+    // `libm`'s powers are the same bits on every machine, those of `std` are not.
     if step.power < 0 {
         whole / libm::exp10(f64::from(-step.power))
     } else {
@@ -68,6 +69,7 @@ pub(crate) fn choose(
     while denser.ticks.len() > 2 && !fits(&denser) {
         step = step.next();
         let sparser = every(step, low, high, kind);
+        // One number alone says nothing about an axis: of the denser ticks the outermost two stay.
         if sparser.ticks.len() < 2 {
             let ends = [denser.ticks.first().cloned(), denser.ticks.last().cloned()];
             return Ticks { ticks: ends.into_iter().flatten().collect(), ..denser };
@@ -84,16 +86,16 @@ fn every(step: Step, low: f64, high: f64, kind: &figure::Ticks) -> Ticks {
     let first = libm::ceil(low / step.size() - SLACK) as i64;
     let last = libm::floor(high / step.size() + SLACK) as i64;
     let powers = *kind == figure::Ticks::Powers;
+    // Labels that are powers of ten need none taken out.
     let exponent = if powers { 0 } else { shared_exponent(low.abs().max(high.abs())) };
-    let tick = |count: i64| {
+    let mut ticks = Vec::new();
+    for count in first..=last {
         let shown = if *kind == figure::Ticks::Magnitudes { count.abs() } else { count };
         let number = write(shown * step.digit, step.power - exponent);
-        Tick {
-            at: multiple(step, count),
-            label: if powers { format!("10^{{{number}}}") } else { number },
-        }
-    };
-    Ticks { ticks: (first..=last).map(tick).collect(), exponent }
+        let label = if powers { format!("10^{{{number}}}") } else { number };
+        ticks.push(Tick { at: multiple(step, count), label });
+    }
+    Ticks { ticks, exponent }
 }
 
 /// Places of the two- to ninefold of every power of ten between 10^`low` and 10^`high`, as

@@ -100,6 +100,7 @@ impl Font {
                 return Err(fault(&file.name, reason));
             }
             faces[style as usize] = Some(file.clone());
+            // The first file that names a family names it for all.
             family = family.or(own_family);
         }
         if faces[Style::Regular as usize].is_none() {
@@ -138,6 +139,7 @@ pub(crate) fn with_font<T>(
     draw: impl FnOnce() -> Result<T, Error>,
 ) -> Result<T, Error> {
     let Some(font) = font else { return draw() };
+    // A font that passed its check may still break at a letter that the check does not draw.
     match guarded(draw) {
         Some(Err(Error::Encode { format: "PDF", reason })) => {
             Err(fault(&font.name(), format!("it cannot be embedded in a PDF ({reason})")))
@@ -149,6 +151,7 @@ pub(crate) fn with_font<T>(
 
 /// What a reader of fonts gives, or `None` where it panics.
 fn guarded<T>(read: impl FnOnce() -> T) -> Option<T> {
+    // Of what `read` touches only the caches of shaped words live on, and their entries are whole.
     catch_unwind(AssertUnwindSafe(read)).ok()
 }
 
@@ -157,42 +160,40 @@ fn guarded<T>(read: impl FnOnce() -> T) -> Option<T> {
 fn check(file: &FontFile) -> Result<(Style, Option<String>), String> {
     let face = Face::from_slice(&file.bytes, 0)
         .ok_or("it is damaged, or no TrueType or OpenType font (.ttf, .otf)")?;
-    let letters = ('!'..='~').filter(|&letter| face.glyph_index(letter).is_some());
-    let letters: String = letters.collect();
-    let glyph = |letter: char| face.glyph_index(letter).unwrap_or_default();
-    if !letters.is_empty()
-        && !letters.chars().any(|letter| face.outline_glyph(glyph(letter), &mut NoPen).is_some())
+    let glyphs: Vec<(char, GlyphId)> =
+        ('!'..='~').filter_map(|letter| Some((letter, face.glyph_index(letter)?))).collect();
+    if !glyphs.is_empty()
+        && !glyphs.iter().any(|(_, id)| face.outline_glyph(*id, &mut NoPen).is_some())
     {
         return Err("its letters are pictures without outlines".to_owned());
     }
-    let glyphs = letters.char_indices().map(|(at, letter)| (at, glyph(letter)));
-    embed(file, &letters, glyphs.collect())?;
+    embed(file, &glyphs)?;
     let style = match (face.is_bold(), face.is_italic() || face.is_oblique()) {
         (true, _) => Style::Bold,
         (false, true) => Style::Italic,
         (false, false) => Style::Regular,
     };
     // Some fonts name their weights families of their own, and the family of all of them beside.
-    let named = |id: u16| face.names().into_iter().find(|n| n.name_id == id && n.is_unicode());
-    let family = named(name_id::TYPOGRAPHIC_FAMILY).or_else(|| named(name_id::FAMILY));
+    let family = [name_id::TYPOGRAPHIC_FAMILY, name_id::FAMILY]
+        .into_iter()
+        .find_map(|id| face.names().into_iter().find(|n| n.name_id == id && n.is_unicode()));
     Ok((style, family.and_then(|name| name.to_string())))
 }
 
-/// Embeds these letters in a PDF that nobody reads.
-fn embed(file: &FontFile, letters: &str, glyphs: Vec<(usize, GlyphId)>) -> Result<(), String> {
+/// Embeds these letters, of one byte each, in a PDF that nobody reads.
+fn embed(file: &FontFile, glyphs: &[(char, GlyphId)]) -> Result<(), String> {
     let font = krilla::text::Font::new(file.bytes.clone().into(), 0)
         .ok_or("its letters cannot be embedded in a PDF")?;
-    let glyphs: Vec<KrillaGlyph> = glyphs
-        .into_iter()
-        .map(|(at, id)| {
-            let id = krilla::text::GlyphId::new(u32::from(id.0));
-            KrillaGlyph::new(id, 1.0, 0.0, 0.0, 0.0, at..at + 1, None)
-        })
-        .collect();
+    let letters: String = glyphs.iter().map(|(letter, _)| letter).collect();
+    let mut placed = Vec::new();
+    for (at, (_, id)) in glyphs.iter().enumerate() {
+        let id = krilla::text::GlyphId::new(u32::from(id.0));
+        placed.push(KrillaGlyph::new(id, 1.0, 0.0, 0.0, 0.0, at..at + 1, None));
+    }
     let mut document = Document::new();
     let mut page = document.start_page();
     let mut surface = page.surface();
-    surface.draw_glyphs(Point::from_xy(0.0, 0.0), &glyphs, font, letters, 10.0, false);
+    surface.draw_glyphs(Point::from_xy(0.0, 0.0), &placed, font, &letters, 10.0, false);
     surface.finish();
     page.finish();
     let embedded = document.finish();

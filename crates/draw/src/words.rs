@@ -47,6 +47,7 @@ pub(crate) fn draw(
         TextPlace::Amid(x, y) => ((x, y), (-width / 2.0, -height / 2.0)),
         TextPlace::RightOf(x, y) => ((x, y), (OFF_PT, -height / 2.0)),
         TextPlace::LeftOf(x, y) => ((x, y), (-OFF_PT - width, -height / 2.0)),
+        // No place of its own, or one on axes that the panel does not have: into a corner.
         TextPlace::EmptiestCorner | TextPlace::Within(..) => ((f64::NAN, f64::NAN), (0.0, 0.0)),
     };
     match page(at).filter(|(x, y)| x.is_finite() && y.is_finite()) {
@@ -85,24 +86,11 @@ fn free(wish: Rect, plot: &Rect, taken: &[Rect]) -> Rect {
                 || other.bottom <= rect.top + CLOSER_PT
         })
     };
-    let moved = |dx: f64, dy: f64| Rect {
-        left: wish.left + dx,
-        right: wish.right + dx,
-        top: wish.top + dy,
-        bottom: wish.bottom + dy,
-    };
-    let is_inside = |rect: &Rect| {
-        rect.left >= plot.left
-            && rect.right <= plot.right
-            && rect.top >= plot.top
-            && rect.bottom <= plot.bottom
-    };
     if is_free(&wish) {
         return wish;
     }
-    let reach = |length_pt: f64| (length_pt / STEP_PT) as i32;
-    let across = reach(plot.width());
-    let along = reach(plot.height());
+    let [across, along] =
+        [plot.width(), plot.height()].map(|length_pt| (length_pt / STEP_PT) as i32);
     let mut nearest: Option<(f64, Rect)> = None;
     for i in -across..=across {
         for j in -along..=along {
@@ -110,9 +98,18 @@ fn free(wish: Rect, plot: &Rect, taken: &[Rect]) -> Rect {
             let dy = STEP_PT * f64::from(j);
             // Sideways a word leaves what it names sooner than up or down.
             let far = 4.0 * dx.abs() + dy.abs();
-            let rect = moved(dx, dy);
+            let rect = Rect {
+                left: wish.left + dx,
+                right: wish.right + dx,
+                top: wish.top + dy,
+                bottom: wish.bottom + dy,
+            };
             let is_nearer = nearest.as_ref().is_none_or(|(least, _)| far < *least);
-            if is_nearer && is_inside(&rect) && is_free(&rect) {
+            let is_inside = rect.left >= plot.left
+                && rect.right <= plot.right
+                && rect.top >= plot.top
+                && rect.bottom <= plot.bottom;
+            if is_nearer && is_inside && is_free(&rect) {
                 nearest = Some((far, rect));
             }
         }
@@ -139,29 +136,30 @@ fn fitted(fonts: &Fonts, lines: &[String], room: &Rect) -> Result<Vec<Label>, Er
     if let Some(block) = in_box(lines)? {
         return Ok(block);
     }
-    let cut = |most: usize| lines.iter().map(|l| shortened(l, most)).collect::<Vec<String>>();
+    // By halves: each try sets all lines anew.
     let longest = lines.iter().map(|l| l.chars().count()).max().unwrap_or(0);
     let mut fits = 0;
     let mut too_long = longest;
     while too_long - fits > 1 {
         let most = usize::midpoint(fits, too_long);
-        match in_box(&cut(most))? {
+        match in_box(&shortened(lines, most))? {
             Some(_) => fits = most,
             None => too_long = most,
         }
     }
-    in_box(&cut(fits))?.ok_or_else(|| {
+    in_box(&shortened(lines, fits))?.ok_or_else(|| {
         let need_pt = lines.len() as f64 * fonts.line_height_pt(SMALL_PT);
         Error::TextTooLong { text: lines.join(" / "), need_pt, have_pt: room.height() }
     })
 }
 
-/// The first so many signs of a line, and that it goes on.
-fn shortened(line: &str, most: usize) -> String {
-    match line.char_indices().nth(most) {
+/// The first so many signs of each line, and that it goes on.
+fn shortened(lines: &[String], most: usize) -> Vec<String> {
+    let shortened = lines.iter().map(|line| match line.char_indices().nth(most) {
         Some((end, _)) => format!("{}…", &line[..end]),
-        None => line.to_owned(),
-    }
+        None => line.clone(),
+    });
+    shortened.collect()
 }
 
 /// Boxes of the given size in the corners: upper left, upper right, lower right, lower left.
@@ -194,17 +192,18 @@ fn covered(plan: &PanelPlan<'_>, rect: &Rect) -> f64 {
         x.iter().zip(y).map(|(&x, &y)| (x_scale.pt(x), y_scale.pt(y))).collect()
     };
     let window = Window { x: (rect.left, rect.right), y: (rect.top, rect.bottom) };
-    let inside =
-        |points: &[Point]| points.iter().filter(|&&point| window.holds(point)).count() as f64;
-    let of_layer = |layer: &Layer| match layer {
+    let parts = plan.panel.layers.iter().map(|layer| match layer {
         Layer::Line(line) => length(&page(&line.x, &line.y), &window),
         Layer::Band(b) => {
             length(&page(&b.x, &b.low), &window) + length(&page(&b.x, &b.high), &window)
         }
-        Layer::Points(points) => inside(&page(&points.x, &points.y)),
+        Layer::Points(points) => {
+            let points = page(&points.x, &points.y);
+            points.iter().filter(|&&point| window.holds(point)).count() as f64
+        }
         _ => 0.0,
-    };
-    plan.panel.layers.iter().map(of_layer).sum()
+    });
+    parts.sum()
 }
 
 /// Length of the part of a curve inside the window.

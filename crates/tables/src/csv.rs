@@ -49,10 +49,9 @@ fn names(table: &Table) -> String {
 /// The lines of the rows.
 fn rows(table: &Table) -> String {
     let columns = table.columns();
-    let mark = || mark(table, "true");
     let mut text = String::new();
     for row in 0..table.height() {
-        line(&mut text, columns.iter().map(|c| field(c, row)).chain(mark()));
+        line(&mut text, columns.iter().map(|c| field(c, row)).chain(mark(table, "true")));
     }
     text
 }

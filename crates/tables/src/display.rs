@@ -30,7 +30,11 @@ const TORQUE: &str = "N·m";
 /// A lever length that makes a value infinite, or two columns that would get one name.
 pub fn for_people(table: &Table, coordinate: Coordinate) -> Result<Table, TableError> {
     let columns = rows_converted(table, coordinate);
-    let torques_small = torques_are_small(&columns);
+    let mut torques = columns.iter().filter(|c| c.field.unit == TORQUE);
+    let torques_small = torques.all(|c| match &c.values {
+        Values::Float(values) => values.iter().flatten().all(|v| v.abs() < SMALL_TORQUE_NM),
+        _ => true,
+    });
     let columns = columns.iter().map(|c| converted(c.clone(), coordinate, torques_small)).collect();
     let shown = Table::new(table.name(), &in_coordinate(table.title(), coordinate), columns)?;
     Ok(table
@@ -54,7 +58,7 @@ fn rows_converted(table: &Table, coordinate: Coordinate) -> Vec<Column> {
     let Some(units) = table.texts("unit").ok().filter(|_| columns.iter().any(is_of_rows)) else {
         return columns;
     };
-    let known: Vec<Option<Conversion>> = units
+    let conversions: Vec<Option<Conversion>> = units
         .iter()
         .map(|unit| unit.as_deref().and_then(|unit| unit::for_people(unit, coordinate)))
         .collect();
@@ -62,30 +66,22 @@ fn rows_converted(table: &Table, coordinate: Coordinate) -> Vec<Column> {
         let of_rows = is_of_rows(column);
         match &mut column.values {
             Values::Float(values) if of_rows => {
-                let rows = values.iter_mut().zip(&known);
-                rows.for_each(|(v, by)| {
-                    *v = v.map(|v| v * by.as_ref().map_or(1.0, |by| by.factor))
-                });
+                for (value, conversion) in values.iter_mut().zip(&conversions) {
+                    let factor = conversion.as_ref().map_or(1.0, |conversion| conversion.factor);
+                    *value = value.map(|value| value * factor);
+                }
             }
             Values::Text(texts) if column.field.name == "unit" => {
-                let rows = texts.iter_mut().zip(&known);
-                rows.for_each(|(text, by)| {
-                    if let Some(by) = by {
-                        *text = Some(by.unit.to_string().into());
+                for (text, conversion) in texts.iter_mut().zip(&conversions) {
+                    if let Some(conversion) = conversion {
+                        *text = Some(conversion.unit.clone().into());
                     }
-                });
+                }
             }
             _ => {}
         }
     }
     columns
-}
-
-fn torques_are_small(columns: &[Column]) -> bool {
-    columns.iter().filter(|c| c.field.unit == TORQUE).all(|c| match &c.values {
-        Values::Float(values) => values.iter().flatten().all(|v| v.abs() < SMALL_TORQUE_NM),
-        _ => true,
-    })
 }
 
 fn converted(column: Column, coordinate: Coordinate, torques_small: bool) -> Column {
@@ -101,17 +97,15 @@ fn converted(column: Column, coordinate: Coordinate, torques_small: bool) -> Col
         return Column { field: column.field, values: Values::Float(values) };
     };
     let values = values.into_iter().map(|v| v.map(|v| v * conversion.factor)).collect();
-    Column { field: renamed(column.field, conversion), values: Values::Float(values) }
-}
-
-fn renamed(field: Field, conversion: Conversion) -> Field {
+    let field = column.field;
     let (stem, suffix) = unit::stem(&field.name, &field.unit);
     let linear = field.unit.starts_with("rad") && conversion.unit.starts_with("mm");
     let stem = if linear { theta_to_x(stem) } else { stem.to_owned() };
     // The lists of both units are made alike: `_per_s` stays `_per_s`, and does not become `_s`.
     let suffix =
         suffix.map(|i| unit::suffixes(&conversion.unit).swap_remove(i)).unwrap_or_default();
-    Field { name: (stem + &suffix).into(), unit: conversion.unit.into(), ..field }
+    let field = Field { name: (stem + &suffix).into(), unit: conversion.unit.into(), ..field };
+    Column { field, values: Values::Float(values) }
 }
 
 pub(crate) fn theta_to_x(stem: &str) -> String {

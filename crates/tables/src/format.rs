@@ -61,17 +61,6 @@ impl Format {
         self != Self::Parquet
     }
 
-    /// The text of a table in a format for people; `None` of one for programs.
-    fn of_people(self, seen: &Seen) -> Option<String> {
-        match self {
-            Self::Csv | Self::Parquet => None,
-            Self::Markdown => Some(markdown(seen)),
-            Self::Latex => Some(latex(seen)),
-            Self::Typst => Some(typst(seen)),
-            Self::Html => Some(html(seen)),
-        }
-    }
-
     /// Whether its files are for programs: SI, every digit, nothing laid out.
     pub fn is_for_programs(self) -> bool {
         matches!(self, Self::Csv | Self::Parquet)
@@ -116,14 +105,22 @@ impl Table {
                 .collect();
         }
         Seen::of(&wording.tell(narrow)?, |seen| {
-            let written = |(format, path): &(Format, &Path)| match format.of_people(seen) {
-                None => self.in_format(*format, provenance, path),
-                Some(text) => {
-                    let comment = provenance.get("origin").and_then(|of| format.comment(of));
-                    Ok((text + &comment.unwrap_or_default()).into_bytes())
-                }
-            };
-            files.iter().map(written).collect()
+            let mut contents = Vec::new();
+            for (format, path) in files {
+                let text = match format {
+                    Format::Csv | Format::Parquet => {
+                        contents.push(self.in_format(*format, provenance, path)?);
+                        continue;
+                    }
+                    Format::Markdown => markdown(seen),
+                    Format::Latex => latex(seen),
+                    Format::Typst => typst(seen),
+                    Format::Html => html(seen),
+                };
+                let comment = provenance.get("origin").and_then(|origin| format.comment(origin));
+                contents.push((text + &comment.unwrap_or_default()).into_bytes());
+            }
+            Ok(contents)
         })
     }
 

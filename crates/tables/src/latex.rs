@@ -8,6 +8,7 @@ use crate::typst::label;
 
 /// What the document must load, said in the file's first line, and what stands above a column in
 /// several lines.
+// Provided, not defined, here and below: a document may take in several tables.
 const PREAMBLE: &str = r"% needs \usepackage{booktabs,longtable,siunitx}; under pdflatex also \usepackage[T1]{fontenc}
 \providecommand*\zwidthhead[2]{\begin{tabular}[b]{@{}#1@{}}#2\end{tabular}}
 ";
@@ -34,9 +35,12 @@ const DENSE: &str = r"\footnotesize\setlength{\tabcolsep}{4pt}";
 /// wider than one stands over both.
 pub(crate) fn latex(&Seen { table, layout, .. }: &Seen) -> String {
     let notes: String = layout.notes.iter().chain(table.notes()).map(|n| note(n)).collect();
-    let set = if layout.long { long } else { floating };
+    let tables = match layout.long {
+        true => long(table, layout, &notes),
+        false => floating(table, layout, &notes),
+    };
     let wide = if layout.long || !layout.fits_a_column() { WIDE } else { "" };
-    format!("{PREAMBLE}{wide}{}", set(table, layout, &notes))
+    format!("{PREAMBLE}{wide}{tables}")
 }
 
 /// One float, with one `tabular` below the other.
@@ -73,6 +77,7 @@ fn long(table: &Table, layout: &Layout, notes: &str) -> String {
         let caption = (i == 0).then_some(caption.as_str());
         tables += &longtable(&label, caption, group, &layout.sections);
     }
+    // Within a group, so that the size ends with the tables.
     let size = if layout.dense { DENSE } else { "" };
     format!("\\zwidthwide\\begingroup{size}\n{tables}{notes}\\endgroup\\zwidthback\n")
 }
@@ -85,25 +90,25 @@ fn longtable(label: &str, caption: Option<&str>, group: &[Placed], sections: &Se
     let again = format!(
         "  \\multicolumn{{{width}}}{{@{{}}l@{{}}}}{{\\tablename~\\ref{{tab:{label}}}, continued}}\\\\\n"
     );
-    let before = if caption.is_some() { String::new() } else { go_on(group) };
-    let headed = |above: &str| format!("{above}    \\toprule\n{head}    \\midrule\n");
+    let mut before = String::new();
+    if caption.is_none() {
+        // A new page, if the table has room there and not on this one.
+        if has_page(group) {
+            before += &format!(
+                "\\par\\ifdim\\dimexpr\\pagegoal-\\pagetotal\\relax<{}\\baselineskip\\newpage\\fi\n",
+                lines(group)
+            );
+        }
+        // `longtable` counts a table each time it begins, with a caption or without.
+        before += "\\addtocounter{table}{-1}\n";
+    }
+    let head = format!("    \\toprule\n{head}    \\midrule\n");
     format!(
-        "{before}\\begin{{longtable}}{{{types}}}\n{}  \\endfirsthead\n{}  \\endhead\n    \\bottomrule\n  \
-         \\endfoot\n{}\\end{{longtable}}\n",
-        headed(caption.unwrap_or(&again)),
-        headed(&again),
+        "{before}\\begin{{longtable}}{{{types}}}\n{}{head}  \\endfirsthead\n{again}{head}  \\endhead\n    \
+         \\bottomrule\n  \\endfoot\n{}\\end{{longtable}}\n",
+        caption.unwrap_or(&again),
         body(group, sections)
     )
-}
-
-/// Before a table that goes on under the same number: a new page, if it has room there and not on
-/// this one.
-fn go_on(group: &[Placed]) -> String {
-    let lines = lines(group);
-    let room = format!(
-        "\\par\\ifdim\\dimexpr\\pagegoal-\\pagetotal\\relax<{lines}\\baselineskip\\newpage\\fi\n"
-    );
-    format!("{}\\addtocounter{{table}}{{-1}}\n", if has_page(group) { room.as_str() } else { "" })
 }
 
 fn note(note: &str) -> String {
@@ -133,26 +138,23 @@ fn heading(placed: &Placed) -> String {
 }
 
 fn body(group: &[Placed], sections: &Sections) -> String {
+    // Rows of several lines need room between them, or they read as one.
     let wraps = group.iter().any(|c| c.share.is_some());
     let end = if wraps { r"\\ \addlinespace[2pt]" } else { r"\\" };
     let mut body = String::new();
     let rows = rows(group.iter().map(|p| p.column), |k, cell| set(&group[k], cell));
     for (i, cells) in rows.iter().enumerate() {
         if let Some(title) = sections.get(&i) {
-            body += &section(title, i > 0, group.len());
+            let space = if i > 0 { "    \\addlinespace\n" } else { "" };
+            let (width, title) = (group.len(), escape(title));
+            // No page ends below a heading: `\\*`.
+            body += &format!(
+                "{space}    \\multicolumn{{{width}}}{{@{{}}l@{{}}}}{{\\itshape {title}}} \\\\* \\addlinespace[2pt]\n"
+            );
         }
         body += &format!("    {} {end}\n", cells.join(" & "));
     }
     body
-}
-
-/// A heading among the rows; no page ends below it.
-fn section(title: &str, apart: bool, width: usize) -> String {
-    let space = if apart { "    \\addlinespace\n" } else { "" };
-    format!(
-        "{space}    \\multicolumn{{{width}}}{{@{{}}l@{{}}}}{{\\itshape {}}} \\\\* \\addlinespace[2pt]\n",
-        escape(title)
-    )
 }
 
 /// A cell; in a column of numbers, what is not a number stands in braces.
@@ -179,6 +181,7 @@ fn column_type(placed: &Placed) -> String {
     if !placed.column.numeric {
         return "l".to_owned();
     }
+    // siunitx reads `[3.9, 4.2]` as no number: such cells are text, at the right.
     if placed.column.cells.iter().any(|cell| matches!(cell, Cell::Joined(_))) {
         return "r".to_owned();
     }

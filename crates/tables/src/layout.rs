@@ -86,16 +86,15 @@ pub(crate) struct Placed<'a> {
 /// columns as headings among the rows; several tables.
 pub(crate) fn layout(columns: &[Shown]) -> Layout<'_> {
     let all: Vec<&Shown> = columns.iter().collect();
-    let whole = |dense, placed| finished(dense, vec![placed], Vec::new());
     for lines in ROOMY_HEAD_LINES {
         let columns = all.iter().map(|c| placed_in(c, lines)).collect();
         if fits(&columns, &ROOMY) {
-            return whole(false, columns);
+            return finished(false, vec![columns], Vec::new());
         }
     }
     let wrapped = all.iter().map(|c| place_column(c)).collect();
     match squeezed(wrapped, &DENSE, NARROWEST_TEXT_DIGITS) {
-        Some(squeezed) => whole(true, squeezed),
+        Some(squeezed) => finished(true, vec![squeezed], Vec::new()),
         None => sectioned(&all).unwrap_or_else(|| several(&all)),
     }
 }
@@ -176,6 +175,8 @@ fn squeezed<'a>(
     if spare < 0.0 {
         return None;
     }
+    // `wanted` is not 0 here: as wide as they would be the columns do not fit, and at the least
+    // they do.
     for column in &mut columns {
         let least = least(column, narrowest_text);
         let natural = natural(column);
@@ -204,7 +205,7 @@ fn sectioned<'a>(all: &[&'a Shown]) -> Option<Layout<'a>> {
 /// more than every other row, or if a value comes back.
 fn sections(columns: &[&Shown]) -> Option<Sections> {
     let titles: Vec<String> = (0..columns[0].cells.len())
-        .map(|row| columns.iter().map(|c| said(c, row)).collect::<Vec<_>>().join(", "))
+        .map(|row| columns.iter().map(|c| in_words(c, row)).collect::<Vec<_>>().join(", "))
         .collect();
     let mut sections = Sections::new();
     for (row, title) in titles.iter().enumerate() {
@@ -232,6 +233,8 @@ fn several<'a>(all: &[&'a Shown]) -> Layout<'a> {
         |group: &[&'a Shown]| keys.iter().chain(group).map(|c| place_column(c)).collect::<Vec<_>>();
     let packed =
         |share: f64| packed(&others, |group| capped_fits(&with_keys(group), share * DENSE.digits));
+    // No more tables than there must be, and of these the narrowest ones: they come out of one
+    // width.
     let fewest = packed(1.0).len();
     let even = EVEN_SHARES.map(packed).into_iter().find(|g| g.len() == fewest);
     let groups = even.filter(|g| !g.is_empty()).unwrap_or_else(|| vec![Vec::new()]);
@@ -306,20 +309,16 @@ fn tell_apart(columns: &[&Shown]) -> bool {
 fn blocks<'a>(columns: &[&'a Shown]) -> Vec<Vec<&'a Shown>> {
     let mut blocks: Vec<Vec<&Shown>> = Vec::new();
     for column in columns {
-        let block = blocks
-            .last_mut()
-            .filter(|block| column.words.starts_with(&format!("{} ", quantity_of(block[0]))));
+        let block = blocks.last_mut().filter(|block| {
+            let quantity = block[0].words.trim_end_matches(WITH_SD);
+            column.words.starts_with(&format!("{quantity} "))
+        });
         match block {
             Some(block) => block.push(column),
             None => blocks.push(vec![column]),
         }
     }
     blocks
-}
-
-/// The words of a column's quantity alone.
-fn quantity_of(column: &Shown) -> &str {
-    column.words.trim_end_matches(WITH_SD)
 }
 
 /// A block in as many parts as it needs to fit.
@@ -341,16 +340,19 @@ fn cut<'a>(block: Vec<&'a Shown>, fits: impl Fn(&[&'a Shown]) -> bool) -> Vec<Ve
 fn notes(same: &[&Shown]) -> Vec<String> {
     let (empty, full): (Vec<&Shown>, Vec<&Shown>) =
         same.iter().partition(|c| c.cells[0] == Cell::Missing);
-    let sentence = |words: &str, parts: Vec<String>| {
-        (!parts.is_empty()).then(|| format!("{words}: {}.", parts.join(", ")))
-    };
-    let full = sentence("In every row", full.iter().map(|c| said(c, 0)).collect());
-    let empty = sentence("Without any value", empty.iter().map(|c| c.words.clone()).collect());
-    full.into_iter().chain(empty).collect()
+    let full: Vec<String> = full.iter().map(|c| in_words(c, 0)).collect();
+    let empty: Vec<String> = empty.iter().map(|c| c.words.clone()).collect();
+    let mut notes = Vec::new();
+    for (words, parts) in [("In every row", full), ("Without any value", empty)] {
+        if !parts.is_empty() {
+            notes.push(format!("{words}: {}.", parts.join(", ")));
+        }
+    }
+    notes
 }
 
 /// A cell with what it is: `participant P01`, `work space hits low 0`.
-fn said(column: &Shown, row: usize) -> String {
+fn in_words(column: &Shown, row: usize) -> String {
     let unit = column.unit.as_deref().map(|u| format!(" {}", u.trim_matches(['(', ')'])));
     format!("{} {}{}", column.words, column.cells[row].typeset(), unit.unwrap_or_default())
 }
@@ -364,17 +366,18 @@ pub(crate) fn has_page(columns: &[Placed]) -> bool {
 pub(crate) fn lines(columns: &[Placed]) -> usize {
     let head = columns.iter().map(|c| c.head.len()).max().unwrap_or(0);
     let height = columns.first().map_or(0, |c| c.column.cells.len());
-    // An empty cell has no line, but its row has one.
-    let rows =
-        (0..height).map(|row| columns.iter().map(|c| cell_lines(c, row)).max().unwrap_or(1).max(1));
+    let rows = (0..height).map(|row| {
+        let lines = columns.iter().map(|placed| match placed.share {
+            Some(share) => {
+                let text = placed.column.cells[row].typeset();
+                (width(&text) / (share * DENSE.digits)).ceil() as usize
+            }
+            None => 1,
+        });
+        // An empty cell has no line, but its row has one.
+        lines.max().unwrap_or(1).max(1)
+    });
     FRAME_LINES + head + rows.sum::<usize>()
-}
-
-/// Lines that a cell takes.
-fn cell_lines(placed: &Placed, row: usize) -> usize {
-    placed.share.map_or(1, |share| {
-        (width(&placed.column.cells[row].typeset()) / (share * DENSE.digits)).ceil() as usize
-    })
 }
 
 #[cfg(test)]

@@ -40,6 +40,7 @@ pub fn escape(text: &str) -> String {
     let block = block_sign(&text);
     let mut escaped = String::new();
     for (i, letter) in text.char_indices() {
+        // `$` among them: GitHub sets what stands between two of these as mathematics.
         let inline = matches!(
             letter,
             '\\' | '`' | '*' | '_' | '[' | ']' | '<' | '>' | '|' | '~' | '$' | '&' | '#'

@@ -16,9 +16,20 @@ pub fn of_metric(
 ) -> Result<Table, TableError> {
     let id = metric.metric.as_str();
     let own = all.with_text("metric", id)?.without_empty_columns();
-    let columns = own.columns().iter().filter(|c| !matches!(&*c.field.name, "metric" | "unit"));
     let (_, suffix) = split_unit(id, &metric.unit);
-    let columns = columns.map(|column| in_unit(column.clone(), &metric.unit, suffix)).collect();
+    let mut columns = Vec::new();
+    for column in own.columns().iter().filter(|c| !matches!(&*c.field.name, "metric" | "unit")) {
+        let Column { mut field, values } = column.clone();
+        // The unit of the rows is one, now that they are of one metric.
+        if field.unit == UNIT_OF_ROW {
+            field = Field {
+                name: (field.name.to_string() + suffix).into(),
+                unit: metric.unit.to_string().into(),
+                ..field
+            };
+        }
+        columns.push(Column { field, values });
+    }
     let name = format!("{}_{id}", all.name());
     let table = Table::new(&name, &format!("{}: {}", all.title(), metric.words), columns)?;
     let notes =
@@ -26,15 +37,6 @@ pub fn of_metric(
     let table =
         notes.fold(table, |table, note| table.with_note_of(note.kind, note.note.to_string()));
     Ok(table.with_notes_of(&own))
-}
-
-/// A column in the unit of its rows, as one of that unit.
-fn in_unit(column: Column, unit: &str, suffix: &str) -> Column {
-    if column.field.unit != UNIT_OF_ROW {
-        return column;
-    }
-    let name = (column.field.name.to_string() + suffix).into();
-    Column { field: Field { name, unit: unit.to_owned().into(), ..column.field }, ..column }
 }
 
 #[cfg(test)]

@@ -60,8 +60,8 @@ impl Table {
     /// A file that cannot be read.
     pub fn about(path: &Path) -> Result<About, TableError> {
         let (footer, rows) = read_entries(path)?;
-        let text = |key: &str| footer.get(key).cloned().unwrap_or_default();
-        Ok(About { name: text(NAME), title: text(TITLE), notes: notes(&footer).collect(), rows })
+        let [name, title] = [NAME, TITLE].map(|key| footer.get(key).cloned().unwrap_or_default());
+        Ok(About { name, title, notes: notes(&footer).collect(), rows })
     }
 
     /// Reads a table from its Parquet file some rows at a time: each part has these, and name, title
@@ -94,22 +94,32 @@ impl Table {
         let mut about = first.rows(&[]);
         let begun = TableWriter::begin(out, about.schema(), path);
         let mut file = begun.map_err(TableError::from)?;
-        let mut write = |parts: Vec<Self>| match Self::concat("", "", parts)? {
-            Some(rows) => Ok(file.add(&rows.batch(path)?)?),
-            None => Ok::<_, TableError>(()),
-        };
         let mut pending: Vec<Self> = Vec::new();
         for part in std::iter::once(Ok(first)).chain(parts) {
             let part = part?;
             about.check_like(&part)?;
             about = about.with_notes_of(&part);
             pending.push(part);
+            // Encoded by so many rows, however small the parts are that come.
             if pending.iter().map(Self::height).sum::<usize>() >= PART_ROWS {
-                write(std::mem::take(&mut pending))?;
+                Self::add_rows(&mut file, std::mem::take(&mut pending), path)?;
             }
         }
-        write(pending)?;
+        Self::add_rows(&mut file, pending, path)?;
         Ok(file.end(about.footer(provenance)).map_err(TableError::from)?)
+    }
+
+    /// Writes the rows of parts to a file.
+    fn add_rows<W: Write + Send>(
+        file: &mut TableWriter<W>,
+        parts: Vec<Self>,
+        path: &Path,
+    ) -> Result<(), TableError> {
+        // The name and the title are in the footer, which is written last.
+        if let Some(rows) = Self::concat("", "", parts)? {
+            file.add(&rows.batch(path)?)?;
+        }
+        Ok(())
     }
 
     /// Reads a table back from its Parquet file.
@@ -123,17 +133,17 @@ impl Table {
         Self::joined(path, names, MOST_RESERVED, Ok)
     }
 
-    /// The same, with only the rows of each part that `of` leaves: memory holds no more than these
-    /// and one part.
+    /// The same, with only the rows of each part that `select` leaves: memory holds no more than
+    /// these and one part.
     ///
     /// # Errors
-    /// A file that cannot be read; those of `of`.
+    /// A file that cannot be read; those of `select`.
     pub fn gathered(
         path: &Path,
         names: &[&str],
-        of: impl Fn(Self) -> Result<Self, TableError>,
+        select: impl Fn(Self) -> Result<Self, TableError>,
     ) -> Result<Self, TableError> {
-        Self::joined(path, names, 0, of)
+        Self::joined(path, names, 0, select)
     }
 
     /// The same, with room for all rows of the file, up to so many.
@@ -141,18 +151,20 @@ impl Table {
         path: &Path,
         names: &[&str],
         most: usize,
-        of: impl Fn(Self) -> Result<Self, TableError>,
+        select: impl Fn(Self) -> Result<Self, TableError>,
     ) -> Result<Self, TableError> {
         let mut parts = TableParts::open(path, Some(names))?;
         // The notes of a long table are long, too: the first part has them.
         let footer = of_table(parts.take_footer(), &[NAME, TITLE, NOTES, KINDS]);
         let room = parts.rows().min(most);
         let first = parts.next().ok_or(TableError::NoPart)??;
-        let mut all = of(Self::back(path, first, &footer)?)?;
+        let mut all = select(Self::back(path, first, &footer)?)?;
+        // At once: a column that grows by doubling is copied again and again, and held twice
+        // meanwhile.
         all.reserve(room.saturating_sub(all.height()));
         let footer = of_table(footer, &[NAME, TITLE]);
         for part in parts {
-            all.append(of(Self::back(path, part?, &footer)?)?)?;
+            all.append(select(Self::back(path, part?, &footer)?)?)?;
         }
         Ok(all)
     }
@@ -162,7 +174,6 @@ impl Table {
         batch: RecordBatch,
         footer: &BTreeMap<String, String>,
     ) -> Result<Self, TableError> {
-        let text = |key: &str| footer.get(key).cloned().unwrap_or_default();
         // Each array is gone before the next column is made: a long table is not held twice.
         let (schema, arrays, _) = batch.into_parts();
         let columns = schema
@@ -174,17 +185,15 @@ impl Table {
                     let what = format!("its type {} is not one of a table", f.data_type());
                     StoreError::new(path, what, "delete derived/ and run again").column(f.name())
                 })?;
-                let meta = |key: &str| f.metadata().get(key).cloned().unwrap_or_default();
-                let unit = meta("unit").into();
-                let description = meta("description").into();
-                let kind = kind_of(&values);
-                Ok(Column {
-                    field: Field { name: f.name().clone().into(), unit, description, kind },
-                    values,
-                })
+                let [unit, description] = ["unit", "description"]
+                    .map(|key| f.metadata().get(key).cloned().unwrap_or_default().into());
+                let name = f.name().clone().into();
+                let field = Field { name, unit, description, kind: values.kind() };
+                Ok(Column { field, values })
             })
             .collect::<Result<Vec<_>, StoreError>>()?;
-        let table = Self::new(&text(NAME), &text(TITLE), columns)?;
+        let [name, title] = [NAME, TITLE].map(|key| footer.get(key).cloned().unwrap_or_default());
+        let table = Self::new(&name, &title, columns)?;
         Ok(notes(footer).fold(table, |table, (kind, note)| table.with_note_of(kind, note)))
     }
 }
@@ -212,11 +221,12 @@ pub struct About {
 
 /// The notes that a footer holds.
 fn notes(footer: &BTreeMap<String, String>) -> impl Iterator<Item = (NoteKind, String)> {
-    let lines = |key: &str| footer.get(key).map(String::as_str).unwrap_or_default().lines();
-    let kinds = lines(KINDS).map(|word| NoteKind::from_word(word).unwrap_or_default());
+    let [notes, kinds] =
+        [NOTES, KINDS].map(|key| footer.get(key).map(String::as_str).unwrap_or_default().lines());
+    let kinds = kinds.map(|word| NoteKind::from_word(word).unwrap_or_default());
     // No kinds are written where all notes are general.
     let kinds = kinds.chain(std::iter::repeat(NoteKind::General));
-    lines(NOTES).map(str::to_owned).zip(kinds).map(|(note, kind)| (kind, note))
+    notes.map(str::to_owned).zip(kinds).map(|(note, kind)| (kind, note))
 }
 
 fn defect(path: &Path, e: &arrow::error::ArrowError) -> StoreError {
@@ -230,6 +240,7 @@ fn arrow_field(f: &Field) -> arrow::datatypes::Field {
         Type::Text => DataType::Utf8,
         Type::Flag => DataType::Boolean,
     };
+    // Nullable throughout: any value may be missing.
     described(&f.name, data_type, true, &f.unit, &f.description)
 }
 
@@ -242,32 +253,23 @@ fn array(values: &Values) -> ArrayRef {
     }
 }
 
-fn kind_of(values: &Values) -> Type {
-    match values {
-        Values::Float(_) => Type::Float,
-        Values::Integer(_) => Type::Integer,
-        Values::Text(_) => Type::Text,
-        Values::Flag(_) => Type::Flag,
-    }
-}
-
-/// Texts that are known while others are read: of a few that come in turns each is kept once.
-const KNOWN_TEXTS: usize = 8;
+/// Texts that are remembered while others are read: of a few that come in turns each is kept once.
+const RECENT_TEXTS: usize = 8;
 
 /// Texts, of which those that came a short while ago are kept once.
 fn texts<'a>(values: impl Iterator<Item = Option<&'a str>>) -> Vec<Option<Arc<str>>> {
-    let mut known: VecDeque<Arc<str>> = VecDeque::new();
-    let kept = values.map(|value| {
+    let mut recent: VecDeque<Arc<str>> = VecDeque::new();
+    let texts = values.map(|value| {
         let value = value?;
-        let found = known.iter().find(|known| ***known == *value).cloned();
-        Some(found.unwrap_or_else(|| {
+        let earlier = recent.iter().find(|text| ***text == *value).cloned();
+        Some(earlier.unwrap_or_else(|| {
             let new: Arc<str> = value.into();
-            known.truncate(KNOWN_TEXTS - 1);
-            known.push_front(new.clone());
+            recent.truncate(RECENT_TEXTS - 1);
+            recent.push_front(new.clone());
             new
         }))
     });
-    kept.collect()
+    texts.collect()
 }
 
 fn values(a: &ArrayRef) -> Option<Values> {

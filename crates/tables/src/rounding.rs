@@ -80,17 +80,14 @@ fn raised(exponent: i32) -> String {
 /// `value` to the digits its `uncertainty` allows (same unit), or to four where that is not known
 /// or nothing.
 pub(crate) fn rounded(value: f64, uncertainty: Option<f64>) -> Decimal {
-    match uncertainty.filter(|u| *u > RESIDUE * value.abs()) {
-        Some(u) => at_place(value, last_place(u, UNCERTAINTY_DIGITS)),
-        None => without_uncertainty(value),
+    if let Some(u) = uncertainty.filter(|u| *u > RESIDUE * value.abs()) {
+        return at_place(value, last_place(u, UNCERTAINTY_DIGITS));
     }
-}
-
-fn without_uncertainty(value: f64) -> Decimal {
     let place = last_place(value, PLAIN_DIGITS);
     let whole = leading_power(value, PLAIN_DIGITS) < LARGE;
     // Below a million no digit before the point is rounded away.
     let shown = at_place(value, if whole { place.min(0) } else { place });
+    // −0 + 0 is 0, and what is shown has lost that sign too.
     let is_exact = shown.ascii().parse::<f64>().is_ok_and(|v| v.total_cmp(&(value + 0.0)).is_eq());
     if is_exact && shown.mantissa.contains('.') {
         let mantissa = shown.mantissa.trim_end_matches('0').trim_end_matches('.');
@@ -106,6 +103,7 @@ fn last_place(value: f64, digits: usize) -> i32 {
 
 /// The power of ten of the first digit of `value`, once it is rounded to `digits`; 0 for 0.
 fn leading_power(value: f64, digits: usize) -> i32 {
+    // From the text, not by a logarithm, which may be off by one at a power of ten.
     power_of(&format!("{value:.*e}", digits - 1))
 }
 
@@ -115,11 +113,24 @@ fn power_of(scientific: &str) -> i32 {
 
 /// `value` rounded to a multiple of 10^place (ties of the exact binary value to even).
 fn at_place(value: f64, place: i32) -> Decimal {
-    let digits = usize::try_from(floor_power(value) - place + 1).unwrap_or(0);
+    // From the first digit of `value` as it is, not yet rounded.
+    let digits = usize::try_from(power_of(&format!("{value:e}")) - place + 1).unwrap_or(0);
     // Rounding may carry: 9.96 to a tenth is 10.0, and has a digit more.
     let power = if digits == 0 { place } else { leading_power(value, digits) };
     if place >= SMALL && power < LARGE {
-        return Decimal::new(plain(value, place), None);
+        let decimals = match place {
+            ..=0 => format!("{value:.*}", place.unsigned_abs() as usize),
+            // No overflow: `place` is at most `power`, and so less than 6.
+            _ => {
+                let step = f64::from(10_i32.pow(place.unsigned_abs()));
+                format!("{:.0}", (value / step).round_ties_even() * step)
+            }
+        };
+        return Decimal::new(decimals, None);
+    }
+    if digits == 0 && value.abs() > 0.5 * 10.0_f64.powi(place) {
+        let sign = if value < 0.0 { "-" } else { "" };
+        return Decimal::new(format!("{sign}1"), Some(place));
     }
     if digits == 0 || value.abs() <= 0.0 {
         return Decimal::new("0".to_owned(), None);
@@ -127,19 +138,6 @@ fn at_place(value: f64, place: i32) -> Decimal {
     let text = format!("{value:.*e}", power.abs_diff(place) as usize);
     let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
     Decimal::new(mantissa.to_owned(), exponent.parse().ok())
-}
-
-/// The power of ten of the first digit of `value` as it is; 0 for 0.
-fn floor_power(value: f64) -> i32 {
-    power_of(&format!("{value:e}"))
-}
-
-fn plain(value: f64, place: i32) -> String {
-    if place <= 0 {
-        return format!("{value:.*}", place.unsigned_abs() as usize);
-    }
-    let step = 10_i32.pow(place.unsigned_abs());
-    format!("{:.0}", (value / f64::from(step)).round_ties_even() * f64::from(step))
 }
 
 #[cfg(test)]
@@ -163,6 +161,7 @@ mod tests {
         check(2.1e-9, Some(2.1e-9), "2.1e-9");
         check(1_234_567.0, Some(1_200.0), "1.2346e6");
         check(1.0e-12, Some(1.0e-9), "0");
+        check(-6.0e-9, Some(1.0e-7), "-1e-8");
         check(0.0, Some(0.3), "0.00");
     }
 

@@ -78,6 +78,7 @@ pub(crate) struct Seen<'a> {
 
 impl Seen<'_> {
     /// What is written of a table.
+    // Takes a function and does not return `Seen`: the layout borrows from columns that end here.
     pub(crate) fn of<T>(table: &Table, write: impl FnOnce(&Seen) -> T) -> T {
         let columns = shown(table);
         let layout = &layout(&columns);
@@ -132,8 +133,8 @@ fn show(column: &Column, all: &[Column]) -> Option<Shown> {
             return Some(of_cells(column, words, cells(values, |v| Cell::Text(one_line(v)))));
         }
         Values::Flag(values) => {
-            let said = |v: &bool| Cell::Text(if *v { "yes" } else { "no" }.to_owned());
-            return Some(of_cells(column, words, cells(values, said)));
+            let cells = cells(values, |v| Cell::Text(if *v { "yes" } else { "no" }.to_owned()));
+            return Some(of_cells(column, words, cells));
         }
     };
     let part = quantity(field).1;
@@ -153,16 +154,12 @@ fn show(column: &Column, all: &[Column]) -> Option<Shown> {
             let common = words.trim_end_matches("low").trim_end().to_owned();
             Some(of_cells(column, common, intervals(values, highs, &uncertainties(field, all))))
         }
-        (Part::Estimate, None) if is_p_value(field) => {
+        (Part::Estimate, None) if field.unit == "1" && field.name.starts_with(P_VALUE) => {
             let p_values = cells(values, |p| Cell::Number(Decimal::p_value(*p)));
             Some(of_cells(column, words, p_values))
         }
         _ => Some(of_cells(column, words, numbers(values, &uncertainties(field, all)))),
     }
-}
-
-fn is_p_value(field: &Field) -> bool {
-    field.unit == "1" && field.name.starts_with(P_VALUE)
 }
 
 fn of_cells(column: &Column, words: String, cells: Vec<Cell>) -> Shown {
@@ -201,13 +198,14 @@ fn intervals(
     highs: &[Option<f64>],
     uncertainties: &[Option<f64>],
 ) -> Vec<Cell> {
-    let end = |end: Option<f64>, row: usize| {
-        let uncertainty = uncertainties.get(row).copied().flatten();
-        end.map_or(MISSING.to_owned(), |end| number(end, uncertainty))
-    };
     let rows = lows.iter().zip(highs).enumerate().map(|(row, ends)| match ends {
         (None, None) => Cell::Missing,
-        (low, high) => Cell::Joined(format!("[{},{NO_BREAK}{}]", end(*low, row), end(*high, row))),
+        (low, high) => {
+            let uncertainty = uncertainties.get(row).copied().flatten();
+            let [low, high] = [low, high]
+                .map(|end| end.map_or(MISSING.to_owned(), |end| number(end, uncertainty)));
+            Cell::Joined(format!("[{low},{NO_BREAK}{high}]"))
+        }
     });
     rows.collect()
 }
@@ -231,29 +229,23 @@ fn uncertainties(field: &Field, all: &[Column]) -> Vec<Option<f64>> {
     if field.name.starts_with(RATIO) {
         return Vec::new();
     }
-    let part = |part| sibling(field, part, all);
-    let std_errors = part(Part::StdError);
-    let low = part(Part::CiLow);
-    let high = part(Part::CiHigh);
+    let [std_errors, low, high] = [Part::StdError, Part::CiLow, Part::CiHigh]
+        .map(|part| partner(field, part, all).unwrap_or_default());
     let height = std_errors.len().max(low.len());
     let at = |values: &[Option<f64>], row: usize| values.get(row).copied().flatten();
     let uncertainties = (0..height).map(|row| {
+        // A standard error of 0 says nothing about digits.
         let std_error = at(std_errors, row).filter(|u| *u > 0.0);
         std_error.or_else(|| Some((at(high, row)? - at(low, row)?).abs() / 2.0))
     });
     uncertainties.collect()
 }
 
-/// The column that plays `part` in the quantity of `field`; empty where there is none.
-fn sibling<'a>(field: &Field, part: Part, all: &'a [Column]) -> &'a [Option<f64>] {
-    partner(field, part, all).unwrap_or_default()
-}
-
 /// The column that plays `part` in the quantity of `field`, if there is one.
 fn partner<'a>(field: &Field, part: Part, all: &'a [Column]) -> Option<&'a [Option<f64>]> {
     let wanted = (quantity(field).0, part);
-    let found = all.iter().find(|c| c.field.unit == field.unit && quantity(&c.field) == wanted);
-    match found.map(|c| &c.values) {
+    let column = all.iter().find(|c| c.field.unit == field.unit && quantity(&c.field) == wanted);
+    match column.map(|c| &c.values) {
         Some(Values::Float(values)) => Some(values),
         _ => None,
     }

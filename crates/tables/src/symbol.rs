@@ -30,14 +30,17 @@ pub(crate) fn pieces(text: &str) -> Vec<Piece<'_>> {
 
 /// Where the subscript ends whose `_` stands at `at`, if it is one.
 fn subscript(text: &str, at: usize) -> Option<usize> {
-    let of_name = |c: char| c.is_alphanumeric() || c == '_';
     let mut before = text[..at].chars().rev();
-    let symbol =
-        before.next().is_some_and(char::is_alphabetic) && !before.next().is_some_and(of_name);
+    let symbol = before.next().is_some_and(char::is_alphabetic)
+        && !before.next().is_some_and(is_part_of_name);
     let below = &text[at + 1..];
-    let end = below.find(|c| !of_name(c)).unwrap_or(below.len());
+    let end = below.find(|c| !is_part_of_name(c)).unwrap_or(below.len());
     let word = below.starts_with(char::is_alphabetic) && !below[..end].contains('_');
     (symbol && word).then_some(at + 1 + end)
+}
+
+fn is_part_of_name(letter: char) -> bool {
+    letter.is_alphanumeric() || letter == '_'
 }
 
 #[cfg(test)]

@@ -28,7 +28,16 @@ impl Table {
     pub fn new(name: &str, title: &str, columns: Vec<Column>) -> Result<Self, TableError> {
         let expected = columns.first().map_or(0, |c| c.values.len());
         for (i, c) in columns.iter().enumerate() {
-            check_finite(name, c)?;
+            if let Values::Float(values) = &c.values
+                && let Some((row, value)) = values
+                    .iter()
+                    .enumerate()
+                    .find_map(|(i, v)| Some((i, v.filter(|v| !v.is_finite())?)))
+            {
+                let table = name.to_owned();
+                let column = c.field.name.to_string();
+                return Err(TableError::NotFinite { table, column, row: row + 1, value });
+            }
             if columns[..i].iter().any(|before| before.field.name == c.field.name) {
                 let table = name.to_owned();
                 let column = c.field.name.to_string();
@@ -139,11 +148,9 @@ impl Table {
     #[must_use]
     pub fn with_notes_of(self, other: &Self) -> Self {
         let notes = other.notes_by_kind();
-        notes.fold(self, |table, (kind, note)| {
-            match table.notes.iter().any(|known| known == note) {
-                true => table,
-                false => table.with_note_of(kind, note),
-            }
+        notes.fold(self, |table, (kind, note)| match table.notes.iter().any(|own| own == note) {
+            true => table,
+            false => table.with_note_of(kind, note),
         })
     }
 
@@ -182,8 +189,8 @@ impl Table {
     /// # Errors
     /// A column that is not there.
     pub fn column(&self, name: &str) -> Result<&Column, TableError> {
-        let found = self.columns.iter().find(|c| c.field.name == name);
-        found.ok_or_else(|| TableError::NoColumn {
+        let column = self.columns.iter().find(|c| c.field.name == name);
+        column.ok_or_else(|| TableError::NoColumn {
             table: self.name.clone(),
             column: name.to_owned(),
             has: self.names(),
@@ -196,8 +203,9 @@ impl Table {
     /// A column that is not there.
     pub fn column_of(&self, stem: &str) -> Result<&Column, TableError> {
         let mut columns = self.columns.iter();
-        let found = columns.find(|c| split_unit(&c.field.name, &c.field.unit).0 == stem);
-        found.map_or_else(|| self.column(stem), Ok)
+        let column = columns.find(|c| split_unit(&c.field.name, &c.field.unit).0 == stem);
+        // The error then lists the columns, whose names have their units.
+        column.map_or_else(|| self.column(stem), Ok)
     }
 
     /// Number of rows.
@@ -278,11 +286,13 @@ impl Table {
         tables.iter().try_for_each(|table| first.check_like(table))?;
         let fields: Vec<Field> = first.fields().cloned().collect();
         let mut parts: Vec<_> = tables.into_iter().map(|table| table.columns.into_iter()).collect();
-        let column = |field| {
+        let mut columns = Vec::new();
+        for field in fields {
             let parts = parts.iter_mut().filter_map(Iterator::next).map(|column| column.values);
-            Some(Column { field, values: Values::joined(parts.collect())? })
-        };
-        let columns = fields.into_iter().filter_map(column).collect();
+            if let Some(values) = Values::joined(parts.collect()) {
+                columns.push(Column { field, values });
+            }
+        }
         Self::new(name, title, columns).map(Some)
     }
 
@@ -330,11 +340,11 @@ impl Table {
     /// Some of the rows, in this order. One that is not there is null.
     #[must_use]
     pub fn rows(&self, rows: &[usize]) -> Self {
-        let some = |column: &Column| {
+        let columns = self.columns.iter().map(|column| {
             let values = column.values.of_rows(rows.iter().copied().map(Some));
             Column { field: column.field.clone(), values }
-        };
-        let columns = self.columns.iter().map(some).collect();
+        });
+        let columns = columns.collect();
         let name = self.name.clone();
         let title = self.title.clone();
         let notes = self.notes.clone();
@@ -364,22 +374,6 @@ impl Table {
 
     fn wrong_type(&self, column: &str, wanted: Type) -> TableError {
         TableError::WrongType { table: self.name.clone(), column: column.to_owned(), wanted }
-    }
-}
-
-fn check_finite(table: &str, column: &Column) -> Result<(), TableError> {
-    let Values::Float(values) = &column.values else {
-        return Ok(());
-    };
-    match values.iter().enumerate().find_map(|(i, v)| v.filter(|v| !v.is_finite()).map(|v| (i, v)))
-    {
-        None => Ok(()),
-        Some((row, value)) => Err(TableError::NotFinite {
-            table: table.to_owned(),
-            column: column.field.name.to_string(),
-            row: row + 1,
-            value,
-        }),
     }
 }
 

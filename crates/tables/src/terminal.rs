@@ -26,15 +26,16 @@ pub(crate) fn terminal(
 ) -> String {
     let all: Vec<&Shown> = columns.iter().collect();
     let whole: Vec<Set> = all.iter().map(|column| unwrapped(column)).collect();
-    let parts = match total(&whole) <= width {
-        true => vec![lines(&whole)],
-        false => groups(&all, width, least).iter().map(|group| lines(group)).collect(),
-    };
+    let gaps = GAP.len() * whole.len().saturating_sub(1);
     // A terminal would part words and numbers of a sentence where its line ends.
-    let sentence = |text: &str| broken(text, width).join("\n");
-    let parts = std::iter::once(sentence(table.title())).chain(parts);
-    let notes = table.notes().iter().map(|note| sentence(note));
-    parts.chain(notes).collect::<Vec<_>>().join("\n\n") + "\n"
+    let mut blocks = vec![broken(table.title(), width).join("\n")];
+    if whole.iter().map(|set| set.width).sum::<usize>() + gaps <= width {
+        blocks.push(lines(&whole));
+    } else {
+        blocks.extend(groups(&all, width, least).iter().map(|group| lines(group)));
+    }
+    blocks.extend(table.notes().iter().map(|note| broken(note, width).join("\n")));
+    blocks.join("\n\n") + "\n"
 }
 
 /// The columns of each part: what says what a row is about, and as many others as have room.
@@ -44,6 +45,7 @@ fn groups<'a>(all: &[&'a Shown], width: usize, least: &[&str]) -> Vec<Vec<Set<'a
         |columns: &[&Shown]| columns.iter().map(|c| wrapped(c).width + GAP.len()).sum::<usize>();
     let keys = keys(all, |columns| narrow(columns) <= half);
     let mut others: Vec<&Shown> = all.to_vec();
+    // By their place in memory: two columns may well be alike.
     others.retain(|column| !keys.iter().any(|key| std::ptr::eq(*key, *column)));
     // Least by least, from the front of the list: the sort keeps the order of all others.
     others.sort_by_key(|column| {
@@ -52,9 +54,11 @@ fn groups<'a>(all: &[&'a Shown], width: usize, least: &[&str]) -> Vec<Vec<Set<'a
     });
     let mut groups: Vec<Vec<&Shown>> = Vec::new();
     for column in others {
-        let room = |group: &[&Shown]| narrow(&keys) + narrow(group) - GAP.len();
+        // A gap is counted behind each column, and the last of a line has none.
         match groups.last_mut() {
-            Some(group) if room(&[group.as_slice(), &[column]].concat()) <= width => {
+            Some(group)
+                if narrow(&keys) + narrow(group) + narrow(&[column]) - GAP.len() <= width =>
+            {
                 group.push(column);
             }
             _ => groups.push(vec![column]),
@@ -75,17 +79,20 @@ fn unwrapped(column: &Shown) -> Set<'_> {
 
 /// A column as narrow as its numbers and its words allow.
 fn wrapped(column: &Shown) -> Set<'_> {
-    let longest = |text: &str| text.split(' ').map(letters).max().unwrap_or_default();
     let heading = column.heading();
     let cells = column.cells.iter().map(|cell| {
         let text = cell.typeset();
         match cell {
-            Cell::Text(_) => letters(&text).min(WIDEST_TEXT.max(longest(&text))),
+            Cell::Text(_) => letters(&text).min(WIDEST_TEXT.max(longest_word(&text))),
             _ => letters(&text),
         }
     });
-    let width = cells.chain([longest(&heading)]).max().unwrap_or_default();
+    let width = cells.chain([longest_word(&heading)]).max().unwrap_or_default();
     Set { column, width, head: broken(&heading, width) }
+}
+
+fn longest_word(text: &str) -> usize {
+    text.split(' ').map(letters).max().unwrap_or_default()
 }
 
 /// A text in lines of so many letters, parted between words.
@@ -136,11 +143,6 @@ fn in_line(columns: &[Set], cells: Vec<Vec<String>>) -> Vec<String> {
             parts.collect::<Vec<_>>().join(GAP).trim_end().to_owned()
         })
         .collect()
-}
-
-fn total(columns: &[Set]) -> usize {
-    let gaps = GAP.len() * columns.len().saturating_sub(1);
-    columns.iter().map(|set| set.width).sum::<usize>() + gaps
 }
 
 /// Places that a text takes on a terminal, of the letters that tables have: a sign above another

@@ -36,8 +36,15 @@ pub(crate) fn typst(&Seen { table, layout, .. }: &Seen) -> String {
 }
 
 fn figure(table: &Table, layout: &Layout) -> String {
-    let tables: Vec<String> =
-        layout.groups.iter().map(|group| kept(group, &layout.sections)).collect();
+    let mut tables = Vec::new();
+    for group in &layout.groups {
+        let table = one(group, &layout.sections);
+        // On one page if that has room for it.
+        tables.push(match has_page(group) {
+            true => format!("    block(breakable: false, {table})\n"),
+            false => format!("    {table}\n"),
+        });
+    }
     let notes: String = layout.notes.iter().chain(table.notes()).map(|n| note(n)).collect();
     format!(
         "#figure(
@@ -55,16 +62,6 @@ fn figure(table: &Table, layout: &Layout) -> String {
     )
 }
 
-/// One table, on one page if that has room for it.
-fn kept(group: &[Placed], sections: &Sections) -> String {
-    let table = one(group, sections);
-    if has_page(group) {
-        format!("    block(breakable: false, {table})\n")
-    } else {
-        format!("    {table}\n")
-    }
-}
-
 fn one(group: &[Placed], sections: &Sections) -> String {
     let widths: Vec<String> = group.iter().map(width).collect();
     let alignment: Vec<&str> = group.iter().map(align).collect();
@@ -74,7 +71,11 @@ fn one(group: &[Placed], sections: &Sections) -> String {
     let mut body = String::new();
     for (i, cells) in rows.iter().enumerate() {
         if let Some(title) = sections.get(&i) {
-            body += &section(title, group.len());
+            body += &format!(
+                "      table.cell(colspan: {}, align: left, emph({})),\n",
+                group.len(),
+                expression(title)
+            );
         }
         body += &format!("      {},\n", cells.join(", "));
     }
@@ -105,11 +106,6 @@ fn heading(placed: &Placed) -> String {
     let lines: Vec<String> =
         placed.head.iter().map(|line| format!("box({})", expression(line))).collect();
     lines.join(" + linebreak() + ")
-}
-
-/// A heading among the rows.
-fn section(title: &str, width: usize) -> String {
-    format!("      table.cell(colspan: {width}, align: left, emph({})),\n", expression(title))
 }
 
 /// A cell; a number is followed by what makes it as long behind the point as the column's longest,

@@ -100,11 +100,12 @@ fn slug(unit: &str, solidus: &str, dot: &str) -> String {
 /// `name` without the suffix of `unit`, and that suffix's place in [`suffixes`]; the whole name
 /// if it has no suffix.
 pub(crate) fn stem<'a>(name: &'a str, unit: &str) -> (&'a str, Option<usize>) {
-    let found = suffixes(unit)
-        .iter()
-        .enumerate()
-        .find_map(|(i, s)| Some((name.strip_suffix(s.as_str())?, i)));
-    found.map_or((name, None), |(stem, i)| (stem, Some(i)))
+    for (i, suffix) in suffixes(unit).iter().enumerate() {
+        if let Some(stem) = name.strip_suffix(suffix.as_str()) {
+            return (stem, Some(i));
+        }
+    }
+    (name, None)
 }
 
 #[cfg(test)]

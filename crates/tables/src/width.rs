@@ -29,7 +29,7 @@ pub(crate) fn longest_word(text: &str) -> f64 {
 fn letter(letter: char) -> f64 {
     match letter {
         '0'..='9' | '-' | '–' => 1.0,
-        '\u{300}'..='\u{36f}' => 0.0,
+        '\u{300}'..='\u{36f}' => 0.0, // stands over the letter before it
         'i'
         | 'j'
         | 'l'
@@ -122,16 +122,13 @@ impl Room {
 
     /// Its width.
     pub(crate) fn width(self) -> f64 {
-        let digits = |n: usize| n as f64 + GROUP_GAP_DIGITS * (n.saturating_sub(1) / 3) as f64;
-        let before = |there| if there { BROAD_DIGITS } else { 0.0 };
+        let [whole, decimals] = [self.whole, self.decimals]
+            .map(|n| n as f64 + GROUP_GAP_DIGITS * (n.saturating_sub(1) / 3) as f64);
+        let below = if self.below { BROAD_DIGITS } else { 0.0 };
+        let sign = if self.sign { BROAD_DIGITS } else { 0.0 };
         let point = if self.decimals > 0 { THIN_DIGITS } else { 0.0 };
         let power = if self.power > 0 { POWER_DIGITS + self.power as f64 } else { 0.0 };
-        before(self.below)
-            + before(self.sign)
-            + digits(self.whole)
-            + point
-            + digits(self.decimals)
-            + power
+        below + sign + whole + point + decimals + power
     }
 }
 

@@ -6,7 +6,7 @@ use crate::unit::split_unit;
 use crate::{Column, Field, Table, TableError, Type, Values, for_people};
 use serde::Serialize;
 use std::borrow::Cow;
-use zwidth_study::{Contrast, Coordinate, ModeId, Study};
+use zwidth_study::{Contrast, Coordinate, Study};
 
 /// Columns whose texts are names that people gave, or keys that other files refer to.
 const AS_THEY_ARE: [&str; 4] = ["participant", "session", "study", "key"];
@@ -57,20 +57,16 @@ impl Wording {
     /// Those of [`for_people`].
     pub fn tell(&self, table: &Table) -> Result<Table, TableError> {
         let table = for_people(table, self.coordinate)?;
-        let columns = table.columns().iter().map(|column| self.worded(column.clone()));
-        let columns = with_units(columns.collect());
-        let told = Table::new(table.name(), table.title(), columns)?;
-        Ok(table.notes_by_kind().fold(told, |t, (kind, note)| t.with_note_of(kind, note)))
-    }
-
-    /// The column with its texts in words.
-    fn worded(&self, mut column: Column) -> Column {
-        if let Values::Text(texts) = &mut column.values {
-            for text in texts.iter_mut().flatten() {
-                *text = self.words(&column.field.name, text).into_owned().into();
+        let mut columns = table.columns().to_vec();
+        for Column { field, values } in &mut columns {
+            if let Values::Text(texts) = values {
+                for text in texts.iter_mut().flatten() {
+                    *text = self.words(&field.name, text).into_owned().into();
+                }
             }
         }
-        column
+        let worded = Table::new(table.name(), table.title(), with_units(columns))?;
+        Ok(table.notes_by_kind().fold(worded, |t, (kind, note)| t.with_note_of(kind, note)))
     }
 
     fn words<'a>(&'a self, column: &str, text: &'a str) -> Cow<'a, str> {
@@ -86,8 +82,8 @@ impl Wording {
     /// Two modes as their labels: `hybrid − active`.
     fn contrast(&self, text: &str) -> Option<String> {
         let Contrast { mode, against } = text.parse().ok()?;
-        let label = |mode: &ModeId| label(&self.modes, mode.as_str());
-        Some(format!("{} − {}", label(&mode)?, label(&against)?))
+        let [mode, against] = [mode, against].map(|mode| label(&self.modes, mode.as_str()));
+        Some(format!("{} − {}", mode?, against?))
     }
 
     /// A metric's name in words, without its unit: `wall_past_max_rad` → `wall past max`.
@@ -101,21 +97,17 @@ impl Wording {
             Coordinate::Rotational => name.to_owned(),
             Coordinate::Linear { .. } => theta_to_x(name),
         };
-        let about = "".into();
-        words(&Field {
-            name: name.into(),
-            unit: unit.into(),
-            description: about,
-            kind: Type::Float,
-        })
-        .into()
+        let (name, unit, description) = (name.into(), unit.into(), "".into());
+        words(&Field { name, unit, description, kind: Type::Float }).into()
     }
 }
 
 /// Where a column of units stands behind the metrics', both as one: `duration (s)`.
 fn with_units(mut columns: Vec<Column>) -> Vec<Column> {
-    let is = |pair: &[Column]| pair[0].field.name == "metric" && pair[1].field.name == "unit";
-    let Some(at) = columns.windows(2).position(is) else { return columns };
+    let mut pairs = columns.windows(2);
+    let beside =
+        pairs.position(|pair| pair[0].field.name == "metric" && pair[1].field.name == "unit");
+    let Some(at) = beside else { return columns };
     if let (Values::Text(units), Values::Text(metrics)) =
         (columns.remove(at + 1).values, &mut columns[at].values)
     {
@@ -130,7 +122,7 @@ fn with_units(mut columns: Vec<Column>) -> Vec<Column> {
 
 /// The label of an id.
 fn label<'a>(labels: &'a [(String, String)], id: &str) -> Option<&'a str> {
-    labels.iter().find(|(known, _)| known == id).map(|(_, label)| label.as_str())
+    labels.iter().find(|(own, _)| own == id).map(|(_, label)| label.as_str())
 }
 
 /// An id of ours in words; other texts as they are.

@@ -77,10 +77,10 @@ impl Caption {
     pub fn text(&self) -> String {
         let what = self.kind.shows;
         let who = Some(self.subject.join(" ")).filter(|who| !who.is_empty());
-        let of = self
+        let count = self
             .n
             .map(|n| format!("{n} {}{}", self.kind.drawn_from, if n == 1 { "" } else { "s" }));
-        let about: Vec<String> = who.into_iter().chain(of).collect();
+        let about: Vec<String> = who.into_iter().chain(count).collect();
         match about.is_empty() {
             true => what.to_owned(),
             false => format!("{what} ({})", about.join(", ")),

@@ -5,7 +5,7 @@ use zwidth_tables::{Format, escape_latex, escape_markdown, typst_expression};
 /// The formats that captions are written in.
 pub const CAPTION_FORMATS: [Format; 3] = [Format::Latex, Format::Typst, Format::Markdown];
 
-/// A figure's name and its caption, a paragraph a string: the first is its title.
+/// A figure's name and its caption, one string per paragraph: the first is its title.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct NamedCaption {
     /// The stem of its files' names.
@@ -18,8 +18,8 @@ impl NamedCaption {
     /// From the text of a caption's file; the line that says what it was made from is left out.
     pub fn of(name: &str, text: &str) -> Self {
         let paragraphs = text.split("\n\n").map(str::trim);
-        let told = paragraphs.filter(|p| !p.is_empty() && !p.starts_with("zwidth:"));
-        Self { name: name.to_owned(), paragraphs: told.map(str::to_owned).collect() }
+        let own = paragraphs.filter(|p| !p.is_empty() && !p.starts_with("zwidth:"));
+        Self { name: name.to_owned(), paragraphs: own.map(str::to_owned).collect() }
     }
 
     fn title(&self) -> &str {
@@ -32,6 +32,7 @@ impl NamedCaption {
 }
 
 /// Stands at the beginning of the file for LaTeX: how it is used, and the two commands.
+// Robust commands, because LaTeX writes a caption to the list of figures as well.
 const LATEX_HEAD: &str = r"% The captions of all figures by their names. \input this file in the preamble; then, in a figure,
 % \caption[\zwidthtitle{NAME}]{\zwidthcaption{NAME}}
 \makeatletter
@@ -53,41 +54,43 @@ pub fn captions_text(format: Format, captions: &[NamedCaption]) -> String {
 }
 
 fn latex(captions: &[NamedCaption]) -> String {
-    let one = |caption: &NamedCaption| {
-        let define = |what: &str, text: &str| {
-            format!("\\@namedef{{zwidth@{what}@{}}}{{{}}}\n", caption.name, escape_latex(text))
-        };
-        define("title", caption.title()) + &define("caption", &caption.whole())
-    };
-    let all: String = captions.iter().map(one).collect();
-    format!("{LATEX_HEAD}{all}\\makeatother\n")
+    let mut file = LATEX_HEAD.to_owned();
+    for caption in captions {
+        let texts = [("title", caption.title().to_owned()), ("caption", caption.whole())];
+        for (what, text) in texts {
+            let text = escape_latex(&text);
+            file += &format!("\\@namedef{{zwidth@{what}@{}}}{{{text}}}\n", caption.name);
+        }
+    }
+    file + "\\makeatother\n"
 }
 
 fn typst(captions: &[NamedCaption]) -> String {
-    let dictionary = |name: &str, text: fn(&NamedCaption) -> String| {
-        let entry = |caption: &NamedCaption| {
-            // a name holds letters, digits, points and hyphens alone
-            format!("  \"{}\": {},\n", caption.name, typst_expression(&text(caption)))
-        };
-        let entries: String = captions.iter().map(entry).collect();
-        let entries = if entries.is_empty() { ":".to_owned() } else { format!("\n{entries}") };
-        format!("#let {name} = ({entries})\n")
-    };
-    format!(
+    let mut file =
         "// The captions of all figures by their names: #import \"captions.typ\": captions, titles\n\
-         // #figure(image(\"NAME.svg\"), caption: captions.at(\"NAME\"))\n{}{}",
-        dictionary("titles", |caption| caption.title().to_owned()),
-        dictionary("captions", NamedCaption::whole),
-    )
+         // #figure(image(\"NAME.svg\"), caption: captions.at(\"NAME\"))\n"
+            .to_owned();
+    for (dictionary, are_whole) in [("titles", false), ("captions", true)] {
+        let mut entries = String::new();
+        for caption in captions {
+            let text = if are_whole { caption.whole() } else { caption.title().to_owned() };
+            // A name holds letters, digits, points and hyphens alone.
+            entries += &format!("  \"{}\": {},\n", caption.name, typst_expression(&text));
+        }
+        // `()` would be an empty array.
+        let entries = if entries.is_empty() { ":".to_owned() } else { format!("\n{entries}") };
+        file += &format!("#let {dictionary} = ({entries})\n");
+    }
+    file
 }
 
 fn markdown(captions: &[NamedCaption]) -> String {
-    let one = |caption: &NamedCaption| {
-        let heading = [format!("## {}", escape_markdown(&caption.name))];
-        let paragraphs = caption.paragraphs.iter().map(|p| escape_markdown(p));
-        heading.into_iter().chain(paragraphs).collect::<Vec<_>>().join("\n\n")
-    };
-    captions.iter().map(one).collect::<Vec<_>>().join("\n\n") + "\n"
+    let mut paragraphs = Vec::new();
+    for caption in captions {
+        paragraphs.push(format!("## {}", escape_markdown(&caption.name)));
+        paragraphs.extend(caption.paragraphs.iter().map(|p| escape_markdown(p)));
+    }
+    paragraphs.join("\n\n") + "\n"
 }
 
 #[cfg(test)]

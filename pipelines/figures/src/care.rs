@@ -21,12 +21,12 @@ const NAMED: usize = 8;
 /// The figure with a note for each column in which something was found: the trials, and what was
 /// found in the first.
 #[must_use]
-pub fn with_care(figure: Figure, found: &[Found]) -> Figure {
+pub fn with_care(figure: Figure, findings: &[Found]) -> Figure {
     let mut columns: BTreeMap<&str, Vec<&Found>> = BTreeMap::new();
-    for found in found {
-        columns.entry(&found.column).or_default().push(found);
+    for finding in findings {
+        columns.entry(&finding.column).or_default().push(finding);
     }
-    let notes = columns.into_iter().map(|(column, found)| note(column, &found));
+    let notes = columns.into_iter().map(|(column, findings)| note(column, &findings));
     let mut footnotes = figure.footnotes;
     footnotes.extend(notes);
     Figure { footnotes, ..figure }
@@ -36,17 +36,19 @@ pub fn with_care(figure: Figure, found: &[Found]) -> Figure {
 /// than `most`.
 #[must_use]
 pub fn with_thinned(mut figure: Figure, trials: usize, most: usize) -> Figure {
-    let of = if trials == 1 { "a recording".to_owned() } else { format!("{trials} recordings") };
+    let recordings =
+        if trials == 1 { "a recording".to_owned() } else { format!("{trials} recordings") };
     let note = format!(
-        "Of {of} of more than {most} samples the extremes of each short stretch are drawn, not every sample"
+        "Of {recordings} of more than {most} samples the extremes of each short stretch are drawn, not every sample"
     );
     figure.footnotes.extend((trials > 0).then(|| plain(&note)));
     figure
 }
 
-fn note(column: &str, found: &[&Found]) -> String {
-    let mut trials: Vec<u32> = found.iter().map(|found| found.trial).collect();
+fn note(column: &str, findings: &[&Found]) -> String {
+    let mut trials: Vec<u32> = findings.iter().map(|finding| finding.trial).collect();
     trials.sort_unstable();
+    // A trial may have several findings in a column.
     trials.dedup();
     let named: Vec<String> = trials.iter().take(NAMED).map(u32::to_string).collect();
     let more = match trials.len().saturating_sub(NAMED) {
@@ -54,9 +56,9 @@ fn note(column: &str, found: &[&Found]) -> String {
         n => format!(" and {n} more"),
     };
     let word = if trials.len() == 1 { "trial" } else { "trials" };
-    let what = found.first().map_or("", |found| found.what.as_str());
+    let what = findings.first().map_or("", |finding| finding.what.as_str());
     let first =
-        if trials.len() == 1 { String::new() } else { format!("in trial {}, ", found[0].trial) };
+        if trials.len() == 1 { String::new() } else { format!("in trial {}, ", findings[0].trial) };
     let column = if column.is_empty() { String::new() } else { format!(" ({column})") };
     plain(&format!("Read with care {word} {}{more}{column}: {first}{what}", named.join(", ")))
 }

@@ -5,7 +5,7 @@ use zwidth_draw::{Axis, Figure, Layer, Ticks, markup};
 use zwidth_results::FigurePoint;
 use zwidth_tables::{Table, TableError};
 
-/// Every value drawn in `figure`, in the units of its axes: one row a point, with its panel (from
+/// Every value drawn in `figure`, in the units of its axes: one row per point, with its panel (from
 /// 1, in order), what the axes show, its layer, the layer's name, x, y, and the ends of a band or
 /// whisker.
 ///
@@ -37,22 +37,11 @@ fn words(axis: &Axis) -> String {
 type Point = (Option<Arc<str>>, [Option<f64>; 4]);
 
 fn points_of(layer: &Layer) -> Vec<Point> {
-    let known = |value: f64| (!value.is_nan()).then_some(value);
-    let points = |name: &Option<String>, x: &[f64], columns: [&[f64]; 3]| -> Vec<Point> {
-        let name: Option<Arc<str>> = name.as_deref().map(|name| markup::plain(name).into());
-        let value = |column: &[f64], i: usize| column.get(i).copied().and_then(known);
-        (0..x.len())
-            .map(|i| {
-                let [y, low, high] = columns.map(|column| value(column, i));
-                (name.clone(), [known(x[i]), y, low, high])
-            })
-            .collect()
-    };
     match layer {
-        Layer::Line(l) => points(&l.name, &l.x, [&l.y, &[], &[]]),
-        Layer::Points(p) => points(&p.name, &p.x, [&p.y, &[], &[]]),
-        Layer::Band(b) => points(&b.name, &b.x, [&[], &b.low, &b.high]),
-        Layer::Intervals(s) => points(&s.name, &s.at, [&s.estimate, &s.low, &s.high]),
+        Layer::Line(l) => named(&l.name, [&l.x, &l.y, &[], &[]]),
+        Layer::Points(p) => named(&p.name, [&p.x, &p.y, &[], &[]]),
+        Layer::Band(b) => named(&b.name, [&b.x, &[], &b.low, &b.high]),
+        Layer::Intervals(s) => named(&s.name, [&s.at, &s.estimate, &s.low, &s.high]),
         Layer::Likert(bars) => {
             let mut points = Vec::new();
             for (row, strips) in bars.rows.iter().enumerate() {
@@ -67,6 +56,17 @@ fn points_of(layer: &Layer) -> Vec<Point> {
         }
         Layer::Reference(_) | Layer::Text(_) => Vec::new(),
     }
+}
+
+/// One point for each value of the first column, x.
+fn named(name: &Option<String>, columns: [&[f64]; 4]) -> Vec<Point> {
+    let name: Option<Arc<str>> = name.as_deref().map(|name| markup::plain(name).into());
+    let mut points = Vec::new();
+    for i in 0..columns[0].len() {
+        let numbers = columns.map(|c| c.get(i).copied().filter(|value| !value.is_nan()));
+        points.push((name.clone(), numbers));
+    }
+    points
 }
 
 #[cfg(test)]

@@ -39,6 +39,7 @@ pub(crate) fn shared(scenes: &[&EnvironmentData], words: Words, signal: Signal) 
 
 /// The axis of time that holds the same.
 pub(crate) fn shared_time(scenes: &[&EnvironmentData]) -> Range {
+    // Times since onset and times since the start of a trial have no common axis.
     let repeats =
         scenes.iter().filter(|scene| scene.aligned() == scenes[0].aligned()).flat_map(|scene| {
             let all = scene.modes.iter().flat_map(|mode| &mode.repeats);

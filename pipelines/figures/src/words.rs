@@ -1,6 +1,9 @@
-//! The name of a study's coordinate, and its unit on axes.
+//! What several figures share: the name of a study's coordinate and its unit on axes, axes of powers
+//! of ten, marks, names as markup.
 
-use zwidth_draw::{Axis, markup};
+use zwidth_draw::style::{self, Colour};
+use zwidth_draw::{Axis, Ticks, markup};
+use zwidth_dynamics::NAMED_SOLVERS;
 use zwidth_study::{Coordinate, Source};
 use zwidth_tables::{shown_unit, with_unit};
 
@@ -69,6 +72,11 @@ impl Words {
         let value = (self.position(theta_rad) * 10.0).round() / 10.0;
         with_unit(&value.to_string(), &shown_unit("rad", self.coordinate).0)
     }
+
+    /// The same with a minus sign, not a hyphen.
+    pub(crate) fn signed_place(self, theta_rad: f64) -> String {
+        self.place(theta_rad).replace('-', "−")
+    }
 }
 
 /// A name from a study as it stands: its stars and underscores are not markup.
@@ -84,6 +92,27 @@ pub(crate) fn keep_together(who: &str) -> String {
 /// A share as per cent: 0.95 → `95 %`.
 pub(crate) fn percent(share: f64) -> String {
     format!("{} %", (share * 1e4).round() / 1e2)
+}
+
+/// Axis of powers of ten.
+pub(crate) fn powers_axis(label: &str, unit: &str) -> Axis {
+    Axis { ticks: Ticks::Powers, ..Axis::new(label, unit) }
+}
+
+/// What such an axis takes of a value; what is not above zero has no place on it.
+pub(crate) fn logarithm(value: f64) -> f64 {
+    if value > 0.0 { libm::log10(value) } else { f64::NAN }
+}
+
+/// The same of several values.
+pub(crate) fn logarithms(values: &[f64]) -> Vec<f64> {
+    values.iter().map(|value| logarithm(*value)).collect()
+}
+
+/// The colour of the solver of this name; that of the exact one for an unknown name.
+pub(crate) fn solver_colour(name: &str) -> Colour {
+    let number = NAMED_SOLVERS.iter().position(|named| named.name == name);
+    style::solver_colour(number.unwrap_or(0))
 }
 
 /// Axis of time.

@@ -1,6 +1,7 @@
 //! Answers compared: for each question and environment, how often each participant's answers lie
 //! higher in one mode than in another, and the mean over participants with its interval.
 
+use super::compared::or_note;
 use crate::words::{mark, percent, plain};
 use crate::{About, FigureKind};
 use serde::Serialize;
@@ -43,8 +44,8 @@ impl AnswersPage {
 /// The pages of the answers compared: one panel per environment and question, under the name of the
 /// environment, with the question's wording if it has several. Answers to a reversed question are
 /// recoded, and its heading says so.
-pub fn answers_pages(asked: &[(&Environment, Vec<&Question>)]) -> Vec<AnswersPage> {
-    let panels: Vec<_> = asked
+pub fn answers_pages(answered: &[(&Environment, Vec<&Question>)]) -> Vec<AnswersPage> {
+    let panels: Vec<_> = answered
         .iter()
         .flat_map(|(environment, questions)| {
             questions.iter().map(|question| {
@@ -82,16 +83,12 @@ pub fn answers_compared(
             panels.push(panel(title, cell, &rows, participants, &about.modes));
         }
     }
-    if panels.is_empty() {
-        let bare = || Axis::bare(0.0, 1.0);
-        panels.push(Panel::with_note(Cell::at(0, 0), bare(), bare(), "nothing to compare"));
-    }
     Figure {
         title: Some(plain(&format!("{}: answers compared", about.title))),
         description: "How often answers lie higher in one mode than in another: each participant, \
                       and the mean with its interval."
             .to_owned(),
-        panels,
+        panels: or_note(panels),
         footnotes: vec![plain(&format!(
             "Share of pairs in which the answer in the first mode is higher, ties counting half; at ½ neither \
              is. Dots: people. Black: their mean with its {} interval, not adjusted.",
@@ -123,6 +120,7 @@ fn panel(
                 == (&row.environment, &row.question, &row.contrast)
         });
         let mut x: Vec<f64> = own.map(|person| person.superiority).collect();
+        // Equal shares must be neighbours, to be set beside each other.
         x.sort_by(f64::total_cmp);
         let y = beside_each_other(&x).into_iter().map(|aside| place as f64 + aside).collect();
         layers.push(Layer::Points(Points {
@@ -133,15 +131,12 @@ fn panel(
             ..Points::default()
         }));
     }
-    let numbers = |number: fn(&AnswerDifference) -> Option<f64>| {
-        rows.iter().map(|row| number(row).unwrap_or(f64::NAN)).collect()
-    };
     layers.push(Layer::Intervals(Intervals {
         direction: Direction::Horizontal,
         at: (0..rows.len()).map(|place| place as f64 + BELOW).collect(),
-        estimate: numbers(|row| row.superiority),
-        low: numbers(|row| row.superiority_ci_low),
-        high: numbers(|row| row.superiority_ci_high),
+        estimate: rows.iter().map(|row| row.superiority.unwrap_or(f64::NAN)).collect(),
+        low: rows.iter().map(|row| row.superiority_ci_low.unwrap_or(f64::NAN)).collect(),
+        high: rows.iter().map(|row| row.superiority_ci_high.unwrap_or(f64::NAN)).collect(),
         colour: style::INK,
         marker: Marker::Disc,
         name: None,
@@ -158,8 +153,9 @@ fn panel(
 
 /// Where equal values lie so that all of them are seen, in lines: values in order.
 fn beside_each_other(values: &[f64]) -> Vec<f64> {
+    // Shares of pairs that are equal may come from other sums.
     let equal = values.chunk_by(|a, b| (a - b).abs() < 1e-9);
-    equal.flat_map(|of| (0..of.len()).map(|i| dodge(i, of.len()))).collect()
+    equal.flat_map(|ties| (0..ties.len()).map(|i| dodge(i, ties.len()))).collect()
 }
 
 #[cfg(test)]

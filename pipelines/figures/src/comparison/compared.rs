@@ -6,8 +6,7 @@ use crate::{About, FigureKind};
 use std::collections::BTreeMap;
 use zwidth_draw::style::{self, Marker, Stroke};
 use zwidth_draw::{
-    Axis, Band, Cell, Direction, Figure, Intervals, Layer, Line, Panel, Points, Reference, Ticks,
-    dodge,
+    Axis, Band, Cell, Direction, Figure, Intervals, Layer, Line, Panel, Points, Reference, dodge,
 };
 use zwidth_results as results;
 use zwidth_results::{
@@ -80,7 +79,7 @@ pub struct MetricResults {
 }
 
 impl MetricResults {
-    /// What is said below the table of that name.
+    /// The notes below the table of that name.
     fn notes_below(&self, table: &str) -> impl Iterator<Item = &MetricNote> {
         self.notes.iter().filter(move |note| note.table == table)
     }
@@ -100,6 +99,11 @@ impl Shown {
         Self { factor, unit, words: in_coordinate(&metric.words, about.coordinate) }
     }
 
+    /// An axis of it, shared by the panels of a figure.
+    fn axis(&self, label: &str) -> Axis {
+        Axis::new(label, self.unit.as_str()).linked(label)
+    }
+
     /// A number as it stands on the axis; null is a gap.
     fn number(&self, value: Option<f64>) -> f64 {
         value.map_or(f64::NAN, |value| value * self.factor)
@@ -108,9 +112,9 @@ impl Shown {
 
 /// The panels; where there are none, one that says why.
 pub(super) fn or_note(panels: Vec<Panel>) -> Vec<Panel> {
-    let bare = || Axis::bare(0.0, 1.0);
+    let bare = Axis::bare(0.0, 1.0);
     match panels.is_empty() {
-        true => vec![Panel::with_note(Cell::at(0, 0), bare(), bare(), "nothing to compare")],
+        true => vec![Panel::with_note(Cell::at(0, 0), bare.clone(), bare, "nothing to compare")],
         false => panels,
     }
 }
@@ -121,47 +125,44 @@ pub fn modes_compared(
     about: &About,
     environments: &[Environment],
     sources: &[Source],
-    found: &MetricResults,
+    compared: &MetricResults,
 ) -> Figure {
-    let shown = Shown::of(about, &found.metric);
+    let shown = Shown::of(about, &compared.metric);
     let mut panels = Vec::new();
     let mut verdicts = Vec::new();
     for environment in environments {
-        if !found.means.iter().any(|mean| mean.environment == environment.id) {
+        if !compared.means.iter().any(|mean| mean.environment == environment.id) {
             continue;
         }
         let row = panels.len() / 2;
-        let modes = Axis::categories(mode_names(about, &environment.id, found));
-        let axis = |label: &str| Axis::new(label, shown.unit.as_str()).linked(label);
+        let modes = Axis::categories(mode_names(about, &environment.id, compared));
         let title = plain(&environment.label);
-        let layers = means(about, &environment.id, &shown, found);
-        let panel = Panel::new(Cell::at(row, 0), modes, axis("mean"), layers);
+        let layers = means(about, &environment.id, &shown, compared);
+        let panel = Panel::new(Cell::at(row, 0), modes, shown.axis("mean"), layers);
         panels.push(Panel { height_mm: Some(PANEL_MM), ..panel.titled(title) });
         let contrasts: Vec<&ModeDifference> =
-            found.contrasts.iter().filter(|row| row.environment == environment.id).collect();
-        let verdict = |row: &&ModeDifference| {
-            format!("{}: {}", contrast_label(&about.modes, &row.contrast), judgement(row))
-        };
-        let names = contrasts.iter().map(|row| match contrasts.len() <= TOLD {
-            true => plain(&verdict(row)),
+            compared.contrasts.iter().filter(|row| row.environment == environment.id).collect();
+        let are_few = contrasts.len() <= FEW_CONTRASTS;
+        let names = contrasts.iter().map(|row| match are_few {
+            true => plain(&verdict(&about.modes, row)),
             false => plain(&contrast_label(&about.modes, &row.contrast)),
         });
         let names = Axis::categories(names);
         let cell = Cell::at(row, 1);
-        let y = axis("difference");
+        let y = shown.axis("difference");
         let panel = match contrasts.is_empty() {
             true => Panel::with_note(cell, Axis::new("", ""), y, "no two modes to compare"),
-            false => Panel::new(cell, names, y, differences(&contrasts, &shown, found)),
+            false => Panel::new(cell, names, y, differences(&contrasts, &shown, compared)),
         };
         panels.push(Panel { height_mm: Some(PANEL_MM), ..panel });
-        if contrasts.len() > TOLD {
-            let all = contrasts.iter().map(verdict).collect::<Vec<_>>().join("; ");
-            verdicts.push(plain(&format!("{}: {all}.", environment.label)));
+        if !are_few {
+            let all: Vec<String> = contrasts.iter().map(|row| verdict(&about.modes, row)).collect();
+            verdicts.push(plain(&format!("{}: {}.", environment.label, all.join("; "))));
         }
     }
-    let intervals = found.means.iter().any(|mean| mean.ci_low.is_some());
+    let intervals = compared.means.iter().any(|mean| mean.ci_low.is_some());
     let level = percent(about.confidence);
-    let what = match (&found.metric.unit_of_analysis, intervals) {
+    let what = match (&compared.metric.unit_of_analysis, intervals) {
         (UnitOfAnalysis::Participants, true) => {
             format!("A line joins one person's means. Whiskers: {level} intervals, not adjusted.")
         }
@@ -174,17 +175,17 @@ pub fn modes_compared(
             "Left, dots: repeats; one value per mode has no interval.".to_owned()
         }
     };
-    let of_one = found.metric.unit_of_analysis != UnitOfAnalysis::Participants;
-    let against = (!found.redrawn.is_empty() && of_one).then(|| {
+    let of_one = compared.metric.unit_of_analysis != UnitOfAnalysis::Participants;
+    let against = (!compared.redrawn.is_empty() && of_one).then(|| {
         "Right, grey: the differences in a hundred orders of the trials that the design could have \
          drawn, had no trial depended on mode; disc: the difference. p is the share of orders at \
          least as far from zero, after Holm."
             .to_owned()
     });
-    let mut jnds = found.notes_below(ModeDifference::NAME);
+    let mut jnds = compared.notes_below(ModeDifference::NAME);
     let band = jnds.find(|note| note.kind == NoteKind::Jnd);
     let band = band.map(|note| format!("Band: ± 1 {}", note.note));
-    let role = match found.metric.role {
+    let role = match compared.metric.role {
         Role::Primary => "Primary metric.",
         Role::Exploratory => "Exploratory: not the primary metric.",
     };
@@ -206,12 +207,13 @@ pub fn modes_compared(
 }
 
 /// The modes' labels; of one without any value in this environment, that it has none.
-fn mode_names(about: &About, environment: &EnvironmentId, found: &MetricResults) -> Vec<String> {
-    let name = |mode: &Mode| {
-        let is_it = |mean: &Mean| (&mean.environment, &mean.mode) == (environment, &mode.id);
-        plain(&mode.label) + if found.means.iter().any(is_it) { "" } else { " (no value)" }
-    };
-    about.modes.iter().map(name).collect()
+fn mode_names(about: &About, environment: &EnvironmentId, compared: &MetricResults) -> Vec<String> {
+    let names = about.modes.iter().map(|mode| {
+        let mut means = compared.means.iter();
+        let has_mean = means.any(|mean| (&mean.environment, &mean.mode) == (environment, &mode.id));
+        plain(&mode.label) + if has_mean { "" } else { " (no value)" }
+    });
+    names.collect()
 }
 
 /// Everybody's means, joined, and the mean over them.
@@ -219,30 +221,30 @@ fn means(
     about: &About,
     environment: &EnvironmentId,
     shown: &Shown,
-    found: &MetricResults,
+    compared: &MetricResults,
 ) -> Vec<Layer> {
     let mut people: BTreeMap<&ParticipantId, Vec<Vec<f64>>> = BTreeMap::new();
-    for cell in found.cells.iter().filter(|cell| cell.environment == *environment) {
+    for cell in compared.cells.iter().filter(|cell| cell.environment == *environment) {
         let place = about.modes.iter().position(|mode| mode.id == cell.mode);
         let Some(place) = place else { continue };
+        // A person's sessions come together: the mean is over all of them.
         let own = people.entry(&cell.participant).or_default();
         own.resize(about.modes.len(), Vec::new());
         own[place].extend(cell.mean.map(|mean| mean * shown.factor));
     }
-    let mean = |values: &Vec<f64>| values.iter().sum::<f64>() / values.len() as f64;
     let mut layers: Vec<Layer> = people
         .values()
         .map(|modes| {
             // A mode without the metric is a gap in the line.
             Layer::Line(Line {
                 x: (0..modes.len()).map(|place| place as f64).collect(),
-                y: modes.iter().map(mean).collect(),
+                y: modes.iter().map(|values| mean(values)).collect(),
                 stroke: Stroke { opacity: 0.45, ..style::faint(style::GREY) },
                 ..Line::default()
             })
         })
         .collect();
-    let mut contrasts = found.contrasts.iter().filter(|row| row.environment == *environment);
+    let mut contrasts = compared.contrasts.iter().filter(|row| row.environment == *environment);
     if let Some(commanded) = contrasts.find_map(|row| row.commanded) {
         layers.push(Layer::Reference(Reference {
             direction: Direction::Horizontal,
@@ -253,9 +255,10 @@ fn means(
         }));
     }
     for (index, mode) in about.modes.iter().enumerate() {
-        let repeats = found.repeats.iter();
+        let repeats = compared.repeats.iter();
         let repeats =
             repeats.filter(|row| (&row.environment, &row.mode) == (environment, &mode.id));
+        // Of one person the repeats are the units; of several, the people.
         let dots: Vec<f64> = match people.len() {
             1 => repeats.map(|row| shown.number(row.mean)).collect(),
             _ => people.values().map(|modes| mean(&modes[index])).collect(),
@@ -267,7 +270,7 @@ fn means(
             opacity: 0.55,
             ..Points::default()
         }));
-        let means = found.means.iter();
+        let means = compared.means.iter();
         let means = means.filter(|row| (&row.environment, &row.mode) == (environment, &mode.id));
         let mut at = Vec::new();
         let mut estimates = Vec::new();
@@ -281,39 +284,30 @@ fn means(
     layers
 }
 
+/// NaN of no values, which is a gap.
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
 /// Up to so many contrasts have their verdicts under them; those of more stand below the figure.
-const TOLD: usize = 4;
+const FEW_CONTRASTS: usize = 4;
 
 /// Up to so many repeats are named one by one on their axis.
 const NAMED_REPEATS: f64 = 12.0;
-
-/// The axis of repeats: named places where they are few, because there is none between two.
-fn repeat_axis(numbers: &[f64]) -> Axis {
-    let most = numbers.iter().copied().fold(0.0, f64::max);
-    let axis = match most <= NAMED_REPEATS {
-        true => Axis::categories((1..=most as usize).map(|repeat| repeat.to_string())),
-        false => Axis::new("", ""),
-    };
-    Axis { label: "repeat".to_owned(), ..axis }
-}
-
-/// The number of the repeat that stands at 0 of its axis.
-fn x_of_first(axis: &Axis) -> f64 {
-    if matches!(axis.ticks, Ticks::Categories(_)) { 1.0 } else { 0.0 }
-}
 
 /// How far a mean stands beside what it is the mean of, in categories.
 const ASIDE: f64 = 0.18;
 
 /// Estimates with the ends of their intervals, upright, in ink.
 fn intervals(estimates: &[[Option<f64>; 3]], shown: &Shown) -> Intervals {
-    let part = |i: usize| estimates.iter().map(|row| shown.number(row[i])).collect();
+    let [estimate, low, high] =
+        [0, 1, 2].map(|i| estimates.iter().map(|row| shown.number(row[i])).collect());
     Intervals {
         direction: Direction::Vertical,
         at: Vec::new(),
-        estimate: part(0),
-        low: part(1),
-        high: part(2),
+        estimate,
+        low,
+        high,
         colour: style::INK,
         marker: Marker::Disc,
         name: None,
@@ -322,8 +316,13 @@ fn intervals(estimates: &[[Option<f64>; 3]], shown: &Shown) -> Intervals {
 
 /// What is drawn of an environment's contrasts: what is not felt, zero, everybody's differences, the
 /// mean; of one person's trials the differences in other orders, because the claim rests on these.
-fn differences(contrasts: &[&ModeDifference], shown: &Shown, found: &MetricResults) -> Vec<Layer> {
-    let several = found.participants.windows(2).any(|two| two[0].participant != two[1].participant);
+fn differences(
+    contrasts: &[&ModeDifference],
+    shown: &Shown,
+    compared: &MetricResults,
+) -> Vec<Layer> {
+    let several =
+        compared.participants.windows(2).any(|two| two[0].participant != two[1].participant);
     let mut layers = Vec::new();
     for (place, row) in contrasts.iter().enumerate() {
         let Some(jnd) = row.jnd.map(|jnd| jnd * shown.factor) else { continue };
@@ -338,13 +337,14 @@ fn differences(contrasts: &[&ModeDifference], shown: &Shown, found: &MetricResul
     layers.push(zero(Direction::Horizontal));
     for (place, row) in contrasts.iter().enumerate() {
         let key = (&row.environment, &row.contrast);
+        // The claim about one person rests on the orders that might have been drawn, not on trials.
         if !several {
-            let redrawn = found.redrawn.iter().filter(|r| (&r.environment, &r.contrast) == key);
+            let redrawn = compared.redrawn.iter().filter(|r| (&r.environment, &r.contrast) == key);
             let redrawn: Vec<f64> = redrawn.map(|r| r.difference * shown.factor).collect();
             layers.push(stacked(place as f64, &redrawn));
             continue;
         }
-        let people = found.participants.iter().filter(|r| (&r.environment, &r.contrast) == key);
+        let people = compared.participants.iter().filter(|r| (&r.environment, &r.contrast) == key);
         let y: Vec<f64> = people.map(|person| person.difference * shown.factor).collect();
         layers.push(Layer::Points(Points {
             x: vec![place as f64; y.len()],
@@ -356,17 +356,17 @@ fn differences(contrasts: &[&ModeDifference], shown: &Shown, found: &MetricResul
     }
     let aside = if several { ASIDE } else { ASIDE / 2.0 };
     let at = (0..contrasts.len()).map(|place| place as f64 + aside).collect();
-    let ends = |row: &&ModeDifference| match several {
+    let estimates = contrasts.iter().map(|row| match several {
         true => [Some(row.difference), row.difference_ci_low, row.difference_ci_high],
         false => [Some(row.difference), None, None],
-    };
-    let estimates: Vec<[Option<f64>; 3]> = contrasts.iter().map(ends).collect();
+    });
+    let estimates: Vec<[Option<f64>; 3]> = estimates.collect();
     layers.push(Layer::Intervals(Intervals { at, ..intervals(&estimates, shown) }));
     layers
 }
 
-/// `different, felt, p = 0.003, 8 people`; what has a number does not break.
-fn judgement(row: &ModeDifference) -> String {
+/// `hybrid − active: different, felt, p = 0.003, 8 people`; what has a number does not break.
+fn verdict(modes: &[Mode], row: &ModeDifference) -> String {
     let unit = match row.unit_of_analysis {
         UnitOfAnalysis::TrialsOf(_) => "trials",
         UnitOfAnalysis::Participants => "people",
@@ -375,7 +375,8 @@ fn judgement(row: &ModeDifference) -> String {
     let p = row.p_adjusted.map(|p| format!("p {}", p_value(p)).replace(' ', "\u{a0}"));
     let n = Some(format!("{}\u{a0}{unit}", row.n));
     let verdict = Some(row.verdict.as_str().to_owned());
-    [verdict, size, p, n].into_iter().flatten().collect::<Vec<_>>().join(", ")
+    let parts: Vec<String> = [verdict, size, p, n].into_iter().flatten().collect();
+    format!("{}: {}", contrast_label(modes, &row.contrast), parts.join(", "))
 }
 
 /// Differences that are equally probable, as discs one beside the other at the left of a place where
@@ -394,6 +395,7 @@ pub(super) fn stacked(place: f64, differences: &[f64]) -> Layer {
     let mut stacks: BTreeMap<i64, usize> = BTreeMap::new();
     let mut discs = Vec::new();
     for difference in differences {
+        // Differences that are all equal make one stack.
         let height = if step > 0.0 { ((difference - low) / step).round() } else { 0.0 };
         let stack = stacks.entry(height as i64).or_default();
         discs.push((*stack, low + step * height));
@@ -421,21 +423,22 @@ pub fn participants_compared(
     about: &About,
     environments: &[Environment],
     sources: &[Source],
-    found: &MetricResults,
+    compared: &MetricResults,
 ) -> Figure {
-    let shown = Shown::of(about, &found.metric);
+    let shown = Shown::of(about, &compared.metric);
     let mut panels = Vec::new();
     let mut row = 0;
     for environment in environments {
-        let contrasts = found.contrasts.iter().filter(|row| row.environment == environment.id);
+        let contrasts = compared.contrasts.iter().filter(|row| row.environment == environment.id);
         let mut column = 0;
         for contrast in contrasts {
-            let panel = caterpillar(contrast, &shown, found);
+            let panel = caterpillar(contrast, &shown, compared);
             let label = contrast_label(&about.modes, &contrast.contrast);
             let title = format!("{}: {}", plain(&environment.label), plain(&label));
             panels.push(Panel { cell: Cell::at(row, column), ..panel.titled(title) });
             column += 1;
         }
+        // An environment of which nothing is drawn takes no row.
         row += usize::from(column > 0);
     }
     Figure {
@@ -452,9 +455,10 @@ pub fn participants_compared(
 }
 
 /// One contrast, everybody in the order of their difference.
-fn caterpillar(contrast: &ModeDifference, shown: &Shown, found: &MetricResults) -> Panel {
+fn caterpillar(contrast: &ModeDifference, shown: &Shown, compared: &MetricResults) -> Panel {
     let key = (&contrast.environment, &contrast.contrast);
-    let people = found.participants.iter().filter(|row| (&row.environment, &row.contrast) == key);
+    let people =
+        compared.participants.iter().filter(|row| (&row.environment, &row.contrast) == key);
     let mut people: Vec<&PersonDifference> = people.collect();
     people.sort_by(|a, b| a.difference.total_cmp(&b.difference));
     if people.len() >= MANY {
@@ -465,10 +469,10 @@ fn caterpillar(contrast: &ModeDifference, shown: &Shown, found: &MetricResults) 
         n if n < MANY => (Axis::categories(names), PERSON_MM * n as f64 + PERSON_MM),
         _ => (Axis::new("participants, in order", ""), MANY as f64 * PERSON_MM),
     };
-    let ends = |row: &&PersonDifference| {
-        [Some(row.difference), row.difference_ci_low, row.difference_ci_high]
-    };
-    let whiskers = intervals(&people.iter().map(ends).collect::<Vec<_>>(), shown);
+    let estimates = people
+        .iter()
+        .map(|row| [Some(row.difference), row.difference_ci_low, row.difference_ci_high]);
+    let whiskers = intervals(&estimates.collect::<Vec<_>>(), shown);
     let at = (0..people.len()).map(|row| row as f64).collect();
     let mean = Reference {
         direction: Direction::Vertical,
@@ -482,8 +486,7 @@ fn caterpillar(contrast: &ModeDifference, shown: &Shown, found: &MetricResults) 
         Layer::Reference(mean),
         Layer::Intervals(Intervals { at, direction: Direction::Horizontal, ..whiskers }),
     ];
-    let x = Axis::new("difference", shown.unit.as_str()).linked("difference");
-    let panel = Panel::new(Cell::at(0, 0), x, y, layers);
+    let panel = Panel::new(Cell::at(0, 0), shown.axis("difference"), y, layers);
     Panel { height_mm: Some(height), ..panel }
 }
 
@@ -492,17 +495,22 @@ pub fn repeats_compared(
     about: &About,
     environments: &[Environment],
     sources: &[Source],
-    found: &MetricResults,
+    compared: &MetricResults,
 ) -> Figure {
-    let shown = Shown::of(about, &found.metric);
-    let numbers: Vec<f64> = found.repeats.iter().map(|row| row.repeat as f64).collect();
-    let repeat = repeat_axis(&numbers);
+    let shown = Shown::of(about, &compared.metric);
+    let most = compared.repeats.iter().map(|row| row.repeat as f64).fold(0.0, f64::max);
+    // Named places where repeats are few, because there is none between two; the first stands at 0.
+    let (axis, first) = match most <= NAMED_REPEATS {
+        true => (Axis::categories((1..=most as usize).map(|repeat| repeat.to_string())), 1.0),
+        false => (Axis::new("", ""), 0.0),
+    };
+    let repeat = Axis { label: "repeat".to_owned(), ..axis };
     let mut panels = Vec::new();
     for environment in environments {
         let mut layers = Vec::new();
         for (index, mode) in about.modes.iter().enumerate() {
             let key = (&environment.id, &mode.id);
-            let rows = found.repeats.iter().filter(|row| (&row.environment, &row.mode) == key);
+            let rows = compared.repeats.iter().filter(|row| (&row.environment, &row.mode) == key);
             let rows: Vec<&RepeatMean> = rows.collect();
             if rows.is_empty() {
                 continue;
@@ -510,10 +518,9 @@ pub fn repeats_compared(
             let colour = style::mode_colour(index);
             let marker = style::marker(index);
             let aside = dodge(index, about.modes.len()) / 2.0;
-            let first = x_of_first(&repeat);
             let at: Vec<f64> = rows.iter().map(|row| row.repeat as f64 - first + aside).collect();
-            let ends = |row: &&RepeatMean| [row.mean, row.ci_low, row.ci_high];
-            let marks = intervals(&rows.iter().map(ends).collect::<Vec<_>>(), &shown);
+            let estimates = rows.iter().map(|row| [row.mean, row.ci_low, row.ci_high]);
+            let marks = intervals(&estimates.collect::<Vec<_>>(), &shown);
             let name = Some(plain(&mode.label));
             let y = marks.estimate.clone();
             let stroke = style::single(colour).dashed(style::dash(index));
@@ -528,8 +535,7 @@ pub fn repeats_compared(
         }
         if !layers.is_empty() {
             let cell = Cell::at(0, panels.len());
-            let y = Axis::new("mean", shown.unit.as_str()).linked("mean");
-            let panel = Panel::new(cell, repeat.clone(), y, layers);
+            let panel = Panel::new(cell, repeat.clone(), shown.axis("mean"), layers);
             let panel = panel.titled(plain(&environment.label));
             panels.push(Panel { height_mm: Some(PANEL_MM), ..panel });
         }
@@ -538,7 +544,7 @@ pub fn repeats_compared(
         title: Some(plain(&format!("{}: learning, {}", about.title, shown.words))),
         description: format!("{}: mean at each repeat of a condition.", shown.words),
         panels: or_note(panels),
-        footnotes: found
+        footnotes: compared
             .notes_below(RepeatMean::NAME)
             .next()
             .map(|note| plain(&note.note.to_string()))
@@ -556,29 +562,29 @@ pub fn sessions_compared(
     about: &About,
     environments: &[Environment],
     sources: &[Source],
-    found: &MetricResults,
+    compared: &MetricResults,
 ) -> Figure {
-    let shown = Shown::of(about, &found.metric);
+    let shown = Shown::of(about, &compared.metric);
     let mut panels = Vec::new();
     let mut row = 0;
     for environment in environments {
         let mut column = 0;
         for (index, mode) in about.modes.iter().enumerate() {
             let key = (&environment.id, &mode.id);
-            let mut changes = found.sessions.iter();
+            let mut changes = compared.sessions.iter();
             let change = changes.find(|change| (&change.environment, &change.mode) == key);
             let Some(change) = change else { continue };
             let title = format!("{}, {}", environment.label, in_a_sentence(&mode.label));
-            let layers = bland_altman(change, index, &shown, found);
+            let layers = bland_altman(change, index, &shown, compared);
             let x = Axis::new("mean of both", shown.unit.as_str()).linked("mean");
-            let y = Axis::new("change", shown.unit.as_str()).linked("change");
+            let y = shown.axis("change");
             let panel = Panel::new(Cell::at(row, column), x, y, layers).titled(plain(&title));
             panels.push(Panel { height_mm: Some(PANEL_MM), ..panel });
             column += 1;
         }
         row += usize::from(column > 0);
     }
-    let which = found.sessions.first().map(|change| change.sessions.to_string());
+    let which = compared.sessions.first().map(|change| change.sessions.to_string());
     Figure {
         title: Some(plain(&format!("{}: sessions, {}", about.title, shown.words))),
         description: format!("{}: each participant's change between sessions.", shown.words),
@@ -597,10 +603,10 @@ fn bland_altman(
     change: &SessionChange,
     mode: usize,
     shown: &Shown,
-    found: &MetricResults,
+    compared: &MetricResults,
 ) -> Vec<Layer> {
     let mut people: BTreeMap<&ParticipantId, [f64; 2]> = BTreeMap::new();
-    for cell in &found.cells {
+    for cell in &compared.cells {
         if (&cell.environment, &cell.mode) != (&change.environment, &change.mode) {
             continue;
         }

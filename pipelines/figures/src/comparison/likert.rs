@@ -94,7 +94,7 @@ impl Wanted {
         }
     }
 
-    /// The questions of a group together; those that were turned round are counted in its heading.
+    /// The questions of a group together; the heading counts those that were turned round.
     fn group(environment: &Environment, group: &str, items: &[&Question]) -> Self {
         let what = What::Group(group.to_owned());
         let questions = items.iter().map(|item| (*item).clone()).collect();
@@ -107,32 +107,28 @@ impl Wanted {
         let environment = environment.id.clone();
         Self { title, environment, what, questions, scale, reversed: reversed > 0, wording: None }
     }
-
-    /// What a row of it is marked with: a question that was turned round says so at each bar.
-    fn row_mark(&self) -> &'static str {
-        let turned = self.reversed && matches!(self.what, What::Question(_));
-        if turned { " (reversed)" } else { "" }
-    }
 }
 
 /// The pages of the overview, from the questions that were answered in each environment: one panel
 /// per environment with one question; else one per group, and one per question without a group.
-pub fn likert_overview(asked: &[(&Environment, Vec<&Question>)]) -> Vec<LikertPage> {
-    pages(asked.iter().flat_map(|(environment, questions)| overview(environment, questions)))
+pub fn likert_overview(answered: &[(&Environment, Vec<&Question>)]) -> Vec<LikertPage> {
+    pages(answered.iter().flat_map(|(environment, questions)| overview(environment, questions)))
 }
 
 /// The pages of every single question, where an environment has several.
-pub fn likert_items(asked: &[(&Environment, Vec<&Question>)]) -> Vec<LikertPage> {
-    let several = asked.iter().filter(|(_, questions)| questions.len() > 1);
+pub fn likert_items(answered: &[(&Environment, Vec<&Question>)]) -> Vec<LikertPage> {
+    let several = answered.iter().filter(|(_, questions)| questions.len() > 1);
     pages(several.flat_map(|(e, questions)| questions.iter().map(|q| Wanted::item(e, q))))
 }
 
 /// A page has one scale, so that one legend holds for all of it.
 fn pages(wanted: impl Iterator<Item = Wanted>) -> Vec<LikertPage> {
-    let mut of_scales: BTreeMap<AnswerScale, Vec<Wanted>> = BTreeMap::new();
-    let few = wanted.filter(|w| w.scale.is_ordinal());
-    few.for_each(|w| of_scales.entry(w.scale.clone()).or_default().push(w));
-    let pages = of_scales.values().flat_map(|wanted| wanted.chunks(A_PAGE));
+    let mut by_scale: BTreeMap<AnswerScale, Vec<Wanted>> = BTreeMap::new();
+    // Scales of many points have figures of their own, `ratings`.
+    for panel in wanted.filter(|w| w.scale.is_ordinal()) {
+        by_scale.entry(panel.scale.clone()).or_default().push(panel);
+    }
+    let pages = by_scale.values().flat_map(|wanted| wanted.chunks(A_PAGE));
     pages.map(|page| LikertPage(page.to_vec())).collect()
 }
 
@@ -146,8 +142,8 @@ fn overview(environment: &Environment, questions: &[&Question]) -> Vec<Wanted> {
         match question.group.as_deref() {
             None => wanted.push(Wanted::item(environment, question)),
             Some(group) if seen.insert(group) => {
-                let is_item = |q: &&&Question| q.group.as_deref() == Some(group);
-                let items: Vec<&Question> = questions.iter().filter(is_item).copied().collect();
+                let items = questions.iter().filter(|q| q.group.as_deref() == Some(group));
+                let items: Vec<&Question> = items.copied().collect();
                 wanted.push(Wanted::group(environment, group, &items));
             }
             Some(_) => {}
@@ -177,6 +173,7 @@ pub fn likert(
     let strips = panels.iter().flat_map(|panel| &panel.rows).map(|(_, strips)| strips);
     let people = strips.clone().map(Vec::len).max().unwrap_or_default();
     let totals: BTreeSet<u32> = strips.map(|strips| strips.iter().flatten().sum()).collect();
+    // Counts can be compared only between bars of equal length.
     let scale = match people <= 1 && totals.len() <= 1 {
         true => LikertScale::Counts,
         false => LikertScale::Percent,
@@ -222,21 +219,20 @@ fn count_rows(modes: &[Mode], answers: &[GivenAnswer], wanted: &Wanted) -> Count
             .iter()
             .filter(|row| row.environment == wanted.environment && row.mode == mode.id)
         {
-            let asked = wanted.questions.iter().find(|question| question.id == row.question);
-            let Some(question) = asked else { continue };
+            let question = wanted.questions.iter().find(|question| question.id == row.question);
+            let Some(question) = question else { continue };
             let scored = question.scale.score(row.answer, question.reversed);
             let Some(place) = points.iter().position(|point| *point == scored) else { continue };
             let own = counts.entry(&row.participant);
             own.or_insert_with(|| vec![0; points.len()])[place] += 1;
         }
         let mut strips: Vec<Vec<u32>> = counts.into_values().collect();
-        let mean = |counts: &Vec<u32>| {
-            let sum: f64 = counts.iter().enumerate().map(|(i, n)| i as f64 * f64::from(*n)).sum();
-            sum / f64::from(counts.iter().sum::<u32>())
-        };
-        strips.sort_by(|a, b| mean(b).total_cmp(&mean(a)));
+        strips.sort_by(|a, b| mean_place(b).total_cmp(&mean_place(a)));
         if !strips.is_empty() {
-            rows.push((format!("{}{}", mode.label, wanted.row_mark()), strips));
+            // A group says in its heading how many of its questions were turned round.
+            let turned = wanted.reversed && matches!(wanted.what, What::Question(_));
+            let row_mark = if turned { " (reversed)" } else { "" };
+            rows.push((format!("{}{row_mark}", mode.label), strips));
         }
     }
     // How many answers a bar is of: in the heading where all are of as many.
@@ -247,9 +243,9 @@ fn count_rows(modes: &[Mode], answers: &[GivenAnswer], wanted: &Wanted) -> Count
             title = format!("{title}: {first} per mode");
         }
         _ => {
-            rows.iter_mut()
-                .zip(&sizes)
-                .for_each(|((label, _), size)| *label += &format!(", {size}"));
+            for ((label, _), size) in rows.iter_mut().zip(&sizes) {
+                *label += &format!(", {size}");
+            }
         }
     }
     for (_, strips) in rows.iter_mut().filter(|(_, strips)| strips.len() > MOST_STRIPS) {
@@ -257,6 +253,12 @@ fn count_rows(modes: &[Mode], answers: &[GivenAnswer], wanted: &Wanted) -> Count
         *strips = vec![all.collect()];
     }
     Counted { title, scale: scale.clone(), rows }
+}
+
+/// The mean of a person's answers, counted from 0.
+fn mean_place(counts: &[u32]) -> f64 {
+    let sum: f64 = counts.iter().enumerate().map(|(i, n)| i as f64 * f64::from(*n)).sum();
+    sum / f64::from(counts.iter().sum::<u32>())
 }
 
 /// `8 people × 12 answers`, `8 people × 10 to 12 answers`; of one `6 answers`.

@@ -51,10 +51,10 @@ impl RatingsPage {
 
 /// The pages of the questions with a scale of many points, from those that were answered in each
 /// environment.
-pub fn ratings_pages(asked: &[(&Environment, Vec<&Question>)]) -> Vec<RatingsPage> {
-    let several = asked.len() > 1;
+pub fn ratings_pages(answered: &[(&Environment, Vec<&Question>)]) -> Vec<RatingsPage> {
+    let several = answered.len() > 1;
     let mut wanted = Vec::new();
-    for (environment, questions) in asked {
+    for (environment, questions) in answered {
         for question in questions.iter().filter(|q| !q.scale.is_ordinal()) {
             let title = match several {
                 true => format!("{}: {}", environment.label, question.text),
@@ -111,8 +111,8 @@ fn panel(
     answers: &[GivenAnswer],
 ) -> Panel {
     let scale = &wanted.question.scale;
-    let given = scores(answers, wanted);
-    let shown: Vec<&Mode> = modes.iter().filter(|mode| given.contains_key(&mode.id)).collect();
+    let scores = scores(answers, wanted);
+    let shown: Vec<&Mode> = modes.iter().filter(|mode| scores.contains_key(&mode.id)).collect();
     let middle = f64::from(scale.ends_together()) / 2.0;
     let mut layers = vec![Layer::Reference(Reference {
         direction: Direction::Vertical,
@@ -122,7 +122,7 @@ fn panel(
         name: None,
     })];
     for (place, mode) in shown.iter().enumerate() {
-        let x = given.get(&mode.id).cloned().unwrap_or_default();
+        let x = scores.get(&mode.id).cloned().unwrap_or_default();
         let y = beside_each_other(&x).into_iter().map(|aside| place as f64 + aside).collect();
         layers.push(Layer::Points(Points {
             x,
@@ -136,8 +136,8 @@ fn panel(
     let [low, high] = [scale.lowest(), scale.highest()];
     let room = MARGIN * f64::from(high - low);
     let range = Range::Fixed(f64::from(low) - room, f64::from(high) + room);
-    let end = |score: i16| worded(&wanted.question, score);
-    let label = format!("{} … {}", end(low), end(high));
+    let [first, last] = [low, high].map(|score| worded(&wanted.question, score));
+    let label = format!("{first} … {last}");
     let x = Axis { range, ..Axis::new(plain(&label), "") };
     let turned = if wanted.question.reversed { " (reversed)" } else { "" };
     let names = shown.iter().map(|mode| plain(&format!("{}{turned}", mode.label)));
@@ -149,31 +149,31 @@ fn panel(
 /// The answers by mode, as scored, in rising order.
 fn scores<'a>(answers: &'a [GivenAnswer], wanted: &Wanted) -> BTreeMap<&'a ModeId, Vec<f64>> {
     let Wanted { environment, question, .. } = wanted;
-    let mut found: BTreeMap<&ModeId, Vec<f64>> = BTreeMap::new();
+    let mut scores: BTreeMap<&ModeId, Vec<f64>> = BTreeMap::new();
     for row in
         answers.iter().filter(|row| row.environment == *environment && row.question == question.id)
     {
         let score = question.scale.score(row.answer, question.reversed);
-        found.entry(&row.mode).or_default().push(score.into());
+        scores.entry(&row.mode).or_default().push(score.into());
     }
-    found.values_mut().for_each(|values| values.sort_by(f64::total_cmp));
-    found
+    scores.values_mut().for_each(|values| values.sort_by(f64::total_cmp));
+    scores
 }
 
 /// Median with quartiles, and the mean, of each mode.
 fn summaries(tally: &[AnswerTally], wanted: &Wanted, modes: &[&Mode]) -> [Layer; 2] {
     let question = Some(&wanted.question.id);
-    let row_of = |mode: &&Mode| {
+    let rows = modes.iter().map(|mode| {
         tally.iter().find(|row| {
             row.environment == wanted.environment
                 && row.mode == mode.id
                 && row.question.as_ref() == question
         })
-    };
-    let rows: Vec<Option<&AnswerTally>> = modes.iter().map(row_of).collect();
+    });
+    let rows: Vec<Option<&AnswerTally>> = rows.collect();
     // A mode without a number has no mark.
-    let numbers = |of: fn(&AnswerTally) -> Option<f64>| -> Vec<f64> {
-        rows.iter().map(|row| row.and_then(of).unwrap_or(f64::NAN)).collect()
+    let numbers = |pick: fn(&AnswerTally) -> Option<f64>| -> Vec<f64> {
+        rows.iter().map(|row| row.and_then(pick).unwrap_or(f64::NAN)).collect()
     };
     let at: Vec<f64> = (0..modes.len()).map(|place| place as f64 + BELOW).collect();
     let none = vec![f64::NAN; modes.len()];
@@ -201,13 +201,14 @@ fn summaries(tally: &[AnswerTally], wanted: &Wanted, modes: &[&Mode]) -> [Layer;
 /// A score with the word of the answer that it stands for: of a reversed question that at the other
 /// end.
 fn worded(question: &Question, score: i16) -> String {
-    let given = question.scale.score(score, question.reversed);
-    let word = question.scale.word(given).map(|word| format!(" {word}"));
+    // Turned round once more, a score is the answer.
+    let answer = question.scale.score(score, question.reversed);
+    let word = question.scale.word(answer).map(|word| format!(" {word}"));
     format!("{}{}", shown(score), word.unwrap_or_default())
 }
 
 /// Where equal answers lie so that all of them are seen, in rows: values in order.
 fn beside_each_other(values: &[f64]) -> Vec<f64> {
     let equal = values.chunk_by(|a, b| a - b == 0.0);
-    equal.flat_map(|of| (0..of.len()).map(|i| dodge(i, of.len()))).collect()
+    equal.flat_map(|ties| (0..ties.len()).map(|i| dodge(i, ties.len()))).collect()
 }

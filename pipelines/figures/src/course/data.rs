@@ -43,11 +43,11 @@ impl ModeData<'_> {
 pub(crate) fn repeats_averaged<'a>(
     modes: impl Iterator<Item = &'a ModeData<'a>>,
 ) -> Option<String> {
-    let most = |mode: &ModeData| {
+    let counts = modes.filter_map(|mode| {
         let angles: Vec<LoopAngle> = mode.loop_average?.to_rows().ok()?;
         angles.iter().map(|angle| angle.n).max()
-    };
-    let counts: Vec<usize> = modes.filter_map(most).collect();
+    });
+    let counts: Vec<usize> = counts.collect();
     let least = counts.iter().min()?;
     let most = counts.iter().max()?;
     Some(match (least == most, most) {
@@ -235,15 +235,18 @@ const APART_RAD: f64 = 0.005;
 
 /// The mean of a signal and its band; `None` if the average has no such signal.
 pub(crate) fn mean_curve(average: &Table, signal: Signal) -> Result<Option<MeanCurve>, TableError> {
-    let name = |what: &str| mean_column(signal, what);
-    if !average.fields().any(|f| f.name == name("mean")) {
+    let [mean, low, high] = ["mean", "ci_low", "ci_high"].map(|what| mean_column(signal, what));
+    if !average.fields().any(|f| f.name == mean) {
         return Ok(None);
     }
-    let column = |what: &str| Ok::<_, TableError>(gaps(average.floats(&name(what))?));
-    if column("mean")?.iter().all(|v| v.is_nan()) {
+    let mean = gaps(average.floats(&mean)?);
+    // A table may have the column where no repeat has the signal.
+    if mean.iter().all(|v| v.is_nan()) {
         return Ok(None);
     }
-    Ok(Some(MeanCurve { mean: column("mean")?, low: column("ci_low")?, high: column("ci_high")? }))
+    let low = gaps(average.floats(&low)?);
+    let high = gaps(average.floats(&high)?);
+    Ok(Some(MeanCurve { mean, low, high }))
 }
 
 /// Null becomes a gap in a curve.

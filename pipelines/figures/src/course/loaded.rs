@@ -49,6 +49,7 @@ impl<'a> Loaded<'a> {
         averages: Averages,
         warp: impl Fn(&[Trial]) -> Option<Vec<Option<Vec<f64>>>>,
     ) -> Result<Self, TableError> {
+        // By mode, so that the trials of each stand together for `warp`.
         trials.sort_by_key(|t| about.modes.iter().position(|mode| mode.id == t.meta.mode));
         let by_landmarks = alignment == Alignment::Landmarks && !averages.over_time.is_empty();
         let of_modes = trials.chunk_by(|a, b| a.meta.mode == b.meta.mode);
@@ -71,7 +72,7 @@ impl<'a> Loaded<'a> {
         })
     }
 
-    /// The same, by modes that have a repeat.
+    /// The data of the figures, for the modes that have a repeat.
     pub fn scene(&self) -> EnvironmentData<'_> {
         let Averages { over_time, over_position } = &self.averages;
         let modes = self.about.modes.iter().enumerate().filter_map(|(index, mode)| {
@@ -114,10 +115,11 @@ fn onset_s(trial: &Trial, analysis: &Analysis) -> Option<f64> {
 fn footnotes(averages: &Averages) -> Result<Vec<String>, TableError> {
     let Averages { over_time, over_position } = averages;
     let all = over_time.values().chain(over_position.values());
-    let said = all
+    // Where a mean ends is said once for all below, how means are aligned in the legend.
+    let kept = all
         .flat_map(Table::notes_by_kind)
         .filter(|(kind, _)| !matches!(kind, NoteKind::Extent | NoteKind::Alignment));
-    let mut notes: Vec<String> = said.map(|(_, note)| note.to_owned()).collect();
+    let mut notes: Vec<String> = kept.map(|(_, note)| note.to_owned()).collect();
     notes.sort();
     notes.dedup();
     let mut ends = Vec::new();

@@ -31,10 +31,10 @@ pub fn loops(about: &About, scenes: &[EnvironmentData]) -> Result<Figure, TableE
         let mut layers = Vec::new();
         for (i, scene) in scenes.iter().enumerate() {
             let Some(data) = scene.modes.iter().find(|m| m.index == index) else { continue };
-            let wall = wall_line(scene, words, Direction::Vertical);
+            let wall = wall_line(scene.environment, words, Direction::Vertical);
             layers.splice(0..0, wall); // behind the data
             let pen = style::mean(style::environment_colour(i)).dashed(style::dash(i));
-            layers.extend(one(scene, words, data, pen)?);
+            layers.extend(loop_layers(scene, words, data, pen)?);
         }
         if layers.is_empty() {
             continue;
@@ -92,7 +92,7 @@ fn footnotes(scenes: &[EnvironmentData], panels: &[Panel]) -> Vec<String> {
 const WHOSE: &str = "*F*: the user's force. The gap between the two ways is also due to inertia, damping and friction.";
 
 /// The mean loop, or every repeat's where there is no mean.
-fn one(
+fn loop_layers(
     scene: &EnvironmentData,
     words: Words,
     mode: &ModeData,
@@ -100,18 +100,16 @@ fn one(
 ) -> Result<Vec<Layer>, TableError> {
     let load = scene.load();
     let name = plain(&scene.environment.label);
-    let named = |line: Line| Layer::Line(Line { name: Some(name.clone()), ..line });
-    if mode.repeats.len() > 1
-        && let Some(line) = mean_loop(scene, words, mode, load, pen)?
-    {
-        return Ok(vec![named(line)]);
-    }
-    let lines = mode.repeats.iter().filter(|r| r.signal(Signal::Theta).is_some());
-    Ok(lines
-        .filter_map(|r| {
-            let single = style::single(pen.colour).dashed(pen.dash);
-            repeat_loop(words, r, load, single)
-        })
-        .map(named)
-        .collect())
+    // One repeat is no mean: it is drawn in the thin pen.
+    let mean = match mode.repeats.len() {
+        0 | 1 => None,
+        _ => mean_loop(scene, words, mode, load, pen)?,
+    };
+    let single = style::single(pen.colour).dashed(pen.dash);
+    let lines: Vec<Line> = match mean {
+        Some(line) => vec![line],
+        None => mode.repeats.iter().filter_map(|r| repeat_loop(words, r, load, single)).collect(),
+    };
+    let named = lines.into_iter().map(|line| Line { name: Some(name.clone()), ..line });
+    Ok(named.map(Layer::Line).collect())
 }

@@ -22,7 +22,7 @@ pub const MODES: FigureKind = FigureKind {
     drawn_from: "trial",
 };
 
-/// What is said where trials have a set-point.
+/// The note below a figure of trials that have a set-point.
 const UNDRAWN: &str = "The set-point (channel reference_rad) is not drawn, neither against time nor as a line or band on \
                        the right; the metrics of the step response measure against it.";
 
@@ -34,6 +34,7 @@ const PANEL_MM: f64 = 30.0;
 pub fn modes(scene: &EnvironmentData, beside: &[EnvironmentData]) -> Result<Figure, TableError> {
     let words = Words::new(scene.about.coordinate);
     let load = scene.load();
+    // A torque and a force have no axis in common.
     let all: Vec<&EnvironmentData> =
         [scene].into_iter().chain(beside.iter().filter(|other| other.load() == load)).collect();
     let mut panels = Vec::new();
@@ -47,12 +48,27 @@ pub fn modes(scene: &EnvironmentData, beside: &[EnvironmentData]) -> Result<Figu
     }
     let axes = [Signal::Theta, load].map(|s| axis(words, s).ranged(shared(&all, words, s)));
     let near = at_wall(scene, words).filter(|_| scene.has(load));
+    // The panel at the wall takes the lowest of the three rows.
     let cell = Cell::at(0, 1).spanning(if near.is_some() { 2 } else { 3 }, 1);
     panels.push(loop_panel(scene, words, cell, axes.clone())?);
     if let Some((from, to)) = near {
         let [x, y] = axes;
-        panels.push(wall_panel(scene, words, [x.ranged(Range::Fixed(from, to)), y])?);
+        let mut layers = loop_layers(scene, words)?;
+        for layer in &mut layers {
+            // In each mode's own dashes, not dotted: all of this panel is at the wall.
+            if let Layer::Line(line) = layer {
+                line.dotted.clear();
+            }
+        }
+        let x = x.ranged(Range::Fixed(from, to));
+        let panel = Panel::new(Cell::at(2, 1), x, y, layers).titled("at the wall");
+        panels.push(Panel { height_mm: Some(PANEL_MM), ..panel });
     }
+    let counts: Vec<String> = scene
+        .modes
+        .iter()
+        .map(|m| format!("{} {}", m.repeats.len(), in_a_sentence(m.label)))
+        .collect();
     Ok(Figure {
         title: Some(plain(&format!(
             "{}: {} ({})",
@@ -60,29 +76,20 @@ pub fn modes(scene: &EnvironmentData, beside: &[EnvironmentData]) -> Result<Figu
             scene.environment.label,
             keep_together(&scene.who)
         ))),
-        description: describe(scene, words),
+        description: format!(
+            "{}, environment {}: {}, force and velocity against time, and force against {}. Repeats: {}.",
+            scene.who,
+            scene.environment.label,
+            words.position_word(),
+            words.position_word(),
+            counts.join(", "),
+        ),
         panels,
         column_weights: vec![1.15, 1.0],
         footnotes: footnotes(scene),
         mark: mark(scene.sources()),
         ..Figure::default()
     })
-}
-
-fn describe(scene: &EnvironmentData, words: Words) -> String {
-    let counts: Vec<String> = scene
-        .modes
-        .iter()
-        .map(|m| format!("{} {}", m.repeats.len(), in_a_sentence(m.label)))
-        .collect();
-    format!(
-        "{}, environment {}: {}, force and velocity against time, and force against {}. Repeats: {}.",
-        scene.who,
-        scene.environment.label,
-        words.position_word(),
-        words.position_word(),
-        counts.join(", "),
-    )
 }
 
 /// What a thick line is: a mean, or the only repeat there is to draw one of.
@@ -127,15 +134,16 @@ fn footnotes(scene: &EnvironmentData) -> Vec<String> {
 /// How the dots of each mode stand, where there are several:
 /// ` (active dot by dot, hybrid in threes)`.
 fn rhythms(scene: &EnvironmentData) -> String {
-    let averaged: Vec<&ModeData> = scene.modes.iter().filter(|m| m.average.is_some()).collect();
-    let dots = |mode: &ModeData| match style::dash(mode.index).dotted() {
-        Dash::InTwos => "in twos",
-        Dash::InThrees => "in threes",
-        Dash::FarApart => "far apart",
-        _ => "dot by dot",
-    };
-    let one = |m: &&ModeData| format!("{} {}", plain(&in_a_sentence(m.label)), dots(m));
-    let all: Vec<String> = averaged.iter().map(one).collect();
+    let mut all = Vec::new();
+    for mode in scene.modes.iter().filter(|mode| mode.average.is_some()) {
+        let dots = match style::dash(mode.index).dotted() {
+            Dash::InTwos => "in twos",
+            Dash::InThrees => "in threes",
+            Dash::FarApart => "far apart",
+            _ => "dot by dot",
+        };
+        all.push(format!("{} {dots}", plain(&in_a_sentence(mode.label))));
+    }
     if all.len() < 2 { String::new() } else { format!(" ({})", all.join(", ")) }
 }
 
@@ -150,9 +158,11 @@ fn over_time(
         let note = format!("no {} was recorded", recorded_word(words, signal));
         return Ok(Panel { height_mm: Some(PANEL_MM), ..Panel::with_note(cell, time, y, note) });
     }
-    let at_wall =
-        (signal == Signal::Theta).then(|| wall_line(scene, words, Direction::Horizontal)).flatten();
-    let mut layers: Vec<Layer> = at_wall.into_iter().collect();
+    let mut layers = Vec::new();
+    if signal == Signal::Theta {
+        layers.extend(wall_line(scene.environment, words, Direction::Horizontal));
+    }
+    // Every repeat before any mean: a mean lies over the repeats of all modes.
     for mode in &scene.modes {
         let single = mode.average.is_none();
         let stroke = pen(mode, single);
@@ -197,8 +207,9 @@ fn loop_panel(
 /// The wall, every repeat, and the means on them.
 fn loop_layers(scene: &EnvironmentData, words: Words) -> Result<Vec<Layer>, TableError> {
     let load = scene.load();
-    // first, so that what lies along the wall is seen on it
-    let mut layers: Vec<Layer> = wall_line(scene, words, Direction::Vertical).into_iter().collect();
+    // The wall first, so that what lies along it is seen on it.
+    let mut layers = Vec::new();
+    layers.extend(wall_line(scene.environment, words, Direction::Vertical));
     for mode in &scene.modes {
         let stroke = pen(mode, mode.loop_average.is_none());
         let loops = mode.repeats.iter().filter_map(|r| repeat_loop(words, r, load, stroke));
@@ -209,21 +220,4 @@ fn loop_layers(scene: &EnvironmentData, words: Words) -> Result<Vec<Layer>, Tabl
         layers.extend(mean_loop(scene, words, mode, load, stroke)?.map(Layer::Line));
     }
     Ok(layers)
-}
-
-/// Force against position where the wall begins, in each mode's own dashes, for all of it is at the
-/// wall.
-fn wall_panel(
-    scene: &EnvironmentData,
-    words: Words,
-    [x, y]: [Axis; 2],
-) -> Result<Panel, TableError> {
-    let mut layers = loop_layers(scene, words)?;
-    for layer in &mut layers {
-        if let Layer::Line(line) = layer {
-            line.dotted.clear();
-        }
-    }
-    let panel = Panel::new(Cell::at(2, 1), x, y, layers).titled("at the wall");
-    Ok(Panel { height_mm: Some(PANEL_MM), ..panel })
 }

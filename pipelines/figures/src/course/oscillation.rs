@@ -24,7 +24,8 @@ pub fn oscillation(
 ) -> Figure {
     let from_s = (from_s - PERIODS * period_s).max(0.0);
     let to_s = to_s + PERIODS * period_s;
-    let panel = |(i, (t_s, theta_rad)): (usize, &(&[f64], &[f64]))| {
+    let mut layers = Vec::new();
+    for (i, (t_s, theta_rad)) in courses.iter().enumerate() {
         let inside = t_s.iter().zip(*theta_rad).filter(|(t, _)| (from_s..=to_s).contains(*t));
         let (x, y) = inside.map(|(t, theta)| (*t, theta.to_degrees())).unzip();
         let name = NAMES.get(i).map(|name| (*name).to_owned());
@@ -33,9 +34,8 @@ pub fn oscillation(
             0 => RECORDED,
             _ => style::single(style::environment_colour(i - 1)).dashed(style::dash(i - 1)),
         };
-        Layer::Line(Line { x, y, name, stroke, ..Line::default() })
-    };
-    let layers = courses.iter().enumerate().map(panel).collect();
+        layers.push(Layer::Line(Line { x, y, name, stroke, ..Line::default() }));
+    }
     let x = Axis::new("time", "s").ranged(Range::Fixed(from_s, to_s));
     let panel = Panel::new(Cell::at(0, 0), x, Axis::new("lever angle *θ*", "°"), layers);
     Figure {

@@ -6,6 +6,7 @@ use zwidth_draw::style::{self, Stroke};
 use zwidth_draw::{Axis, Band, Direction, Layer, Line, Reference};
 use zwidth_results::AveragedTime;
 use zwidth_store::Signal;
+use zwidth_study::Environment;
 use zwidth_tables::TableError;
 
 /// A signal as it stands on its axis: angles in degrees or millimetres, everything else as it is.
@@ -73,11 +74,13 @@ pub(crate) fn mean_over_time(
     let times: Vec<AveragedTime> = average.to_rows()?;
     let x: Vec<f64> = times.iter().map(|time| time.t_s).collect();
     let colour = style::mode_colour(mode.index);
+    // Whether a sample lies past the wall its mean angle says, whatever signal is drawn.
     let dotted =
         mean_curve(average, Signal::Theta)?.map_or(Vec::new(), |c| past_wall(scene, &c.mean));
     let shown = |values: &[f64]| on_axis(words, signal, values);
     let name = Some(mode.name());
     let mut layers = Vec::new();
+    // The mean of one repeat has no band.
     if curve.low.iter().any(|v| v.is_finite()) {
         let low = shown(&curve.low);
         let high = shown(&curve.high);
@@ -109,11 +112,11 @@ pub(crate) fn mean_loop(
 
 /// The line where the wall begins, across an axis that shows positions.
 pub(crate) fn wall_line(
-    scene: &EnvironmentData,
+    environment: &Environment,
     words: Words,
     direction: Direction,
 ) -> Option<Layer> {
-    let wall = scene.environment.scene.wall_rad()?;
+    let wall = environment.scene.wall_rad()?;
     let label = match direction {
         Direction::Vertical => Some(format!("wall {}", words.place(wall))),
         Direction::Horizontal => None,

@@ -2,11 +2,11 @@
 //! mean over them thick.
 
 use crate::course::data::{AT_THE_ANGLE, mean_loop_of};
-use crate::course::panels::{axis, on_axis};
+use crate::course::panels::{axis, on_axis, wall_line};
 use crate::words::{Words, mark, plain};
 use crate::{About, FigureKind};
 use zwidth_draw::style::{self, Stroke};
-use zwidth_draw::{Cell, Direction, Figure, Layer, Line, Panel, Reference};
+use zwidth_draw::{Cell, Direction, Figure, Layer, Line, Panel};
 use zwidth_results::ParticipantsLoopPoint;
 use zwidth_store::Signal;
 use zwidth_study::{Environment, Source};
@@ -60,25 +60,27 @@ pub fn mean_loops(
     sources: &[Source],
 ) -> Result<Figure, TableError> {
     let words = Words::new(about.coordinate);
-    let modes = || environments.iter().flat_map(|of| &of.modes);
-    let forces = modes()
-        .map(|of| Ok::<_, TableError>(mean_loop_of(of.mean, Signal::ForceEx)?.is_some()))
-        .collect::<Result<Vec<bool>, _>>()?;
-    let load = if forces.contains(&true) { Signal::ForceEx } else { Signal::TorqueEx };
+    let modes: Vec<&ModeOfPeople> = environments.iter().flat_map(|people| &people.modes).collect();
+    let mut has_force = false;
+    for mode in &modes {
+        has_force |= mean_loop_of(mode.mean, Signal::ForceEx)?.is_some();
+    }
+    let load = if has_force { Signal::ForceEx } else { Signal::TorqueEx };
     let load_word = if load == Signal::TorqueEx { "torque" } else { "force" };
-    let sessions: usize = modes().map(|mode| mode.sessions.len()).max().unwrap_or(0);
+    let sessions: usize = modes.iter().map(|mode| mode.sessions.len()).max().unwrap_or(0);
     let mut panels = Vec::new();
-    for (place, of) in environments.iter().enumerate() {
-        let mut thin = wall(words, of.environment);
+    for (place, people) in environments.iter().enumerate() {
+        let mut thin = Vec::new();
+        thin.extend(wall_line(people.environment, words, Direction::Vertical));
         let mut thick = Vec::new();
-        for mode in &of.modes {
+        for mode in &people.modes {
             let colour = style::mode_colour(mode.index);
             let each = mode.sessions.iter().filter(|_| draws_each(sessions));
             for session in each {
                 thin.extend(curve(words, session, load, style::faint(colour))?.map(Layer::Line));
             }
             let pen = style::mean(colour).dashed(style::dash(mode.index));
-            let name = about.modes.get(mode.index).map(|known| named(&known.label, mode.mean));
+            let name = about.modes.get(mode.index).map(|own| named(&own.label, mode.mean));
             let line = curve(words, mode.mean, load, pen)?;
             thick.extend(line.map(|line| Layer::Line(Line { name, ..line })));
         }
@@ -89,7 +91,7 @@ pub fn mean_loops(
             true => Panel::with_note(cell, x, y, "nobody's repeats have a mean"),
             false => Panel::new(cell, x, y, thin.into_iter().chain(thick).collect()),
         };
-        let panel = panel.titled(plain(&of.environment.label));
+        let panel = panel.titled(plain(&people.environment.label));
         panels.push(Panel { height_mm: Some(PANEL_MM), ..panel });
     }
     let each = "; thin: the mean of one person's repeats in one session, as far as they go";
@@ -115,15 +117,12 @@ pub fn mean_loops(
     })
 }
 
-/// `Hybrid (12 people × 2 sessions)`.
+/// `Hybrid (12 people, 24 sessions)`: not everybody may have come equally often.
 fn named(label: &str, mean: &Table) -> String {
     // Where nobody has a loop there is no point to say of how many it is.
     let points: Vec<ParticipantsLoopPoint> = mean.to_rows().unwrap_or_default();
     plain(&match points.first().map(|point| (point.n, point.sessions)) {
         Some((n, sessions)) if sessions == n => format!("{label} ({n} people)"),
-        Some((n, sessions)) if sessions % n == 0 => {
-            format!("{label} ({n} people × {} sessions)", sessions / n)
-        }
         Some((n, sessions)) => format!("{label} ({n} people, {sessions} sessions)"),
         None => label.to_owned(),
     })
@@ -138,21 +137,6 @@ fn curve(
 ) -> Result<Option<Line>, TableError> {
     let Some([theta, y]) = mean_loop_of(table, load)? else { return Ok(None) };
     Ok(Some(Line { x: on_axis(words, Signal::Theta, &theta), y, stroke, ..Line::default() }))
-}
-
-/// The line where the wall begins.
-fn wall(words: Words, environment: &Environment) -> Vec<Layer> {
-    let at = environment.scene.wall_rad();
-    let line = at.map(|wall| {
-        Layer::Reference(Reference {
-            direction: Direction::Vertical,
-            at: words.position(wall),
-            label: Some(format!("wall {}", words.place(wall))),
-            stroke: style::reference(),
-            name: None,
-        })
-    });
-    line.into_iter().collect()
 }
 
 #[cfg(test)]

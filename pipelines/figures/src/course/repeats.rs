@@ -1,7 +1,7 @@
 //! Figures 36–41: every repeat of one condition; the commanded force is dotted.
 
 use crate::FigureKind;
-use crate::course::data::{EnvironmentData, ModeData, Repeat};
+use crate::course::data::{EnvironmentData, ModeData};
 use crate::course::panels::{
     axis, on_axis, recorded_word, repeat_loop, repeat_over_time, wall_line,
 };
@@ -26,7 +26,7 @@ pub fn repeats(scene: &EnvironmentData, mode: &ModeData) -> Figure {
     let load = scene.load();
     let alone = EnvironmentData { modes: vec![mode.clone()], ..scene.clone() };
     let near = at_wall(&alone, words).filter(|_| scene.has(load));
-    // four panels find no room in a row
+    // Four panels find no room in a row.
     let places = match near {
         Some(_) => [Cell::at(0, 0), Cell::at(1, 0), Cell::at(1, 1)],
         None => [Cell::at(0, 0), Cell::at(0, 1), Cell::at(0, 2)],
@@ -43,8 +43,8 @@ pub fn repeats(scene: &EnvironmentData, mode: &ModeData) -> Figure {
         layers.retain(|layer| !matches!(layer, Layer::Text(_)));
         Panel { x, layers, ..panel }
     }));
-    let is_commanded = |repeat: &Repeat| repeat.trial.samples.get(Signal::ForceCmd).is_some();
-    let dotted = match mode.repeats.iter().any(is_commanded) {
+    let mut repeats = mode.repeats.iter();
+    let dotted = match repeats.any(|repeat| repeat.signal(Signal::ForceCmd).is_some()) {
         true => " Dotted: the commanded feedback force of the repeat that goes furthest.",
         false => "",
     };
@@ -75,6 +75,7 @@ fn strokes(mode: &ModeData) -> Vec<style::Stroke> {
     let colour = style::mode_colour(mode.index);
     let n = mode.repeats.len();
     (0..n)
+        // Every other one dashed: shades that follow each other are hard to tell apart.
         .map(|i| style::single(style::repeat_colour(colour, i, n)).dashed(style::dash(i % 2)))
         .collect()
 }
@@ -93,12 +94,13 @@ fn force_panel(
 ) -> Panel {
     let x = words.position_axis();
     let y = axis(words, load).linked("force");
-    let all = |signal| {
+    let [felt, commands] = [load, Signal::ForceCmd].map(|signal| {
         let signals = mode.repeats.iter().filter_map(move |repeat| repeat.signal(signal));
         signals.flat_map(|values| values.iter().copied())
-    };
-    let cut = without_excess(all(load), all(Signal::ForceCmd));
-    let mut layers: Vec<Layer> = wall_line(scene, words, Direction::Vertical).into_iter().collect();
+    });
+    let cut = without_excess(felt, commands);
+    let mut layers = Vec::new();
+    layers.extend(wall_line(scene.environment, words, Direction::Vertical));
     for (i, (repeat, stroke)) in mode.repeats.iter().zip(strokes(mode)).enumerate() {
         if let Some(line) = repeat_loop(words, repeat, load, stroke) {
             layers.push(Layer::Line(Line { name: Some(name(mode, i)), ..line }));
@@ -117,19 +119,17 @@ fn force_panel(
 /// The commanded force of the repeat that goes furthest: before it turns it is every repeat's. Of
 /// its way back what lies on the way there is left out, for dots on dots make a solid line.
 fn commanded(words: Words, mode: &ModeData) -> Option<Layer> {
-    let furthest = |theta: &[f64]| theta.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let (theta, force) = mode
-        .repeats
-        .iter()
-        .filter_map(|r| {
-            Some((r.signal(Signal::Theta)?.to_vec(), r.signal(Signal::ForceCmd)?.to_vec()))
-        })
-        .max_by(|(a, _), (b, _)| furthest(a).total_cmp(&furthest(b)))?;
-    let x = on_axis(words, Signal::Theta, &theta);
+    let commands = mode.repeats.iter().filter_map(|r| {
+        let theta = r.signal(Signal::Theta)?;
+        let furthest = theta.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        Some((furthest, theta, r.signal(Signal::ForceCmd)?))
+    });
+    let (_, theta, force) = commands.max_by(|(a, ..), (b, ..)| a.total_cmp(b))?;
+    let x = on_axis(words, Signal::Theta, theta);
     let name = Some("commanded force".to_owned());
     Some(Layer::Line(Line {
         x,
-        y: once(&theta, &force),
+        y: once(theta, force),
         stroke: style::commanded(),
         name,
         ..Line::default()
@@ -142,6 +142,7 @@ fn once(theta: &[f64], force: &[f64]) -> Vec<f64> {
     const SAME: f64 = 0.01;
     let turn = (0..theta.len()).max_by(|a, b| theta[*a].total_cmp(&theta[*b])).unwrap_or(0);
     let same_n = SAME * force.iter().copied().fold(0.0, f64::max);
+    // Angles that only rise, whatever trembling there is in a recording: they can be searched.
     let mut highest = f64::NEG_INFINITY;
     let reached: Vec<f64> = theta[..(turn + 1).min(theta.len())]
         .iter()
@@ -150,16 +151,22 @@ fn once(theta: &[f64], force: &[f64]) -> Vec<f64> {
             highest
         })
         .collect();
-    let before = |at: f64| {
-        let next = Some(reached.partition_point(|t| *t < at)).filter(|i| *i < reached.len())?;
-        let from = next.saturating_sub(1);
-        let to = next;
-        let share = if to > from { (at - theta[from]) / (theta[to] - theta[from]) } else { 0.0 };
-        Some(force[from] + share * (force[to] - force[from]))
-    };
-    let drawn =
-        |i: usize| i > turn && before(theta[i]).is_some_and(|f| (f - force[i]).abs() <= same_n);
-    (0..force.len()).map(|i| if drawn(i) { f64::NAN } else { force[i] }).collect()
+    let mut drawn = force.to_vec();
+    for i in turn + 1..force.len() {
+        // Where the way there came to this angle first.
+        let to = reached.partition_point(|t| *t < theta[i]);
+        if to >= reached.len() {
+            continue;
+        }
+        let from = to.saturating_sub(1);
+        let share =
+            if to > from { (theta[i] - theta[from]) / (theta[to] - theta[from]) } else { 0.0 };
+        let before = force[from] + share * (force[to] - force[from]);
+        if (before - force[i]).abs() <= same_n {
+            drawn[i] = f64::NAN;
+        }
+    }
+    drawn
 }
 
 fn time_panel(
@@ -174,9 +181,11 @@ fn time_panel(
             let line = repeat_over_time(scene, words, repeat, signal, stroke)?;
             Some(Layer::Line(Line { name: Some(name(mode, i)), ..line }))
         });
-    let at_wall =
-        (signal == Signal::Theta).then(|| wall_line(scene, words, Direction::Horizontal)).flatten();
-    let layers = at_wall.into_iter().chain(lines).collect();
+    let mut layers = Vec::new();
+    if signal == Signal::Theta {
+        layers.extend(wall_line(scene.environment, words, Direction::Horizontal));
+    }
+    layers.extend(lines);
     let panel = Panel::new(cell, time_axis(scene.time_label()), axis(words, signal), layers);
     finished(panel, words, signal)
 }

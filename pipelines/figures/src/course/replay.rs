@@ -65,16 +65,15 @@ pub fn replay(
 
 /// A mode's trial and its models; `None` if it has no trial.
 fn replayed(courses: &[CourseSample], mode: &Mode) -> Option<Replayed> {
-    let of = |series| courses.iter().filter(move |row| row.mode == mode.id && row.series == series);
-    let first = of(CourseSeries::Recorded).next()?;
-    let fitted = motion(of(CourseSeries::Fitted));
-    Some(Replayed {
-        title: format!("{}, trial {}", mode.label, first.trial),
-        source: first.source,
-        recorded: motion(of(CourseSeries::Recorded)),
-        by_eye: motion(of(CourseSeries::ByEye)),
-        fitted: (!fitted.t_s.is_empty()).then_some(fitted),
-    })
+    let mut own = courses.iter().filter(|row| row.mode == mode.id);
+    let first = own.find(|row| row.series == CourseSeries::Recorded)?;
+    let [recorded, by_eye, fitted] =
+        [CourseSeries::Recorded, CourseSeries::ByEye, CourseSeries::Fitted].map(|series| {
+            motion(courses.iter().filter(|row| row.mode == mode.id && row.series == series))
+        });
+    let fitted = (!fitted.t_s.is_empty()).then_some(fitted);
+    let title = format!("{}, trial {}", mode.label, first.trial);
+    Some(Replayed { title, source: first.source, recorded, by_eye, fitted })
 }
 
 fn motion<'c>(rows: impl Iterator<Item = &'c CourseSample>) -> Motion {
@@ -98,7 +97,14 @@ fn figure(
 ) -> Figure {
     let words = Words::new(about.coordinate);
     let wall_rad = environment.scene.wall_rad();
-    let cut = excess(trials);
+    let mut acting: Vec<f64> = Vec::new();
+    for trial in trials {
+        acting.extend(models(trial).flat_map(|(motion, _, _)| &motion.feedback_n));
+        acting.extend(&trial.recorded.force_ex_n);
+    }
+    let commanded = trials.iter().flat_map(|trial| trial.recorded.feedback_n.iter().copied());
+    // One axis for all columns, so that the forces of the modes can be compared.
+    let cut = without_excess(acting, commanded);
     let mut panels = Vec::new();
     for (column, trial) in trials.iter().enumerate() {
         panels.push(forces(trial, column, cut));
@@ -138,16 +144,6 @@ fn figure(
 pub(crate) const RECORDED: Stroke =
     Stroke { width_pt: 2.4, opacity: 0.35, ..style::mean(style::INK) };
 
-/// The axis of forces where a command goes far beyond what acts, and how far.
-fn excess(trials: &[Replayed]) -> Option<(Range, f64)> {
-    let acting = |trial: &Replayed| -> Vec<f64> {
-        let feedback = models(trial).flat_map(|(motion, _, _)| motion.feedback_n.iter().copied());
-        feedback.chain(trial.recorded.force_ex_n.iter().copied()).collect()
-    };
-    let commanded = trials.iter().flat_map(|trial| trial.recorded.feedback_n.iter().copied());
-    without_excess(trials.iter().flat_map(acting), commanded)
-}
-
 /// The models with their pens and names; what was chosen by eye is dashed.
 fn models(trial: &Replayed) -> impl Iterator<Item = (&Motion, Stroke, &'static str)> {
     let by_eye = style::single(style::environment_colour(2)).dashed(Dash::Dashed);
@@ -169,6 +165,7 @@ fn forces(trial: &Replayed, column: usize, cut: Option<(Range, f64)>) -> Panel {
     layers.extend(
         models(trial).filter_map(|(motion, pen, name)| line(motion, &motion.feedback_n, pen, name)),
     );
+    // Last, so that its dots are seen on every curve.
     let commanded = &recorded.feedback_n;
     layers.extend(line(recorded, commanded, style::commanded(), "feedback commanded"));
     let axis = Axis::new("*F*", "N").linked("force");
@@ -199,19 +196,15 @@ fn velocity(words: Words, trial: &Replayed, column: usize) -> Panel {
 fn lines(
     words: Words,
     trial: &Replayed,
-    of: fn(&Motion) -> &Vec<f64>,
+    pick: fn(&Motion) -> &Vec<f64>,
 ) -> impl Iterator<Item = Layer> {
-    let line = move |(motion, stroke, name): (&Motion, Stroke, &str)| {
-        let y = words.positions(of(motion).iter().copied().map(Some));
-        Layer::Line(Line {
-            x: motion.t_s.clone(),
-            y,
-            stroke,
-            name: Some(name.to_owned()),
-            ..Line::default()
-        })
-    };
-    [(&trial.recorded, RECORDED, "recorded")].into_iter().chain(models(trial)).map(line)
+    let recorded = [(&trial.recorded, RECORDED, "recorded")];
+    recorded.into_iter().chain(models(trial)).map(move |(motion, stroke, name)| {
+        let x = motion.t_s.clone();
+        let y = words.positions(pick(motion).iter().copied().map(Some));
+        let name = Some(name.to_owned());
+        Layer::Line(Line { x, y, stroke, name, ..Line::default() })
+    })
 }
 
 /// A line across at a value.

@@ -25,44 +25,30 @@ const UNDER_PT: f64 = 3.0;
 pub fn bow_tie(scene: &str, samples: &[BowTieSample], note: &str) -> Figure {
     let words = Words::new(Coordinate::Rotational);
     let theta = words.positions(samples.iter().map(|sample| Some(sample.theta_rad)));
-    let felt = |get: fn(&BowTieSample) -> f64| samples.iter().map(move |sample| -get(sample));
-    let line = |x: &[f64], y: Vec<f64>, stroke: Stroke, name: &str| {
-        Layer::Line(Line {
-            x: x.to_vec(),
-            y,
-            stroke,
-            name: Some(name.to_owned()),
-            ..Line::default()
-        })
-    };
-    let total: Vec<f64> = felt(|sample| sample.force_total_n).collect();
-    let under = |colour, dash| Stroke { width_pt: UNDER_PT, dash, ..style::mean(colour) };
-    let zero = |direction| {
-        Layer::Reference(Reference {
-            direction,
-            at: 0.0,
-            label: None,
-            stroke: style::reference(),
-            name: None,
-        })
-    };
-    let layers = vec![
-        zero(Direction::Horizontal),
-        zero(Direction::Vertical),
-        line(
-            &theta,
-            acting(felt(|sample| sample.force_brake_n)),
-            under(style::BRAKE, Dash::Dotted),
-            "brake (stronger)",
-        ),
-        line(
-            &theta,
-            acting(felt(|sample| sample.force_motor_n)),
-            under(style::MOTOR, Dash::Dashed),
-            "motor (weaker)",
-        ),
-        line(&closed(&theta), closed(&total), style::single(style::INK), "total"),
-    ];
+    let mut layers = Vec::new();
+    for direction in [Direction::Horizontal, Direction::Vertical] {
+        let stroke = style::reference();
+        let zero = Reference { direction, at: 0.0, label: None, stroke, name: None };
+        layers.push(Layer::Reference(zero));
+    }
+    let brake = acting(samples.iter().map(|sample| -sample.force_brake_n));
+    let motor = acting(samples.iter().map(|sample| -sample.force_motor_n));
+    let total: Vec<f64> = samples.iter().map(|sample| -sample.force_total_n).collect();
+    for (name, y, colour, dash) in [
+        ("brake (stronger)", brake, style::BRAKE, Dash::Dotted),
+        ("motor (weaker)", motor, style::MOTOR, Dash::Dashed),
+    ] {
+        let stroke = Stroke { width_pt: UNDER_PT, dash, ..style::mean(colour) };
+        let name = Some(name.to_owned());
+        layers.push(Layer::Line(Line { x: theta.clone(), y, stroke, name, ..Line::default() }));
+    }
+    layers.push(Layer::Line(Line {
+        x: closed(&theta),
+        y: closed(&total),
+        stroke: style::single(style::INK),
+        name: Some("total".to_owned()),
+        ..Line::default()
+    }));
     let panel = Panel::new(
         Cell::at(0, 0),
         words.position_axis(),

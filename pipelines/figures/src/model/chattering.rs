@@ -1,9 +1,9 @@
 //! Swings of solvers against their step, on logarithmic axes: an oscillation of the method vanishes
 //! with its step, one of the model stays.
 
-use crate::words::{model_mark, plain};
+use crate::words::{logarithms, model_mark, plain, powers_axis};
 use zwidth_draw::style::{self, Stroke};
-use zwidth_draw::{Axis, Cell, Figure, Layer, Line, Panel, Points, Ticks};
+use zwidth_draw::{Cell, Figure, Layer, Line, Panel, Points};
 use zwidth_dynamics::NAMED_SOLVERS;
 use zwidth_results::ChatteringRun;
 
@@ -61,8 +61,8 @@ impl Curve {
 fn merged(curves: &[Curve]) -> Vec<Curve> {
     let mut merged: Vec<Curve> = Vec::new();
     for curve in curves {
-        let same = |other: &&mut Curve| !other.swings() && other.reversals == curve.reversals;
-        match merged.iter_mut().find(same).filter(|_| !curve.swings()) {
+        let mut others = merged.iter_mut().filter(|other| !other.swings() && !curve.swings());
+        match others.find(|other| other.reversals == curve.reversals) {
             Some(other) => other.name.push_str(&format!(", {}", curve.name)),
             None => merged.push(curve.clone()),
         }
@@ -81,24 +81,27 @@ fn notes(note: &str, curves: &[Curve]) -> Vec<String> {
 }
 
 fn curves(runs: &[ChatteringRun]) -> Vec<Curve> {
-    let degrees = |angle: Option<f64>| angle.map_or(f64::NAN, |rad| 1_f64.to_degrees() * rad);
-    let of_solver = |runs: &[ChatteringRun]| Curve {
-        name: words(&runs[0].solver),
-        stroke: style::mean(style::INK),
-        step_ms: runs.iter().map(|run| MS_PER_S * run.step_s).collect(),
-        amplitude_deg: runs.iter().map(|run| degrees(run.swing_amplitude_rad)).collect(),
-        excess_deg: runs.iter().map(|run| degrees(run.theta_excess_rad)).collect(),
-        reversals: runs
-            .iter()
-            .map(|run| run.reversals.map_or(f64::NAN, |count| count as f64))
-            .collect(),
-    };
-    let mut curves: Vec<Curve> =
-        runs.chunk_by(|a, b| a.solver == b.solver).map(of_solver).collect();
+    let mut curves = Vec::new();
+    for runs in runs.chunk_by(|a, b| a.solver == b.solver) {
+        let reversals = runs.iter().map(|run| run.reversals.map_or(f64::NAN, |n| n as f64));
+        curves.push(Curve {
+            name: words(&runs[0].solver),
+            stroke: style::mean(style::INK),
+            step_ms: runs.iter().map(|run| MS_PER_S * run.step_s).collect(),
+            amplitude_deg: runs.iter().map(|run| degrees(run.swing_amplitude_rad)).collect(),
+            excess_deg: runs.iter().map(|run| degrees(run.theta_excess_rad)).collect(),
+            reversals: reversals.collect(),
+        });
+    }
+    // Colours and dashes of their own only for those that are told apart: the others share a line.
     for (i, curve) in curves.iter_mut().filter(|curve| curve.swings()).enumerate() {
         curve.stroke = style::mean(style::solver_colour(i + 1)).dashed(style::dash(i));
     }
     curves
+}
+
+fn degrees(angle_rad: Option<f64>) -> f64 {
+    angle_rad.map_or(f64::NAN, |rad| 1_f64.to_degrees() * rad)
 }
 
 /// A panel; where there is nothing to show it says so.
@@ -118,18 +121,13 @@ fn panel(
             Points { x: x.clone(), y: y.clone(), colour: stroke.colour, ..Points::default() };
         [Layer::Points(points), Layer::Line(Line { x, y, stroke, name, ..Line::default() })]
     });
-    let powers = |axis: Axis| Axis { ticks: Ticks::Powers, ..axis };
-    let x = powers(Axis::new("step *h*", "ms"));
-    let y = powers(Axis::new(label, unit));
+    let x = powers_axis("step *h*", "ms").linked("step");
+    let y = powers_axis(label, unit);
+    // What is 0 has no place on an axis of powers, and an axis without a place no ends.
     let nothing = !curves.iter().flat_map(|curve| pick(curve)).any(|value| *value > 0.0);
     let note = nothing.then(|| "none".to_owned());
-    let panel = Panel::new(Cell::at(0, column), x.linked("step"), y, layers.collect());
+    let panel = Panel::new(Cell::at(0, column), x, y, layers.collect());
     Panel { height_mm: Some(PANEL_MM), note, ..panel }
-}
-
-/// What an axis of powers of ten takes; what is not above zero has no place on it.
-fn logarithms(values: &[f64]) -> Vec<f64> {
-    values.iter().map(|&v| if v > 0.0 { libm::log10(v) } else { f64::NAN }).collect()
 }
 
 /// A solver as people write it.
@@ -141,6 +139,7 @@ fn words(solver: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use zwidth_draw::Ticks;
 
     fn run(solver: &str, step_s: f64, swing: f64, excess: f64, turns: usize) -> ChatteringRun {
         ChatteringRun {

@@ -1,12 +1,11 @@
 //! That an oscillation is the method's and not the device's, at a glance: three runs of one scene,
 //! and how size and number of the swings depend on the step.
 
-use crate::words::{model_mark, plain};
+use crate::words::{logarithms, model_mark, plain, powers_axis, solver_colour};
 use zwidth_draw::style::{self, Stroke};
 use zwidth_draw::{
-    Axis, Cell, Figure, Layer, Line, Panel, Points, Range, TWO_COLUMNS_MM, Text, TextPlace, Ticks,
+    Axis, Cell, Figure, Layer, Line, Panel, Points, Range, TWO_COLUMNS_MM, Text, TextPlace,
 };
-use zwidth_dynamics::NAMED_SOLVERS;
 use zwidth_results::{TradeRun, TradeSetting};
 
 /// Heights of the panels, mm.
@@ -42,34 +41,24 @@ pub fn finding(runs: &[TradeRun], settings: &[TradeSetting], felt: &Felt) -> Fig
     let runs: Vec<Run> = runs.iter().map(Run::of).collect();
     let steps = Steps::of(settings, felt.solver);
     let changes = runs.iter().find(|run| run.step_ms.is_none()).map_or(0, |run| run.changes);
-    let powers = |label: &str, unit: &str| Axis { ticks: Ticks::Powers, ..Axis::new(label, unit) };
-    let x = || powers("step *h*", "ms").linked("step");
-    let curve = |y: &[f64], expect: &str| {
-        let x = logarithms(&steps.step_ms);
-        let y = logarithms(y);
-        let number = NAMED_SOLVERS.iter().position(|named| named.name == felt.solver);
-        let colour = style::solver_colour(number.unwrap_or(0));
-        let points = Points { x: x.clone(), y: y.clone(), colour, ..Points::default() };
-        let line = Line { x, y, stroke: style::mean(colour), ..Line::default() };
-        let words = Text { lines: vec![expect.to_owned()], place: TextPlace::EmptiestCorner };
-        vec![Layer::Line(line), Layer::Points(points), Layer::Text(words)]
-    };
+    let size = steps_panel(
+        Cell::at(1, 0),
+        powers_axis("size of a swing", "°"),
+        [&steps.step_ms, &steps.amplitude_deg],
+        felt.solver,
+        "found by events: none".to_owned(),
+    );
+    let number = steps_panel(
+        Cell::at(1, 1),
+        powers_axis("changes of direction", ""),
+        [&steps.step_ms, &steps.reversals],
+        felt.solver,
+        format!("found by events: {changes} changes"),
+    );
     let panels = vec![
         courses_panel(&runs),
-        panel(
-            0,
-            x(),
-            powers("size of a swing", "°"),
-            curve(&steps.amplitude_deg, "found by events: none"),
-            "**b**  Half the step: a quarter of the swing …",
-        ),
-        panel(
-            1,
-            x(),
-            powers("changes of direction", ""),
-            curve(&steps.reversals, &format!("found by events: {changes} changes")),
-            "**c**  … and twice as many",
-        ),
+        size.titled("**b**  Half the step: a quarter of the swing …"),
+        number.titled("**c**  … and twice as many"),
     ];
     Figure {
         title: Some("The oscillation is the method’s, not the device’s".to_owned()),
@@ -107,20 +96,28 @@ impl Run {
 
 /// The angle while the lever should rest at its top, and a little before and after, of each run.
 fn courses_panel(runs: &[Run]) -> Panel {
+    // What finds events is right; without it, the finest step is nearest to it.
     let right = runs.iter().rev().find(|run| run.step_ms.is_none()).or(runs.last());
-    let (top_deg, from, to) = right.map_or((0.0, 0.0, 1.0), rest);
+    let Rest { top_deg, from_s, to_s } =
+        right.map_or(Rest { top_deg: 0.0, from_s: 0.0, to_s: 1.0 }, rest);
     let layers = runs.iter().enumerate().map(|(i, run)| {
         let pairs = run.t_s.iter().copied().zip(run.theta_deg.iter().copied());
-        let (x, y) = pairs.filter(|(t, _)| (from..=to).contains(t)).unzip();
-        let name = match run.step_ms {
-            Some(step_ms) => format!("RK4, step {step_ms} ms"),
-            None => format!("events found: {} changes of motion", run.changes),
+        let (x, y) = pairs.filter(|(t, _)| (from_s..=to_s).contains(t)).unzip();
+        let (name, stroke) = match run.step_ms {
+            Some(step_ms) => {
+                let pen = style::mean(style::environment_colour(i));
+                (format!("RK4, step {step_ms} ms"), pen)
+            }
+            None => {
+                let pen = Stroke { width_pt: 1.8, ..style::mean(style::INK) };
+                (format!("events found: {} changes of motion", run.changes), pen)
+            }
         };
-        Layer::Line(Line { x, y, stroke: pen(i, run), name: Some(plain(&name)), ..Line::default() })
+        Layer::Line(Line { x, y, stroke, name: Some(plain(&name)), ..Line::default() })
     });
     let highest = runs.iter().flat_map(|run| run.theta_deg.iter().copied()).fold(top_deg, f64::max);
     let room = Range::Fixed(top_deg - BELOW_DEG, highest + ABOVE_DEG);
-    let x = Axis::new("*t*", "s").ranged(Range::Fixed(from, to));
+    let x = Axis::new("*t*", "s").ranged(Range::Fixed(from_s, to_s));
     let y = Axis::new("*θ*", "°").ranged(room);
     let cell = Cell { row: 0, column: 0, rows: 1, columns: 2 };
     let title = "**a**  One scene, three runs: the lever should stop and stay";
@@ -128,26 +125,41 @@ fn courses_panel(runs: &[Run]) -> Panel {
     Panel { height_mm: Some(COURSES_MM), ..panel }
 }
 
-/// The top of a run, °, and from when to when it is near it, s, with some room.
-fn rest(run: &Run) -> (f64, f64, f64) {
+/// The top of a run, and from when to when it is near it, with some room.
+struct Rest {
+    top_deg: f64,
+    from_s: f64,
+    to_s: f64,
+}
+
+fn rest(run: &Run) -> Rest {
     let top_deg = run.theta_deg.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let pairs = || run.t_s.iter().zip(&run.theta_deg);
-    let mut near = pairs().filter(|(_, theta)| **theta > top_deg - NEAR_DEG).map(|(t, _)| *t);
+    let pairs = run.t_s.iter().zip(&run.theta_deg);
+    let mut near = pairs.filter(|(_, theta)| **theta > top_deg - NEAR_DEG).map(|(t, _)| *t);
     let first = near.next().unwrap_or(0.0);
+    // Whatever lies between: a lever that chatters leaves its top now and then.
     let last = near.next_back().unwrap_or(first);
     let room = ROOM * (last - first).max(SHORTEST_S);
-    (top_deg, first - room, last + room)
+    Rest { top_deg, from_s: first - room, to_s: last + room }
 }
 
-fn pen(number: usize, run: &Run) -> Stroke {
-    match run.step_ms {
-        None => Stroke { width_pt: 1.8, ..style::mean(style::INK) },
-        Some(_) => style::mean(style::environment_colour(number)),
-    }
-}
-
-fn panel(column: usize, x: Axis, y: Axis, layers: Vec<Layer>, title: &str) -> Panel {
-    let panel = Panel::new(Cell::at(1, column), x, y, layers).titled(title);
+/// Values of a solver against its step, ms, and in words what the one that finds events has.
+fn steps_panel(
+    cell: Cell,
+    y_axis: Axis,
+    [step_ms, values]: [&[f64]; 2],
+    solver: &str,
+    exact: String,
+) -> Panel {
+    let x = logarithms(step_ms);
+    let y = logarithms(values);
+    let colour = solver_colour(solver);
+    let points = Points { x: x.clone(), y: y.clone(), colour, ..Points::default() };
+    let line = Line { x, y, stroke: style::mean(colour), ..Line::default() };
+    let words = Text { lines: vec![exact], place: TextPlace::EmptiestCorner };
+    let layers = vec![Layer::Line(line), Layer::Points(points), Layer::Text(words)];
+    let x_axis = powers_axis("step *h*", "ms").linked("step");
+    let panel = Panel::new(cell, x_axis, y_axis, layers);
     Panel { height_mm: Some(STEPS_MM), ..panel }
 }
 
@@ -161,25 +173,18 @@ struct Steps {
 impl Steps {
     /// Those of a solver that swings.
     fn of(settings: &[TradeSetting], solver: &str) -> Self {
-        let is_it = |setting: &&TradeSetting| {
-            *setting.solver == *solver && setting.swings.is_some_and(|swings| swings > 0)
-        };
-        let pick = |get: fn(&TradeSetting) -> Option<f64>| -> Vec<f64> {
-            settings.iter().filter(is_it).map(|s| get(s).unwrap_or(f64::NAN)).collect()
-        };
-        Self {
-            step_ms: pick(|s| s.step_s.map(|step_s| MS_PER_S * step_s)),
-            amplitude_deg: pick(|s| {
-                s.swing_amplitude_rad.filter(|rad| *rad > LEAST_RAD).map(f64::to_degrees)
-            }),
-            reversals: pick(|s| s.reversals.map(|n| n as f64)),
+        let mut steps = Self { step_ms: vec![], amplitude_deg: vec![], reversals: vec![] };
+        for setting in settings.iter().filter(|setting| *setting.solver == *solver) {
+            if setting.swings.is_none_or(|swings| swings == 0) {
+                continue;
+            }
+            let amplitude_rad = setting.swing_amplitude_rad.filter(|rad| *rad > LEAST_RAD);
+            steps.step_ms.push(setting.step_s.map_or(f64::NAN, |step_s| MS_PER_S * step_s));
+            steps.amplitude_deg.push(amplitude_rad.map_or(f64::NAN, f64::to_degrees));
+            steps.reversals.push(setting.reversals.map_or(f64::NAN, |n| n as f64));
         }
+        steps
     }
-}
-
-/// What an axis of powers of ten takes; what is not above zero has no place on it.
-fn logarithms(values: &[f64]) -> Vec<f64> {
-    values.iter().map(|&v| if v > 0.0 { libm::log10(v) } else { f64::NAN }).collect()
 }
 
 #[cfg(test)]
@@ -203,7 +208,7 @@ mod tests {
 
     #[test]
     fn the_top_panel_shows_the_time_at_which_the_lever_should_rest() {
-        let (top_deg, from, to) = rest(&Run::of(&courses()[1]));
+        let Rest { top_deg, from_s: from, to_s: to } = rest(&Run::of(&courses()[1]));
         assert!((top_deg - 0.2_f64.to_degrees()).abs() < 1e-9);
         assert!((from - 0.65).abs() < 0.05 && (to - 2.35).abs() < 0.05, "{from} {to}");
     }

@@ -50,7 +50,7 @@ const COEFFICIENTS: [Coefficient; 3] = [
     },
 ];
 
-/// One panel a coefficient of torque = c + I·acc + b·vel, with the notes of the fits below.
+/// One panel per coefficient of torque = c + I·acc + b·vel, with the notes of the fits below.
 pub fn free_motion(about: &About, fits: &[FreePlane], notes: &[String]) -> Figure {
     let keys = keys(fits);
     let mut sessions = keys.clone();
@@ -62,17 +62,18 @@ pub fn free_motion(about: &About, fits: &[FreePlane], notes: &[String]) -> Figur
         for (index, mode) in about.modes.iter().enumerate() {
             let own: Vec<(&FreePlane, &String)> =
                 fits.iter().zip(&keys).filter(|(fit, _)| fit.mode == mode.id).collect();
-            let place = |key: &String| sessions.iter().position(|s| s == key).unwrap_or(0) as f64;
-            let numbers = |of: fn(&FreePlane) -> f64| own.iter().map(|(fit, _)| of(fit)).collect();
+            let at = own.iter().map(|(_, key)| {
+                let session = sessions.iter().position(|session| session == *key).unwrap_or(0);
+                session as f64 + dodge(index, about.modes.len())
+            });
+            let [estimate, low, high] = [coefficient.estimate, coefficient.low, coefficient.high]
+                .map(|pick| own.iter().map(|(fit, _)| pick(fit)).collect());
             layers.push(Layer::Intervals(Intervals {
                 direction: Direction::Vertical,
-                at: own
-                    .iter()
-                    .map(|(_, key)| place(key) + dodge(index, about.modes.len()))
-                    .collect(),
-                estimate: numbers(coefficient.estimate),
-                low: numbers(coefficient.low),
-                high: numbers(coefficient.high),
+                at: at.collect(),
+                estimate,
+                low,
+                high,
                 colour: style::mode_colour(index),
                 marker: [Marker::Disc, Marker::Square, Marker::Diamond][index % 3],
                 name: Some(plain(&mode.label)),

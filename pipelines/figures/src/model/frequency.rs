@@ -1,9 +1,9 @@
 //! Impedance against frequency with its coherence, one column per environment.
 
-use crate::words::plain;
+use crate::words::{logarithm, plain, powers_axis};
 use std::sync::Arc;
 use zwidth_draw::style;
-use zwidth_draw::{Axis, Band, Cell, Figure, Layer, Line, Panel, Range, Ticks};
+use zwidth_draw::{Axis, Band, Cell, Figure, Layer, Line, Panel, Range};
 use zwidth_results::{ImpedancePoint, Row};
 
 /// Height of a panel, mm.
@@ -46,8 +46,8 @@ pub fn impedance_frequency(
         panels.extend(all.into_iter().enumerate().map(|(row, shows)| {
             let panel = panel(&curves, shows, Cell::at(row, column));
             let letter = char::from(b'a' + ((row * environments.len() + column) % 26) as u8);
-            let of = if row == 0 { plain(environment) } else { String::new() };
-            panel.titled(format!("**{letter}**  {of}"))
+            let name = if row == 0 { plain(environment) } else { String::new() };
+            panel.titled(format!("**{letter}**  {name}"))
         }));
     }
     Figure {
@@ -75,32 +75,32 @@ fn distinct<'a>(names: impl Iterator<Item = &'a Arc<str>>) -> Vec<Arc<str>> {
 impl Curve {
     /// That of a mode, from the points of its environment.
     fn of(mode: Arc<str>, points: &[&ImpedancePoint]) -> Self {
-        let own: Vec<&ImpedancePoint> =
-            points.iter().copied().filter(|point| point.mode == mode).collect();
-        let is_known = |point: &ImpedancePoint| point.coherence > point.chance;
-        let log = |value: f64| if value > 0.0 { libm::log10(value) } else { f64::NAN };
-        let end = |value: Option<f64>| value.map_or(f64::NAN, log);
-        let magnitude = |point: &&ImpedancePoint| match is_known(point) {
-            true => [log(point.magnitude_ns_per_m), end(point.ci_low), end(point.ci_high)],
-            false => [f64::NAN; 3],
+        let mut curve = Self {
+            mode,
+            frequency: Vec::new(),
+            magnitude: Vec::new(),
+            phase: Vec::new(),
+            coherence: Vec::new(),
+            chance: Vec::new(),
         };
-        let phase = |point: &&ImpedancePoint| match is_known(point) {
-            true => {
+        for point in points.iter().filter(|point| point.mode == curve.mode) {
+            curve.frequency.push(logarithm(point.frequency_hz));
+            curve.coherence.push(point.coherence);
+            curve.chance.push(point.chance);
+            if point.coherence > point.chance {
+                let ends = [Some(point.magnitude_ns_per_m), point.ci_low, point.ci_high];
+                curve.magnitude.push(ends.map(|value| value.map_or(f64::NAN, logarithm)));
                 let half = point.phase_half_interval_rad.map_or(f64::NAN, f64::to_degrees);
                 let at = point.phase_rad.to_degrees();
+                // No interval of an angle is wider than the circle.
                 let by = half.min(180.0);
-                [at, at - by, at + by]
+                curve.phase.push([at, at - by, at + by]);
+            } else {
+                curve.magnitude.push([f64::NAN; 3]);
+                curve.phase.push([f64::NAN; 3]);
             }
-            false => [f64::NAN; 3],
-        };
-        Self {
-            frequency: own.iter().map(|point| log(point.frequency_hz)).collect(),
-            magnitude: own.iter().map(magnitude).collect(),
-            phase: own.iter().map(phase).collect(),
-            coherence: own.iter().map(|point| point.coherence).collect(),
-            chance: own.iter().map(|point| point.chance).collect(),
-            mode,
         }
+        curve
     }
 }
 
@@ -109,42 +109,28 @@ fn panel(curves: &[Curve], shows: Shows, cell: Cell) -> Panel {
     for (i, curve) in curves.iter().enumerate() {
         let colour = style::mode_colour(i);
         let name = Some(plain(&curve.mode));
-        let x = || curve.frequency.clone();
-        let part = |values: &[[f64; 3]], at: usize| values.iter().map(|v| v[at]).collect();
+        let x = curve.frequency.clone();
+        let stroke = style::mean(colour);
         let values = match shows {
             Shows::Magnitude => &curve.magnitude,
             Shows::Phase => &curve.phase,
             Shows::Coherence => {
-                let line = |y: &[f64], stroke, name| {
-                    Layer::Line(Line { x: x(), y: y.to_vec(), stroke, name, ..Line::default() })
-                };
-                layers.push(line(&curve.coherence, style::mean(colour), name));
-                let dotted = style::single(colour).dashed(style::Dash::Dotted);
-                layers.push(line(&curve.chance, dotted, None));
+                let y = curve.coherence.clone();
+                let of_mode = Line { x: x.clone(), y, stroke, name, ..Line::default() };
+                let stroke = style::single(colour).dashed(style::Dash::Dotted);
+                let chance = Line { x, y: curve.chance.clone(), stroke, ..Line::default() };
+                layers.extend([of_mode, chance].map(Layer::Line));
                 continue;
             }
         };
-        layers.push(Layer::Band(Band {
-            x: x(),
-            low: part(values, 1),
-            high: part(values, 2),
-            colour,
-            name: name.clone(),
-        }));
-        let y = part(values, 0);
-        layers.push(Layer::Line(Line {
-            x: x(),
-            y,
-            stroke: style::mean(colour),
-            name,
-            ..Line::default()
-        }));
+        let [y, low, high] = [0, 1, 2].map(|at| values.iter().map(|v| v[at]).collect());
+        layers.push(Layer::Band(Band { x: x.clone(), low, high, colour, name: name.clone() }));
+        layers.push(Layer::Line(Line { x, y, stroke, name, ..Line::default() }));
     }
-    let x = Axis { ticks: Ticks::Powers, ..Axis::new("frequency", "Hz") }.linked("frequency");
+    let x = powers_axis("frequency", "Hz").linked("frequency");
     let y = match shows {
-        Shows::Magnitude => {
-            Axis { ticks: Ticks::Powers, ..Axis::new("|*Z*|", "N s/m") }.linked("magnitude")
-        }
+        Shows::Magnitude => powers_axis("|*Z*|", "N s/m").linked("magnitude"),
+        // A little beyond ±180°, so that points at either end are seen whole.
         Shows::Phase => Axis::new("phase of *Z*", "°").ranged(Range::Fixed(-200.0, 200.0)),
         Shows::Coherence => Axis::new("coherence *γ*²", "").ranged(Range::Fixed(0.0, 1.0)),
     };

@@ -1,12 +1,10 @@
 //! The Z-width of a device: the stiffest wall against its damping, mode by mode, one panel per
 //! push.
 
-use crate::words::{mark, plain};
+use crate::words::{logarithm, mark, plain, powers_axis};
 use std::sync::Arc;
 use zwidth_draw::style::{self, Dash, Marker};
-use zwidth_draw::{
-    Axis, Cell, Direction, Figure, Intervals, Layer, Line, Panel, Text, TextPlace, Ticks,
-};
+use zwidth_draw::{Axis, Cell, Direction, Figure, Intervals, Layer, Line, Panel, Text, TextPlace};
 use zwidth_results::{Row, WallBound};
 use zwidth_study::Source;
 
@@ -22,6 +20,7 @@ pub fn impedance(
     synthetic: bool,
 ) -> Figure {
     let mut pushes: Vec<f64> = bounds.iter().map(|bound| bound.push_m).collect();
+    // The largest first: the lifted map is the limit of large pushes.
     pushes.sort_by(|a, b| b.total_cmp(a));
     pushes.dedup_by(|a, b| a.to_bits() == b.to_bits());
     let panels = pushes.iter().enumerate().map(|(i, push_m)| panel(bounds, linear, i, *push_m));
@@ -39,10 +38,9 @@ pub fn impedance(
 }
 
 fn panel(bounds: &[WallBound], linear: &[[f64; 2]], number: usize, push_m: f64) -> Panel {
-    let log = |value: f64| if value > 0.0 { libm::log10(value) } else { f64::NAN };
     let mut layers = vec![Layer::Line(Line {
         x: linear.iter().map(|p| p[0]).collect(),
-        y: linear.iter().map(|p| log(p[1])).collect(),
+        y: linear.iter().map(|p| logarithm(p[1])).collect(),
         stroke: style::single(style::INK).dashed(Dash::Dashed),
         name: Some("large push (lifted map)".to_owned()),
         ..Line::default()
@@ -58,26 +56,25 @@ fn panel(bounds: &[WallBound], linear: &[[f64; 2]], number: usize, push_m: f64) 
             .iter()
             .filter(|bound| bound.push_m.to_bits() == push_m.to_bits() && bound.mode == *mode)
             .collect();
-        let logs = |get: fn(&WallBound) -> f64| own.iter().map(|bound| log(get(bound))).collect();
         layers.push(Layer::Intervals(Intervals {
             direction: Direction::Vertical,
             at: own.iter().map(|bound| bound.damping_ns_per_m).collect(),
-            estimate: logs(|bound| bound.stiffness_n_per_m),
-            low: logs(|bound| bound.ci_low),
-            high: logs(|bound| bound.ci_high),
+            estimate: own.iter().map(|bound| logarithm(bound.stiffness_n_per_m)).collect(),
+            low: own.iter().map(|bound| logarithm(bound.ci_low)).collect(),
+            high: own.iter().map(|bound| logarithm(bound.ci_high)).collect(),
             colour: style::mode_colour(k),
             marker: Marker::default(),
             name: Some(plain(mode)),
         }));
         layers.extend(own.iter().filter(|bound| bound.is_censored).map(|bound| {
-            let place = TextPlace::Over(bound.damping_ns_per_m, log(bound.stiffness_n_per_m));
+            let stiffness = logarithm(bound.stiffness_n_per_m);
+            let place = TextPlace::Over(bound.damping_ns_per_m, stiffness);
             Layer::Text(Text { lines: vec!["≥".to_owned()], place })
         }));
     }
     let letter = char::from(b'a' + (number % 26) as u8);
     let x = Axis::new("wall damping *B*", "N s/m").linked("damping");
-    let y =
-        Axis { ticks: Ticks::Powers, ..Axis::new("stiffest wall *K*", "N/m") }.linked("stiffness");
+    let y = powers_axis("stiffest wall *K*", "N/m").linked("stiffness");
     let title = format!("**{letter}**  push of {} mm", 1e3 * push_m);
     let panel = Panel::new(Cell::at(0, number), x, y, layers).titled(title);
     Panel { height_mm: Some(PANEL_MM), ..panel }

@@ -3,9 +3,9 @@
 
 use crate::about::FigureKind;
 use crate::extent::holding;
-use crate::words::{mark, model_mark, plain};
+use crate::words::{mark, model_mark, plain, powers_axis};
 use zwidth_draw::style;
-use zwidth_draw::{Axis, Cell, Direction, Figure, Layer, Panel, Points, Reference, Ticks};
+use zwidth_draw::{Axis, Cell, Direction, Figure, Layer, Panel, Points, Reference};
 use zwidth_results::{LadderModel, LadderTerm, TermEffect};
 use zwidth_study::Source;
 
@@ -68,49 +68,38 @@ fn place(off: Option<f64>) -> f64 {
 
 /// The models of a scene, on the axes of all.
 fn costs(models: &[LadderModel], all: &[&LadderRows]) -> Panel {
-    let shown = || all.iter().flat_map(|ladder| &ladder.models);
-    let works = shown().map(|model| libm::log10(model.evaluations)).collect();
-    let offs = shown().map(|model| place(model.furthest_off)).collect();
-    let points = |name: &str, is: fn(&LadderModel) -> bool, colour, diameter_pt| {
-        let some = || models.iter().filter(|model| is(model));
-        Layer::Points(Points {
-            x: some().map(|model| libm::log10(model.evaluations)).collect(),
-            y: some().map(|model| place(model.furthest_off)).collect(),
+    let just_felt = Reference {
+        direction: Direction::Horizontal,
+        at: 0.0,
+        label: Some("just felt".to_owned()),
+        stroke: style::reference(),
+        name: None,
+    };
+    let mut layers = vec![Layer::Reference(just_felt)];
+    let (far, enough) = (style::environment_colour(4), style::environment_colour(0));
+    let off = models.iter().filter(|model| !model.is_enough);
+    let unchosen = models.iter().filter(|model| model.is_enough && !model.is_chosen);
+    let chosen = models.iter().filter(|model| model.is_chosen);
+    let groups: [(&str, Vec<&LadderModel>, _, f64); 3] = [
+        ("off by more than can be felt", off.collect(), far, 3.0),
+        ("enough", unchosen.collect(), enough, 3.0),
+        ("chosen", chosen.collect(), style::INK, 6.0),
+    ];
+    for (name, own, colour, diameter_pt) in groups {
+        layers.push(Layer::Points(Points {
+            x: own.iter().map(|model| libm::log10(model.evaluations)).collect(),
+            y: own.iter().map(|model| place(model.furthest_off)).collect(),
             colour,
             diameter_pt,
-            name: some().next().map(|_| name.to_owned()),
+            name: own.first().map(|_| name.to_owned()),
             ..Points::default()
-        })
-    };
-    let layers = vec![
-        Layer::Reference(Reference {
-            direction: Direction::Horizontal,
-            at: 0.0,
-            label: Some("just felt".to_owned()),
-            stroke: style::reference(),
-            name: None,
-        }),
-        points(
-            "off by more than can be felt",
-            |model| !model.is_enough,
-            style::environment_colour(4),
-            3.0,
-        ),
-        points(
-            "enough",
-            |model| model.is_enough && !model.is_chosen,
-            style::environment_colour(0),
-            3.0,
-        ),
-        points("chosen", |model| model.is_chosen, style::INK, 6.0),
-    ];
-    let powers = |label: &str, values: Vec<f64>| Axis {
-        ticks: Ticks::Powers,
-        range: holding(values),
-        ..Axis::new(label, "")
-    };
-    let x = powers("work of a run, evaluations", works);
-    let y = powers("largest error over what is felt", offs);
+        }));
+    }
+    let shown: Vec<&LadderModel> = all.iter().flat_map(|ladder| &ladder.models).collect();
+    let works = shown.iter().map(|model| libm::log10(model.evaluations));
+    let offs = shown.iter().map(|model| place(model.furthest_off));
+    let x = powers_axis("work of a run, evaluations", "").ranged(holding(works));
+    let y = powers_axis("largest error over what is felt", "").ranged(holding(offs));
     let panel = Panel::new(Cell::at(0, 0), x, y, layers).titled("**a**  models");
     Panel { height_mm: Some(PANEL_MM), ..panel }
 }
@@ -139,25 +128,25 @@ fn terms(effects: &[TermEffect], all: &[&LadderRows]) -> Panel {
         }
     }
     terms.sort_by(|a, b| b.off.total_cmp(&a.off));
-    let points = |is_kept: bool, name: &str, colour| {
+    let just_felt = Reference {
+        direction: Direction::Vertical,
+        at: 0.0,
+        label: Some("just felt".to_owned()),
+        stroke: style::reference(),
+        name: None,
+    };
+    let mut layers = vec![Layer::Reference(just_felt)];
+    for (is_kept, name, colour) in
+        [(true, "kept", style::INK), (false, "left out", style::environment_colour(0))]
+    {
         let rows = terms.iter().enumerate().filter(|(_, term)| term.is_kept == is_kept);
         let (x, y): (Vec<f64>, Vec<f64>) = rows.map(|(row, term)| (term.off, row as f64)).unzip();
+        // Nothing of a kind has no entry in the legend.
         let name = Some(name.to_owned()).filter(|_| !x.is_empty());
-        Layer::Points(Points { x, y, colour, diameter_pt: 5.0, name, ..Points::default() })
-    };
-    let layers = vec![
-        Layer::Reference(Reference {
-            direction: Direction::Vertical,
-            at: 0.0,
-            label: Some("just felt".to_owned()),
-            stroke: style::reference(),
-            name: None,
-        }),
-        points(true, "kept", style::INK),
-        points(false, "left out", style::environment_colour(0)),
-    ];
-    let range = holding(shown);
-    let x = Axis { ticks: Ticks::Powers, range, ..Axis::new("largest error without it", "") };
+        let points = Points { x, y, colour, diameter_pt: 5.0, name, ..Points::default() };
+        layers.push(Layer::Points(points));
+    }
+    let x = powers_axis("largest error without it", "").ranged(holding(shown));
     let y = Axis::categories(terms.iter().map(|decided| decided.term.title()));
     let panel = Panel::new(Cell::at(0, 1), x, y, layers).titled("**b**  terms");
     Panel { height_mm: Some(PANEL_MM), ..panel }
@@ -166,7 +155,7 @@ fn terms(effects: &[TermEffect], all: &[&LadderRows]) -> Panel {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use zwidth_draw::{Range, draw};
+    use zwidth_draw::{Range, Ticks, draw};
     use zwidth_results::TermSet;
 
     fn model(

@@ -3,12 +3,12 @@
 //! just feels.
 
 use crate::about::FigureKind;
-use crate::words::plain;
+use crate::words::{plain, powers_axis};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use zwidth_draw::style::{self, Colour, Marker};
 use zwidth_draw::{
-    Axis, Cell, Direction, Figure, Intervals, Layer, Panel, Reference, TWO_COLUMNS_MM, Ticks, dodge,
+    Axis, Cell, Direction, Figure, Intervals, Layer, Panel, Reference, TWO_COLUMNS_MM, dodge,
 };
 use zwidth_results::{LessKind, MetricShift};
 use zwidth_study::Source;
@@ -114,7 +114,7 @@ struct Rows {
 
 impl Rows {
     fn add(&mut self, less: Arc<str>, metric: Arc<str>, unit: &str, share: [f64; 2]) {
-        if !self.names.iter().any(|(known, _)| *known == metric) {
+        if !self.names.iter().any(|(name, _)| *name == metric) {
             self.names.push((metric.clone(), row_words(&metric, unit)));
         }
         let most = self.most.entry((less, metric)).or_insert(share);
@@ -131,25 +131,29 @@ impl Rows {
         let mut layers = vec![Layer::Reference(felt)];
         let degrees = less.len();
         layers.extend(less.iter().enumerate().map(|(number, less)| {
-            let share = |metric: &Arc<str>, which: usize| {
+            let mut median = Vec::new();
+            let mut p90 = Vec::new();
+            for (metric, _) in &self.names {
                 let shares = self.most.get(&(less.clone(), metric.clone()));
-                shares.map_or(f64::NAN, |shares| libm::log10(shares[which].max(LEAST)))
-            };
-            let shares =
-                |which| self.names.iter().map(|(metric, _)| share(metric, which)).collect();
+                // A metric without a change keeps its row, and has no mark in it.
+                let [of_median, of_p90] = shares.map_or([f64::NAN; 2], |shares| {
+                    shares.map(|share| libm::log10(share.max(LEAST)))
+                });
+                median.push(of_median);
+                p90.push(of_p90);
+            }
             Layer::Intervals(Intervals {
                 direction: Direction::Horizontal,
                 at: (0..self.names.len()).map(|row| row as f64 + dodge(number, degrees)).collect(),
-                estimate: shares(0),
-                low: shares(0),
-                high: shares(1),
+                estimate: median.clone(),
+                low: median,
+                high: p90,
                 colour: colour(before + number),
                 marker: MARKERS[number % MARKERS.len()],
                 name: Some(plain(less)),
             })
         }));
-        let x =
-            Axis { ticks: Ticks::Powers, ..Axis::new("change ÷ just felt", "") }.linked("share");
+        let x = powers_axis("change ÷ just felt", "").linked("share");
         let y =
             Axis::categories(self.names.iter().map(|(_, words)| words.clone())).linked("metric");
         let panel = Panel::new(Cell::at(0, column), x, y, layers).titled(plain(kind.as_str()));

@@ -3,7 +3,7 @@
 
 use crate::words::{mark, plain};
 use crate::{About, FigureKind};
-use zwidth_draw::style::{self, Dash};
+use zwidth_draw::style::{self, Dash, Stroke};
 use zwidth_draw::{
     Axis, Band, Cell, Direction, Figure, Layer, Line, Panel, Points, Range, Reference, Text,
     TextPlace,
@@ -47,14 +47,6 @@ struct Acting<'a> {
     /// Least and largest force as shares of the curve: −1 and 1 for either sign, one of them 0 for
     /// one sign alone.
     shares: (f64, f64),
-}
-
-impl Acting<'_> {
-    /// The least and the largest force on the lever, N.
-    fn range_n(&self) -> (f64, f64) {
-        let most_n = self.curve.force_n(self.max_v);
-        (self.shares.0 * most_n, self.shares.1 * most_n)
-    }
 }
 
 /// The force that each actuator gives for a command, and for each mode and way the range of forces
@@ -103,13 +95,13 @@ pub fn rendering_range(
 /// What acts, and what it can.
 fn acting<'a>(mode: &Mode, way: Way, calibration: &'a Calibration) -> Option<Acting<'a>> {
     let [compressing, releasing] = mode.law()?.drives();
-    let (drive, of_brake) = match way {
+    let (drive, brake_shares) = match way {
         Way::Compression => (compressing, (0.0, 1.0)),
         Way::Decompression => (releasing, (-1.0, 0.0)),
     };
     let (curve, max_v, shares) = match drive {
         ActuatorKind::Motor => (&calibration.motor, mode.motor_max_v, (-1.0, 1.0)),
-        ActuatorKind::Brake => (&calibration.brake, mode.brake_max_v, of_brake),
+        ActuatorKind::Brake => (&calibration.brake, mode.brake_max_v, brake_shares),
     };
     Some(Acting { curve, max_v: max_v?, shares })
 }
@@ -117,14 +109,13 @@ fn acting<'a>(mode: &Mode, way: Way, calibration: &'a Calibration) -> Option<Act
 /// The voltage that a mode goes up to with one actuator.
 type Voltage = fn(&Mode) -> Option<f64>;
 
-/// Force against command, a line an actuator, which begins where force does; a point at each
+/// Force against command, one line per actuator, which begins where force does; a point at each
 /// voltage that modes go up to.
 fn commands(about: &About, calibration: &Calibration) -> Panel {
-    let of_motor: Voltage = |mode| mode.motor_max_v;
-    let of_brake: Voltage = |mode| mode.brake_max_v;
-    let actuators = [
-        ("motor", &calibration.motor, of_motor, style::mean(style::MOTOR)),
-        ("brake", &calibration.brake, of_brake, style::mean(style::BRAKE).dashed(Dash::Dashed)),
+    let brake_pen = style::mean(style::BRAKE).dashed(Dash::Dashed);
+    let actuators: [(&str, &Characteristic, Voltage, Stroke); 2] = [
+        ("motor", &calibration.motor, |mode| mode.motor_max_v, style::mean(style::MOTOR)),
+        ("brake", &calibration.brake, |mode| mode.brake_max_v, brake_pen),
     ];
     let mut layers = vec![reference(Direction::Horizontal, 0.0, None)];
     for (name, curve, max_v, stroke) in actuators {
@@ -141,8 +132,9 @@ fn commands(about: &About, calibration: &Calibration) -> Panel {
         layers.push(Layer::Line(Line { x, y, stroke, name, ..Line::default() }));
         layers.extend(ends(about, curve, max_v));
     }
-    let axes = (Axis::new("command", "V"), Axis::new("*F*", "N"));
-    let panel = Panel::new(Cell::at(0, 0), axes.0, axes.1.linked("force"), layers);
+    let x = Axis::new("command", "V");
+    let y = Axis::new("*F*", "N").linked("force");
+    let panel = Panel::new(Cell::at(0, 0), x, y, layers);
     Panel { height_mm: Some(PANEL_MM), ..panel }
 }
 
@@ -150,12 +142,13 @@ fn commands(about: &About, calibration: &Calibration) -> Panel {
 fn ends(about: &About, curve: &Characteristic, max_v: Voltage) -> Vec<Layer> {
     let mut voltages: Vec<f64> = about.modes.iter().filter_map(max_v).collect();
     voltages.sort_by(f64::total_cmp);
+    // Modes that go up to one voltage share a point, with all their names.
     voltages.dedup();
     let mut layers = Vec::new();
     for at in voltages {
         let force_n = curve.force_n(at);
-        let of = about.modes.iter().filter(|mode| max_v(mode) == Some(at));
-        let names: Vec<String> = of.map(|mode| plain(&mode.label)).collect();
+        let modes = about.modes.iter().filter(|mode| max_v(mode) == Some(at));
+        let names: Vec<String> = modes.map(|mode| plain(&mode.label)).collect();
         layers.push(Layer::Points(Points { x: vec![at], y: vec![force_n], ..Points::default() }));
         let lines = vec![format!("{}\u{a0}{at}\u{a0}V", names.join(", "))];
         layers.push(Layer::Text(Text { lines, place: TextPlace::Over(at, force_n) }));
@@ -174,8 +167,9 @@ fn bars(about: &About, way: Way, calibration: &Calibration, column: usize) -> Pa
     let mut most_n: f64 = 0.0;
     for (index, mode) in about.modes.iter().enumerate() {
         let reaches = match acting(mode, way, calibration) {
-            Some(acting) => {
-                let (low_n, high_n) = acting.range_n();
+            Some(Acting { curve, max_v, shares }) => {
+                let full_n = curve.force_n(max_v);
+                let (low_n, high_n) = (shares.0 * full_n, shares.1 * full_n);
                 most_n = most_n.max(high_n).max(-low_n);
                 layers.extend(bar(index, low_n, high_n));
                 range(low_n, high_n)

@@ -48,7 +48,7 @@ struct Part {
 }
 
 impl Part {
-    /// Of which a scene may not have it.
+    /// A part that a scene may lack: then it has no values.
     fn of(
         run: &ModelRun,
         name: &str,
@@ -76,7 +76,7 @@ impl Part {
     }
 }
 
-/// Model runs, a column each (at most [`MOST_SIDE_BY_SIDE`] are readable): forces by part against
+/// Model runs, one column per run (at most [`MOST_SIDE_BY_SIDE`] are readable): forces by part against
 /// the angle, external and tissue force against time, the angle against time. The axes have room for
 /// the runs in `compared`, which other figures show, so that all of them have the same axes.
 pub fn simulation(runs: &[&ModelRun], compared: &[&ModelRun]) -> Figure {
@@ -84,9 +84,10 @@ pub fn simulation(runs: &[&ModelRun], compared: &[&ModelRun]) -> Figure {
     if !compared.is_empty() {
         let others = self::columns(compared);
         for row in 0..columns[0].len() {
-            let all = || columns.iter().chain(&others).map(|column| &column[row]);
-            let x = ends(all().flat_map(|panel| lines(panel).flat_map(|line| line.x.clone())));
-            let y = ends(all().flat_map(|panel| lines(panel).flat_map(|line| line.y.clone())));
+            let all: Vec<&Line> =
+                columns.iter().chain(&others).flat_map(|column| lines(&column[row])).collect();
+            let x = ends(all.iter().flat_map(|line| line.x.iter().copied()));
+            let y = ends(all.iter().flat_map(|line| line.y.iter().copied()));
             for column in &mut columns {
                 let panel = &mut column[row];
                 hold(&mut panel.x, x);
@@ -114,11 +115,31 @@ pub fn simulation(runs: &[&ModelRun], compared: &[&ModelRun]) -> Figure {
 fn columns(runs: &[&ModelRun]) -> Vec<[Panel; 3]> {
     let mut columns = Vec::new();
     for (column, run) in runs.iter().enumerate() {
-        let mut loops = loop_panel(run, column);
+        let mut layers = vec![Layer::Reference(Reference {
+            direction: Direction::Horizontal,
+            at: 0.0,
+            label: None,
+            stroke: style::reference(),
+            name: None,
+        })];
+        layers.extend(parts(run).into_iter().map(|part| part.line(angles(run))));
+        let x = words().position_axis().linked("angle");
+        let mut loops = Panel::new(Cell::at(0, column), x, force_axis().linked("forces"), layers);
         if runs.len() > 1 {
             loops.title = Some(plain(&run.scene));
         }
-        columns.push([loops, force_panel(run, column), angle_panel(run, column)]);
+        let mut layers = vec![Part::external(run).line(times(run))];
+        layers.extend(acting(Part::tissue(run)).map(|part| part.line(times(run))));
+        let y = force_axis().linked("force");
+        let forces = Panel::new(Cell::at(1, column), time_axis(""), y, layers);
+        let line = Line { x: times(run), y: angles(run), ..Line::default() };
+        let y = words().position_axis().linked("angle in time");
+        let angle = Panel::new(Cell::at(2, column), time_axis("*t*"), y, vec![Layer::Line(line)]);
+        columns.push([
+            Panel { height_mm: Some(LOOP_MM), ..loops },
+            Panel { height_mm: Some(TIME_MM), ..forces },
+            Panel { height_mm: Some(TIME_MM), ..angle },
+        ]);
     }
     columns
 }
@@ -134,6 +155,7 @@ fn lines(panel: &Panel) -> impl Iterator<Item = &Line> {
 fn hold(axis: &mut Axis, ends: Option<(f64, f64)>) {
     if let Some((low, high)) = ends {
         axis.range = match axis.range {
+            // Time ends with the run; `Holding` would add room.
             Range::Tight if high > low => Range::Fixed(low, high),
             _ => Range::Holding(low, high),
         };
@@ -143,18 +165,19 @@ fn hold(axis: &mut Axis, ends: Option<(f64, f64)>) {
 /// The external force of several runs against time, side by side (Fig. 8), [`MOST_SIDE_BY_SIDE`] in
 /// a row.
 pub fn inputs(runs: &[&ModelRun]) -> Figure {
-    let panel = |(i, run): (usize, &&ModelRun)| {
+    let mut panels = Vec::new();
+    for (i, run) in runs.iter().enumerate() {
         let cell = Cell::at(i / MOST_SIDE_BY_SIDE, i % MOST_SIDE_BY_SIDE);
         let Part { force_n: y, stroke, .. } = Part::external(run);
         let layers = vec![Layer::Line(Line { x: times(run), y, stroke, ..Line::default() })];
-        let panel =
-            Panel::new(cell, time_axis("*t*"), Axis::new("*F*_{ex}", "N").linked("input"), layers);
-        Panel { height_mm: Some(INPUT_MM), ..panel.titled(plain(&run.scene)) }
-    };
+        let y = Axis::new("*F*_{ex}", "N").linked("input");
+        let panel = Panel::new(cell, time_axis("*t*"), y, layers).titled(plain(&run.scene));
+        panels.push(Panel { height_mm: Some(INPUT_MM), ..panel });
+    }
     let names: Vec<&str> = runs.iter().map(|run| run.scene.as_str()).collect();
     Figure {
         description: format!("External force against time of the model runs {}.", names.join("; ")),
-        panels: runs.iter().enumerate().map(panel).collect(),
+        panels,
         mark: model_mark(),
         ..Figure::default()
     }
@@ -183,12 +206,6 @@ fn force_axis() -> Axis {
     Axis::new("*F*", "N")
 }
 
-fn zero_line() -> Layer {
-    let direction = Direction::Horizontal;
-    let stroke = style::reference();
-    Layer::Reference(Reference { direction, at: 0.0, label: None, stroke, name: None })
-}
-
 fn times(run: &ModelRun) -> Vec<f64> {
     run.samples.iter().map(|sample| sample.t_s).collect()
 }
@@ -197,49 +214,29 @@ fn angles(run: &ModelRun) -> Vec<f64> {
     words().positions(run.samples.iter().map(|sample| Some(sample.theta_rad)))
 }
 
-fn loop_panel(run: &ModelRun, column: usize) -> Panel {
-    let mut layers = vec![zero_line()];
-    layers.extend(parts(run).into_iter().map(|part| part.line(angles(run))));
-    let x = words().position_axis().linked("angle");
-    let panel = Panel::new(Cell::at(0, column), x, force_axis().linked("forces"), layers);
-    Panel { height_mm: Some(LOOP_MM), ..panel }
-}
-
-fn force_panel(run: &ModelRun, column: usize) -> Panel {
-    let mut layers = vec![Part::external(run).line(times(run))];
-    layers.extend(acting(Part::tissue(run)).map(|part| part.line(times(run))));
-    let panel =
-        Panel::new(Cell::at(1, column), time_axis(""), force_axis().linked("force"), layers);
-    Panel { height_mm: Some(TIME_MM), ..panel }
-}
-
-fn angle_panel(run: &ModelRun, column: usize) -> Panel {
-    let line = Layer::Line(Line { x: times(run), y: angles(run), ..Line::default() });
-    let axis = words().position_axis().linked("angle in time");
-    let panel = Panel::new(Cell::at(2, column), time_axis("*t*"), axis, vec![line]);
-    Panel { height_mm: Some(TIME_MM), ..panel }
-}
-
 /// The parts of a run's force that ever act; the external one in any case. Friction and the scene's
 /// terms each have a colour of their own. What arrives of the external force at the lever is between
 /// it and the tissue's share, and not drawn.
 fn parts(run: &ModelRun) -> Vec<Part> {
-    let pen = |i: usize| style::single(style::part_colour(i)).dashed(style::dash(i));
     let named = [
         Part::tissue(run),
         Part::of(run, "brake", style::single(style::BRAKE), |s| Some(s.force_brake_n)),
         Part::of(run, "motor", style::single(style::MOTOR), |s| Some(s.force_motor_n)),
         Part::of(run, "stop", style::single(style::GREY), |s| s.force_stop_n),
     ];
-    let friction = Part::of(run, "friction", pen(0), |s| s.force_friction_n);
+    let friction = Part::of(run, "friction", term_pen(0), |s| s.force_friction_n);
     let first = usize::from(!friction.force_n.is_empty());
     let terms = run.terms.iter().enumerate().map(|(i, term)| Part {
         name: term.term().replace('_', " "),
-        stroke: pen(first + i),
+        stroke: term_pen(first + i),
         force_n: term.force_n.clone(),
     });
     let others = named.into_iter().chain([friction]).chain(terms);
     [Part::external(run)].into_iter().chain(others.filter_map(acting)).collect()
+}
+
+fn term_pen(index: usize) -> Stroke {
+    style::single(style::part_colour(index)).dashed(style::dash(index))
 }
 
 /// A part that is not 0 all the time.

@@ -1,12 +1,11 @@
 //! Which walls a sampled device can render: each limit is a line of its own.
 
-use crate::words::{model_mark, plain};
+use crate::words::{model_mark, plain, solver_colour};
 use zwidth_draw::style::{self, Dash, Marker, Stroke};
 use zwidth_draw::{
     Axis, Band, Cell, Direction, Figure, Intervals, Layer, Line, Panel, Points, Range, Reference,
     Ticks,
 };
-use zwidth_dynamics::NAMED_SOLVERS;
 use zwidth_results::{LimitKind, LimitName, LimitPoint, Row, WallLimit, WallQuantity};
 
 /// Height of a panel, mm.
@@ -95,7 +94,18 @@ pub fn stability(curves: &[LimitPoint], panels: &[StabilityPanel], notes: &[Stri
 
 fn panel(curves: &[LimitPoint], number: usize, sides: &StabilityPanel, count: usize) -> Panel {
     let limits = limits(curves, sides);
-    let mut layers: Vec<Layer> = sides.stable.iter().map(|area| shade(area, sides)).collect();
+    let mut layers = Vec::new();
+    for area in &sides.stable {
+        let [low, high] = [&area.low, &area.high]
+            .map(|edge| edge.iter().map(|value| sides.y.place(*value)).collect());
+        layers.push(Layer::Band(Band {
+            x: area.x.iter().map(|value| sides.x.place(*value)).collect(),
+            low,
+            high,
+            colour: style::GREY,
+            name: Some("stable".to_owned()),
+        }));
+    }
     layers.extend(limits.iter().map(layer));
     layers.extend(device(sides));
     let x = sides.x.axis();
@@ -116,25 +126,14 @@ fn panel(curves: &[LimitPoint], number: usize, sides: &StabilityPanel, count: us
     Panel { height_mm: Some(PANEL_MM), ..panel }
 }
 
-fn shade(area: &StableArea, sides: &StabilityPanel) -> Layer {
-    let places = |side: &Side, values: &[f64]| values.iter().map(|v| side.place(*v)).collect();
-    Layer::Band(Band {
-        x: places(&sides.x, &area.x),
-        low: places(&sides.y, &area.low),
-        high: places(&sides.y, &area.high),
-        colour: style::GREY,
-        name: Some("stable".to_owned()),
-    })
-}
-
 /// The device as a diamond; as a line where only its place along x is known.
 fn device(sides: &StabilityPanel) -> Option<Layer> {
-    let on = |side: &Side, value: Option<f64>| {
+    let [x, y] = [(&sides.x, sides.device[0]), (&sides.y, sides.device[1])].map(|(side, value)| {
         let [from, to] = side.ends;
         value.filter(|value| (from..=to).contains(value)).map(|value| side.place(value))
-    };
+    });
     let name = Some("this device".to_owned());
-    Some(match (on(&sides.x, sides.device[0]), on(&sides.y, sides.device[1])) {
+    Some(match (x, y) {
         (Some(x), Some(y)) => Layer::Intervals(Intervals {
             direction: Direction::Vertical,
             at: vec![x],
@@ -184,6 +183,7 @@ fn limits(curves: &[LimitPoint], sides: &StabilityPanel) -> Vec<Limit> {
             LimitName::Others(_) => None,
         };
         let Some(label) = label else { continue };
+        // The points of one limit come one after the other.
         if limits.last().is_none_or(|last| last.name != point.limit) {
             let name = point.limit.clone();
             let kind = point.kind;
@@ -191,6 +191,7 @@ fn limits(curves: &[LimitPoint], sides: &StabilityPanel) -> Vec<Limit> {
             piece = point.piece;
         }
         let Some(limit) = limits.last_mut() else { continue };
+        // A limit may come in pieces, which nothing connects.
         if piece != point.piece {
             limit.x.push(f64::NAN);
             limit.y.push(f64::NAN);
@@ -213,22 +214,22 @@ fn layer(limit: &Limit) -> Layer {
 }
 
 fn stroke(limit: &Limit) -> Stroke {
-    let book = |index: usize| style::single(style::environment_colour(index)).dashed(Dash::Dashed);
-    let solver = |name: &str| {
-        let number = NAMED_SOLVERS.iter().position(|named| named.name == name);
-        style::single(style::solver_colour(number.unwrap_or(0)))
-    };
     match (limit.kind, &limit.name) {
         (LimitKind::Exact, _) => style::mean(style::INK),
         (LimitKind::Passivity, _) => style::mean(style::environment_colour(0)),
         (LimitKind::Others, _) => style::mean(style::environment_colour(4)),
         (LimitKind::Method, LimitName::Computed(WallLimit::SymplecticEuler)) => {
-            solver("symplectic_euler").dashed(Dash::Dotted)
+            style::single(solver_colour("symplectic_euler")).dashed(Dash::Dotted)
         }
-        (LimitKind::Method, _) => solver("rk4_per_step"),
-        (_, LimitName::Computed(WallLimit::AbbottOkamura)) => book(5),
-        (_, LimitName::Computed(WallLimit::Diolaiti)) => book(3),
-        _ => book(2),
+        (LimitKind::Method, _) => style::single(solver_colour("rk4_per_step")),
+        (_, name) => {
+            let index = match name {
+                LimitName::Computed(WallLimit::AbbottOkamura) => 5,
+                LimitName::Computed(WallLimit::Diolaiti) => 3,
+                _ => 2,
+            };
+            style::single(style::environment_colour(index)).dashed(Dash::Dashed)
+        }
     }
 }
 
@@ -250,21 +251,7 @@ pub fn boundaries(
     linear: Option<&[[f64; 2]]>,
     notes: &[String],
 ) -> Figure {
-    let curve = |i: usize, name: &str, points: &[[f64; 2]]| {
-        let (x, y): (Vec<f64>, Vec<f64>) = points.iter().map(|p| (p[0], p[1])).unzip();
-        let colour = style::environment_colour(i);
-        [
-            Layer::Line(Line {
-                x: x.clone(),
-                y: y.clone(),
-                stroke: style::single(colour),
-                name: Some(plain(name)),
-                ..Line::default()
-            }),
-            Layer::Points(Points { x, y, colour, diameter_pt: 4.0, ..Points::default() }),
-        ]
-    };
-    let own = boundaries.iter().enumerate().flat_map(|(i, b)| curve(i, &b.name, &b.points));
+    let own = boundaries.iter().enumerate().flat_map(|(i, b)| boundary(i, &b.name, &b.points));
     let x = Axis::new("wall damping *B*", "as measured");
     let y = Axis::new("wall stiffness *K*", "as measured");
     let own = Panel::new(Cell::at(0, 0), x, y, own.collect());
@@ -276,7 +263,7 @@ pub fn boundaries(
     let shares =
         boundaries.iter().enumerate().filter_map(|(i, b)| Some((i, b, b.shares.as_ref()?)));
     let shares: Vec<Layer> =
-        map.into_iter().chain(shares.flat_map(|(i, b, s)| curve(i, &b.name, s))).collect();
+        map.into_iter().chain(shares.flat_map(|(i, b, s)| boundary(i, &b.name, s))).collect();
     let x = Axis::new("damping over its largest *B*/*B*_{end}", "");
     let y = Axis::new("stiffness over the undamped *K*/*K*(0)", "");
     let shares = if shares.is_empty() {
@@ -299,6 +286,16 @@ pub fn boundaries(
         footnotes: notes.iter().map(|note| plain(note)).collect(),
         ..Figure::default()
     }
+}
+
+/// The `i`-th boundary, a line with its points on it.
+fn boundary(i: usize, name: &str, points: &[[f64; 2]]) -> [Layer; 2] {
+    let (x, y): (Vec<f64>, Vec<f64>) = points.iter().map(|p| (p[0], p[1])).unzip();
+    let colour = style::environment_colour(i);
+    let (stroke, name) = (style::single(colour), Some(plain(name)));
+    let line = Line { x: x.clone(), y: y.clone(), stroke, name, ..Line::default() };
+    let points = Points { x, y, colour, diameter_pt: 4.0, ..Points::default() };
+    [Layer::Line(line), Layer::Points(points)]
 }
 
 #[cfg(test)]

@@ -3,11 +3,10 @@
 
 use crate::about::FigureKind;
 use crate::extent::ends;
-use crate::words::{model_mark, plain};
+use crate::words::{logarithms, model_mark, plain, powers_axis};
 use zwidth_draw::style::{self, Stroke};
 use zwidth_draw::{
     Axis, Cell, Direction, Figure, Layer, Line, Panel, Points, Range, Reference, TWO_COLUMNS_MM,
-    Ticks,
 };
 use zwidth_dynamics::{NAMED_SOLVERS, solver_label};
 use zwidth_results::{Gate, Row, TradeChoice, TradeSetting};
@@ -56,9 +55,17 @@ pub fn work_precision(
         settings.iter().filter(|setting| *setting.scene == *scene).collect();
     let (curves, all) = (curves(&own), curves(&settings.iter().collect::<Vec<_>>()));
     let mut error = layers(&curves, |curve| &curve.error_deg);
+    // Broad and pale, under the points that lie on it.
     error.insert(0, front(&own));
     let mut felt = layers(&curves, |curve| &curve.felt);
-    felt.insert(0, just_felt());
+    let just_felt = Reference {
+        direction: Direction::Horizontal,
+        at: 0.0,
+        label: Some("just felt".to_owned()),
+        stroke: style::reference(),
+        name: None,
+    };
+    felt.insert(0, Layer::Reference(just_felt));
     for (layers, pick) in [(&mut error, error_of as fn(&Curve) -> &Vec<f64>), (&mut felt, felt_of)]
     {
         layers.extend(choice.and_then(|choice| ring(&curves, choice, pick)));
@@ -68,14 +75,14 @@ pub fn work_precision(
         // Wherever the ring of one scene lies, the axis is that of the others.
         let range =
             shown.map_or(Range::Auto, |(low, high)| Range::Holding(low - ring, high + ring));
-        Axis { ticks: Ticks::Powers, range, ..Axis::new(label, unit) }
+        powers_axis(label, unit).ranged(range)
     };
-    let x = || powers("work, evaluations", "", |curve| &curve.work, RING.0).linked("work");
+    let x = powers("work, evaluations", "", |curve| &curve.work, RING.0).linked("work");
     let y_error = powers("largest error of *θ*", "°", error_of, RING.1);
     let y_felt = powers("error / what is just felt", "", felt_of, RING.1);
     let panels = vec![
-        panel(0, x(), y_error, error, "**a**  error"),
-        panel(1, x(), y_felt, felt, "**b**  what could be felt"),
+        panel(0, x.clone(), y_error, error, "**a**  error"),
+        panel(1, x, y_felt, felt, "**b**  what could be felt"),
     ];
     Figure {
         title: Some(plain(title)),
@@ -133,27 +140,21 @@ fn panel(column: usize, x: Axis, y: Axis, layers: Vec<Layer>, title: &str) -> Pa
     Panel { height_mm: Some(PANEL_MM), ..panel }
 }
 
-fn just_felt() -> Layer {
-    let direction = Direction::Horizontal;
-    let stroke = style::reference();
-    let label = Some("just felt".to_owned());
-    Layer::Reference(Reference { direction, at: 0.0, label, stroke, name: None })
-}
-
 fn curves(settings: &[&TradeSetting]) -> Vec<Curve> {
     let mut curves = Vec::new();
     for (number, named) in NAMED_SOLVERS.into_iter().enumerate() {
-        let own = || settings.iter().filter(|setting| *setting.solver == *named.name);
-        if own().next().is_none() {
+        let own: Vec<&TradeSetting> =
+            settings.iter().copied().filter(|setting| *setting.solver == *named.name).collect();
+        if own.is_empty() {
             continue;
         }
         curves.push(Curve {
             name: named.label.to_owned(),
             stroke: style::single(style::solver_colour(number)).dashed(style::dash(number)),
-            work: own().map(|setting| work(setting)).collect(),
-            error_deg: own().map(|setting| error_deg(setting)).collect(),
-            felt: own().map(|setting| most_felt(setting)).collect(),
-            good: own().map(|setting| setting.gate == Gate::Passed).collect(),
+            work: own.iter().map(|setting| work(setting)).collect(),
+            error_deg: own.iter().map(|setting| error_deg(setting)).collect(),
+            felt: own.iter().map(|setting| most_felt(setting)).collect(),
+            good: own.iter().map(|setting| setting.gate == Gate::Passed).collect(),
         });
     }
     curves
@@ -170,8 +171,9 @@ fn error_deg(setting: &TradeSetting) -> f64 {
 /// The largest of the shares of what is felt.
 fn most_felt(setting: &TradeSetting) -> f64 {
     let TradeSetting { felt_force_share, felt_angle_share, felt_vibration_share, .. } = setting;
-    let known = [felt_force_share, felt_angle_share, felt_vibration_share].into_iter().flatten();
-    known.fold(f64::NAN, |most, share| most.max(*share).max(LEAST_SHARE))
+    let shares = [felt_force_share, felt_angle_share, felt_vibration_share].into_iter().flatten();
+    // From NaN on, which `max` leaves for any number: without a share there is no point.
+    shares.fold(f64::NAN, |most, share| most.max(*share).max(LEAST_SHARE))
 }
 
 /// Settings that no other beats in work and error of the angle, joined.
@@ -179,6 +181,7 @@ fn front(settings: &[&TradeSetting]) -> Layer {
     let on_front = settings.iter().filter(|setting| setting.on_front);
     let mut pairs: Vec<(f64, f64)> =
         on_front.map(|setting| (work(setting), error_deg(setting))).collect();
+    // By work, so that the line never runs back.
     pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (x, y): (Vec<f64>, Vec<f64>) = pairs.into_iter().unzip();
     let stroke = Stroke { width_pt: 3.0, ..style::mean(style::GRID) };
@@ -186,56 +189,47 @@ fn front(settings: &[&TradeSetting]) -> Layer {
 }
 
 fn layers(curves: &[Curve], pick: fn(&Curve) -> &Vec<f64>) -> Vec<Layer> {
-    let of = |curve: &Curve| {
+    let mut layers = Vec::new();
+    for curve in curves {
         let x = logarithms(&curve.work);
         let y = logarithms(pick(curve));
-        let colour = curve.stroke.colour;
-        let points = |good: bool, diameter_pt: f64| {
-            let kept = |values: &[f64]| -> Vec<f64> {
-                let pairs = values.iter().zip(&curve.good);
-                pairs.filter(|(_, is)| **is == good).map(|(value, _)| *value).collect()
-            };
-            Layer::Points(Points {
-                x: kept(&x),
-                y: kept(&y),
-                colour,
-                diameter_pt,
-                ..Points::default()
-            })
-        };
-        let line = Line {
+        layers.push(Layer::Line(Line {
             x: x.clone(),
             y: y.clone(),
             stroke: curve.stroke,
             name: Some(plain(&curve.name)),
             ..Line::default()
-        };
-        [Layer::Line(line), points(true, GOOD_PT), points(false, BAD_PT)]
-    };
-    curves.iter().flat_map(of).collect()
+        }));
+        for (good, diameter_pt) in [(true, GOOD_PT), (false, BAD_PT)] {
+            let [x, y] = [&x, &y].map(|values| {
+                let pairs = values.iter().zip(&curve.good);
+                pairs.filter(|(_, is)| **is == good).map(|(value, _)| *value).collect()
+            });
+            let colour = curve.stroke.colour;
+            layers.push(Layer::Points(Points { x, y, colour, diameter_pt, ..Points::default() }));
+        }
+    }
+    layers
 }
 
 /// A ring about what is recommended.
 fn ring(curves: &[Curve], choice: &TradeChoice, pick: fn(&Curve) -> &Vec<f64>) -> Option<Layer> {
+    const CORNERS: u32 = 48;
     let (solver, work) = choice.solver.as_deref().zip(choice.work)?;
     let label = NAMED_SOLVERS.into_iter().find(|named| named.name == solver)?.label;
     let curve = curves.iter().find(|curve| curve.name == label)?;
+    // Both are whole numbers, one of them held as a float.
     let i = curve.work.iter().position(|w| (*w - work as f64).abs() < 0.5)?;
     let x = libm::log10(curve.work[i]);
     let y = libm::log10(pick(curve)[i]);
-    const CORNERS: u32 = 48;
-    let turn = |k: u32| f64::from(k) / f64::from(CORNERS) * std::f64::consts::TAU;
+    let turns: Vec<f64> =
+        (0..=CORNERS).map(|k| f64::from(k) / f64::from(CORNERS) * std::f64::consts::TAU).collect();
     Some(Layer::Line(Line {
-        x: (0..=CORNERS).map(|k| x + RING.0 * libm::cos(turn(k))).collect(),
-        y: (0..=CORNERS).map(|k| y + RING.1 * libm::sin(turn(k))).collect(),
+        x: turns.iter().map(|turn| x + RING.0 * libm::cos(*turn)).collect(),
+        y: turns.iter().map(|turn| y + RING.1 * libm::sin(*turn)).collect(),
         stroke: style::single(style::INK),
         ..Line::default()
     }))
-}
-
-/// What an axis of powers of ten takes; what is not above zero has no place on it.
-fn logarithms(values: &[f64]) -> Vec<f64> {
-    values.iter().map(|&v| if v > 0.0 { libm::log10(v) } else { f64::NAN }).collect()
 }
 
 #[cfg(test)]

@@ -39,15 +39,17 @@ const PLACES: [(&str, f64); 2] = [("*x*_{1}", 5.5), ("*x*_{2}", 2.0)];
 
 /// The model as a chain: wall, rendered object, finger where the scene has one, and the user's
 /// force (thesis (1) to (4)).
-pub(crate) fn model(of: &Modelled) -> Figure {
-    let bodies: Vec<Body> = [of.object()].into_iter().chain(of.finger()).collect();
+pub(crate) fn model(modelled: &Modelled) -> Figure {
+    let bodies: Vec<Body> = [modelled.object()].into_iter().chain(modelled.finger()).collect();
     let pitch = SPRING_MM + MASS_MM.0;
     let wall = Way::through([(WALL.0, WALL.1 + 9.0), (WALL.0, WALL.1 - 9.0)]);
     let mut layers = ground(&wall, style::mean(style::INK));
     for (i, body) in bodies.iter().enumerate() {
         let from = WALL.0 + i as f64 * pitch;
         layers.extend(link(body, from));
-        layers.extend(place(PLACES[i], from + pitch - MASS_MM.0 / 2.0));
+        // There are two bodies at most, object and finger.
+        let (symbol, height) = PLACES[i];
+        layers.extend(place(symbol, height, from + pitch - MASS_MM.0 / 2.0));
     }
     let end = WALL.0 + bodies.len() as f64 * pitch;
     let push = Way::through([(end + ARROW_MM, WALL.1), (end, WALL.1)]);
@@ -55,33 +57,31 @@ pub(crate) fn model(of: &Modelled) -> Figure {
     layers.push(over("*F*_{ex}", (end + ARROW_MM / 2.0 + 1.0, WALL.1)));
     let notes = [format!(
         "*K*_{{O}} and *B*_{{O}} hold at the end of a lever of {}: *x*_{{1}} is *L* *θ*.{}",
-        of.lever().line(),
-        of.pressed(),
+        modelled.lever().line(),
+        modelled.pressed(),
     )];
-    // in the middle, also where there is no finger
+    // In the middle, also where there is no finger.
     let aside = (2 - bodies.len()) as f64 * pitch / 2.0;
     let [low, high] = CHAIN.map(|(x, y)| (x - aside, y));
     let panel = panel(Cell::at(0, 0), low, high, layers);
-    of.figure("The model as a chain", &described(of), vec![panel], notes)
-}
-
-fn described(of: &Modelled) -> String {
-    let finger = match of.scene.finger {
+    let finger = match modelled.scene.finger {
         Some(_) => ", then the finger's spring, damper and mass",
         None => "",
     };
-    format!(
+    let description = format!(
         "From a wall on: the rendered object's spring and damper side by side, its mass{finger}; \
          the user's force pushes towards the wall."
-    )
+    );
+    modelled.figure("The model as a chain", &description, vec![panel], notes)
 }
 
 /// Spring and damper side by side, and the mass at their end.
 fn link(body: &Body, from: f64) -> Vec<Layer> {
     let to = from + SPRING_MM;
-    let beside = |off: f64| Way::through([(from, WALL.1 + off), (to, WALL.1 + off)]);
-    let mut layers = vec![spring(&beside(OFF_MM), body.pen)];
-    layers.extend(damper(&beside(-OFF_MM), body.pen));
+    let [upper, lower] =
+        [OFF_MM, -OFF_MM].map(|off| Way::through([(from, WALL.1 + off), (to, WALL.1 + off)]));
+    let mut layers = vec![spring(&upper, body.pen)];
+    layers.extend(damper(&lower, body.pen));
     let middle = f64::midpoint(from, to);
     layers.push(over(body.stiffness.line(), (middle, WALL.1 + OFF_MM + 2.0)));
     layers.push(amid(vec![body.damping.line()], (middle, WALL.1 - OFF_MM - 5.0)));
@@ -94,7 +94,7 @@ fn mass(body: &Body, at: Point) -> Block {
 }
 
 /// How far a mass is from the wall.
-fn place((symbol, height): (&str, f64), x: f64) -> Vec<Layer> {
+fn place(symbol: &str, height: f64, x: f64) -> Vec<Layer> {
     let pen = style::single(style::GREY);
     let mut layers = arrow(&Way::through([(WALL.0, height), (x, height)]), pen);
     layers.push(line([(WALL.0, height - 1.2), (WALL.0, height + 1.2)], pen));
@@ -104,11 +104,11 @@ fn place((symbol, height): (&str, f64), x: f64) -> Vec<Layer> {
 }
 
 /// The forces on each mass of the chain, and what they come to.
-pub(crate) fn model_forces(of: &Modelled) -> Figure {
-    let layers = match of.finger() {
+pub(crate) fn model_forces(modelled: &Modelled) -> Figure {
+    let layers = match modelled.finger() {
         Some(finger) => {
             let mut layers = free_body(
-                &of.object(),
+                &modelled.object(),
                 21.0,
                 ["*F*_{O}", "*F*_{F}"],
                 "*M*_{O} *ẍ*_{1} = *F*_{O} − *F*_{F}",
@@ -122,7 +122,7 @@ pub(crate) fn model_forces(of: &Modelled) -> Figure {
             layers
         }
         None => free_body(
-            &of.object(),
+            &modelled.object(),
             41.7,
             ["*F*_{O}", "*F*_{ex}"],
             "*M*_{O} *ẍ*_{1} = *F*_{O} − *F*_{ex}",
@@ -136,7 +136,7 @@ pub(crate) fn model_forces(of: &Modelled) -> Figure {
     let panel = panel(Cell::at(0, 0), FORCES[0], FORCES[1], layers);
     let description = "Each mass alone with the forces on it: what is towards the wall pushes it away \
                        from the wall, what is behind it pushes it there.";
-    of.figure("The forces on each mass", description, vec![panel], notes)
+    modelled.figure("The forces on each mass", description, vec![panel], notes)
 }
 
 /// A mass with the force from the wall's side and that from the user's, and its equation.

@@ -50,8 +50,8 @@ fn block(x: f64, width: f64, lines: impl IntoIterator<Item = String>) -> Block {
 }
 
 /// The box of the forces: of the object, and of the finger where the scene has one.
-fn forces(of: &Modelled, x: f64) -> Block {
-    let finger = of.scene.finger.map(|_| "finger: *F*_{F}");
+fn forces(modelled: &Modelled, x: f64) -> Block {
+    let finger = modelled.scene.finger.map(|_| "finger: *F*_{F}");
     let lines = ["object: *F*_{O}"].into_iter().chain(finger).map(str::to_owned);
     block(x, 20.0, lines).coloured(style::BRAKE)
 }
@@ -61,13 +61,13 @@ fn equations(x: f64) -> Block {
 }
 
 /// Forces that go into the equations of motion.
-fn both_forces(of: &Modelled) -> &'static str {
-    if of.scene.finger.is_some() { "*F*_{O}, *F*_{F}" } else { "*F*_{O}" }
+fn both_forces(modelled: &Modelled) -> &'static str {
+    if modelled.scene.finger.is_some() { "*F*_{O}, *F*_{F}" } else { "*F*_{O}" }
 }
 
 /// What a state is made of.
-fn state(of: &Modelled) -> &'static str {
-    match of.scene.finger {
+fn state(modelled: &Modelled) -> &'static str {
+    match modelled.scene.finger {
         Some(_) => "*x*_{1}, *ẋ*_{1}, *x*_{2}, *ẋ*_{2}",
         None => "*x*_{1}, *ẋ*_{1}",
     }
@@ -75,13 +75,13 @@ fn state(of: &Modelled) -> &'static str {
 
 /// The loop that is solved: the forces depend on the state of the step before, and so does what
 /// comes out (thesis §2.3).
-pub(crate) fn force_control(of: &Modelled) -> Figure {
-    let forces = forces(of, 11.0);
+pub(crate) fn force_control(modelled: &Modelled) -> Figure {
+    let forces = forces(modelled, 11.0);
     let equations = equations(43.0);
-    let step = block(66.5, 15.0, ["one step".to_owned(), of.step().line()]);
+    let step = block(66.5, 15.0, ["one step".to_owned(), modelled.step().line()]);
     let step = step.coloured(style::FINGER);
     let mut layers: Vec<Layer> = [&forces, &equations, &step].map(Block::layers).concat();
-    layers.extend(between(&forces, &equations, both_forces(of)));
+    layers.extend(between(&forces, &equations, both_forces(modelled)));
     layers.extend(between(&equations, &step, "*ẍ*"));
     let top = equations.top();
     let out = step.right();
@@ -91,27 +91,27 @@ pub(crate) fn force_control(of: &Modelled) -> Figure {
     let back = [corner, (corner.0, BACK_MM), (forces.at.0, BACK_MM), forces.bottom()];
     layers.extend(flow([out, (83.0, out.1)]));
     layers.extend(flow(back));
-    let words = format!("{} of the step before", state(of));
+    let words = format!("{} of the step before", state(modelled));
     layers.push(over(words, (f64::midpoint(forces.at.0, corner.0), BACK_MM - 0.6)));
     let panel = panel(Cell::at(0, 0), FORCE[0], FORCE[1], layers);
-    let notes = [format!("Solver: {}. *x*_{{1}} = *L* *θ*.", plain(solver_label(&of.solver)))];
+    let notes =
+        [format!("Solver: {}. *x*_{{1}} = *L* *θ*.", plain(solver_label(&modelled.solver)))];
     let description = "A loop: the forces of object and finger and the given user's force go into \
                        the equations of motion, these into one step, and its state back into the \
                        forces.";
-    of.figure("Force control: the force is given", description, vec![panel], notes)
+    modelled.figure("Force control: the force is given", description, vec![panel], notes)
 }
 
 /// Without a loop: where the motion is given, the forces follow from it at once.
-pub(crate) fn displacement_control(of: &Modelled) -> Figure {
-    let forces = forces(of, 31.0);
+pub(crate) fn displacement_control(modelled: &Modelled) -> Figure {
+    let forces = forces(modelled, 31.0);
     let equations = equations(65.0);
     let mut layers: Vec<Layer> = [&forces, &equations].map(Block::layers).concat();
     let from = forces.left();
     let out = equations.right();
     layers.extend(flow([(1.0, from.1), from]));
-    let given = state(of);
-    layers.push(over(given, (10.0, from.1)));
-    layers.extend(between(&forces, &equations, both_forces(of)));
+    layers.push(over(state(modelled), (10.0, from.1)));
+    layers.extend(between(&forces, &equations, both_forces(modelled)));
     layers.extend(flow([out, (83.0, out.1)]));
     layers.push(over("*F*_{ex}", (f64::midpoint(out.0, 83.0) - 0.5, out.1)));
     let panel = panel(Cell::at(0, 0), DISPLACEMENT[0], DISPLACEMENT[1], layers);
@@ -120,5 +120,5 @@ pub(crate) fn displacement_control(of: &Modelled) -> Figure {
             .to_owned()];
     let description = "A chain: the given motion goes into the forces of object and finger, these \
                        into the equations of motion, and out comes the user's force.";
-    of.figure("Displacement control: the motion is given", description, vec![panel], notes)
+    modelled.figure("Displacement control: the motion is given", description, vec![panel], notes)
 }

@@ -9,7 +9,7 @@ use crate::schematic::sketch::{
 use crate::words::plain;
 use zwidth_draw::style;
 use zwidth_draw::{Cell, Figure, Layer, LegendPlace, TWO_COLUMNS_MM};
-use zwidth_study::{ActuatorKind, Coordinate, Environment, Mode, Scene, Setup, VelocityFilter};
+use zwidth_study::{ActuatorKind, Coordinate, Setup, VelocityFilter};
 use zwidth_tables::{given, number, with_unit};
 
 /// The figure [`control_loop`].
@@ -25,7 +25,7 @@ const DEVICE: [Point; 2] = [(32.2, 0.5), (95.5, 74.5)];
 const COMPUTER: [Point; 2] = [(99.0, 0.5), (173.0, 74.5)];
 /// Height of what a group is called, mm.
 const NAME_MM: f64 = 4.5;
-/// Environments or modes that are listed; of more their number is told.
+/// At most so many environments or modes are listed; of more, only their number is given.
 const MOST_LISTED: usize = 3;
 
 /// Every box of the drawing.
@@ -45,29 +45,30 @@ struct Boxes {
 }
 
 impl Boxes {
-    fn of(of: &Setup) -> Self {
-        let [theta, theta_dot] = symbols(of);
-        let limit = with_unit(&number(of.control.force_limit_n, None), "N");
+    fn of(setup: &Setup) -> Self {
+        let [theta, theta_dot] = symbols(setup);
+        let limit = with_unit(&number(setup.control.force_limit_n, None), "N");
         let recorded = format!("{theta}, {theta_dot}, *F*_{{ex}}, voltages");
-        let angle = match of.coordinate {
+        let angle = match setup.coordinate {
             Coordinate::Rotational => "angle sensor",
             Coordinate::Linear { .. } => "position sensor",
         };
         Self {
             participant: Block::new((11.5, 39.0), (22.0, 12.0), ["participant"]),
-            lever: Block::new((45.0, 39.0), (22.0, 18.0), lever(of)),
-            force: Block::new((80.0, 64.5), (28.0, 9.0), force_sensor(of)).coloured(style::FINGER),
+            lever: Block::new((45.0, 39.0), (22.0, 18.0), lever(setup)),
+            force: Block::new((80.0, 64.5), (28.0, 9.0), force_sensor(setup))
+                .coloured(style::FINGER),
             angle: Block::new((80.0, 53.5), (28.0, 8.0), [angle]).coloured(style::FINGER),
-            motor: of
-                .uses(ActuatorKind::Motor)
-                .then(|| Block::new((80.0, 25.0), (28.0, 12.0), motor(of)).coloured(style::MOTOR)),
-            brake: of
-                .uses(ActuatorKind::Brake)
-                .then(|| Block::new((80.0, 9.5), (28.0, 12.0), brake(of)).coloured(style::BRAKE)),
-            velocity: Block::new((113.0, 53.5), (25.0, 13.0), velocity(of)),
+            motor: setup.uses(ActuatorKind::Motor).then(|| {
+                Block::new((80.0, 25.0), (28.0, 12.0), motor(setup)).coloured(style::MOTOR)
+            }),
+            brake: setup.uses(ActuatorKind::Brake).then(|| {
+                Block::new((80.0, 9.5), (28.0, 12.0), brake(setup)).coloured(style::BRAKE)
+            }),
+            velocity: Block::new((113.0, 53.5), (25.0, 13.0), velocity(setup)),
             recorded: Block::new((113.0, 34.0), (25.0, 12.0), ["recorded:".to_owned(), recorded]),
-            environment: Block::new((150.5, 53.5), (36.0, 17.0), environments(of)),
-            mode: Block::new((150.5, 31.5), (36.0, 19.0), modes(of)),
+            environment: Block::new((150.5, 53.5), (36.0, 17.0), environments(setup)),
+            mode: Block::new((150.5, 31.5), (36.0, 19.0), modes(setup)),
             voltage: Block::new(
                 (150.5, 9.5),
                 (36.0, 13.0),
@@ -105,14 +106,14 @@ impl Boxes {
 }
 
 /// The way from the user's force through device and computer and back, as the study has it.
-pub(crate) fn control_loop(of: &Setup) -> Figure {
-    let boxes = Boxes::of(of);
-    let rate = format!("**control loop**, {} ticks/s", number(of.control.rate_hz, None));
-    let mut layers = group(DEVICE, name(of));
+pub(crate) fn control_loop(setup: &Setup) -> Figure {
+    let boxes = Boxes::of(setup);
+    let rate = format!("**control loop**, {} ticks/s", number(setup.control.rate_hz, None));
+    let mut layers = group(DEVICE, name(setup));
     layers.extend(group(COMPUTER, rate));
     layers.extend(boxes.all().flat_map(Block::layers));
-    layers.extend(through_device(&boxes, of));
-    layers.extend(through_computer(&boxes, of));
+    layers.extend(through_device(&boxes, setup));
+    layers.extend(through_computer(&boxes, setup));
     Figure {
         title: Some("What flows through device and control loop".to_owned()),
         description: "A loop: the participant's force moves the lever; force and angle sensor; \
@@ -142,21 +143,20 @@ fn flow(points: impl IntoIterator<Item = Point>) -> Vec<Layer> {
 }
 
 /// From the participant to the sensors, and from the actuators back.
-fn through_device(b: &Boxes, of: &Setup) -> Vec<Layer> {
-    let up = |(x, y): Point, by: f64| (x, y + by);
-    let [theta, _] = symbols(of);
+fn through_device(b: &Boxes, setup: &Setup) -> Vec<Layer> {
+    let [theta, _] = symbols(setup);
     let hand = b.participant.right();
     let lever = b.lever.left();
-    let mut layers = flow([up(hand, 3.0), up(lever, 3.0)]);
-    layers.extend(flow([up(lever, -3.0), up(hand, -3.0)]));
+    let mut layers = flow([(hand.0, hand.1 + 3.0), (lever.0, lever.1 + 3.0)]);
+    layers.extend(flow([(lever.0, lever.1 - 3.0), (hand.0, hand.1 - 3.0)]));
     let middle = f64::midpoint(hand.0, lever.0);
     layers.push(over("*F*_{ex}", (middle, hand.1 + 3.0)));
     layers.push(over("feels", (middle, hand.1 - 8.2)));
     let top = b.lever.top();
     let bottom = b.lever.bottom();
-    let to_sensor = |x: f64, sensor: &Block| flow([(x, top.1), (x, sensor.at.1), sensor.left()]);
-    layers.extend(to_sensor(top.0 - 3.0, &b.force));
-    layers.extend(to_sensor(top.0 + 3.0, &b.angle));
+    for (x, sensor) in [(top.0 - 3.0, &b.force), (top.0 + 3.0, &b.angle)] {
+        layers.extend(flow([(x, top.1), (x, sensor.at.1), sensor.left()]));
+    }
     layers.push(over("*F*_{ex}", (57.0, b.force.at.1)));
     layers.push(over(theta, (57.0, b.angle.at.1)));
     for (x, actuator, symbol) in
@@ -170,8 +170,8 @@ fn through_device(b: &Boxes, of: &Setup) -> Vec<Layer> {
 }
 
 /// From the sensors through the computer to the actuators.
-fn through_computer(b: &Boxes, of: &Setup) -> Vec<Layer> {
-    let [theta, theta_dot] = symbols(of);
+fn through_computer(b: &Boxes, setup: &Setup) -> Vec<Layer> {
+    let [theta, theta_dot] = symbols(setup);
     let mut layers = flow([b.angle.right(), b.velocity.left()]);
     layers.push(over(theta, (97.2, b.angle.at.1)));
     layers.extend(flow([b.velocity.right(), b.environment.left()]));
@@ -197,32 +197,32 @@ fn through_computer(b: &Boxes, of: &Setup) -> Vec<Layer> {
 }
 
 /// Position and velocity, as axes have them.
-fn symbols(of: &Setup) -> [&'static str; 2] {
-    match of.coordinate {
+fn symbols(setup: &Setup) -> [&'static str; 2] {
+    match setup.coordinate {
         Coordinate::Rotational => ["*θ*", "*θ̇*"],
         Coordinate::Linear { .. } => ["*x*", "*ẋ*"],
     }
 }
 
 /// What the user holds, and how far it goes.
-fn lever(of: &Setup) -> Vec<String> {
-    let what = match of.coordinate {
+fn lever(setup: &Setup) -> Vec<String> {
+    let what = match setup.coordinate {
         Coordinate::Rotational => "lever",
         Coordinate::Linear { .. } => "slide",
     };
-    let length = of.device.lever_m.filter(|_| of.coordinate == Coordinate::Rotational);
-    let length = length.map(|m| given(m * 1e3, "mm", of.coordinate));
-    let ends = of.device.theta_min_rad.zip(of.device.theta_max_rad);
-    let ends = ends.map(|(low, high)| format!("{} to {}", place(of, low), place(of, high)));
+    let length = setup.device.lever_m.filter(|_| setup.coordinate == Coordinate::Rotational);
+    let length = length.map(|m| given(m * 1e3, "mm", setup.coordinate));
+    let ends = setup.device.theta_min_rad.zip(setup.device.theta_max_rad);
+    let ends = ends.map(|(low, high)| format!("{} to {}", place(setup, low), place(setup, high)));
     [Some(what.to_owned()), length, ends].into_iter().flatten().collect()
 }
 
-fn place(of: &Setup, theta_rad: f64) -> String {
-    words(of).place(theta_rad).replace('-', "−")
+fn place(setup: &Setup, theta_rad: f64) -> String {
+    words(setup).signed_place(theta_rad)
 }
 
-fn velocity(of: &Setup) -> Vec<String> {
-    let how = match of.control.velocity {
+fn velocity(setup: &Setup) -> Vec<String> {
+    let how = match setup.control.velocity {
         VelocityFilter::Difference => "difference of the last two".to_owned(),
         VelocityFilter::SecondOrder { cutoff_hz } => {
             format!("second-order low-pass, {}", with_unit(&number(cutoff_hz, None), "Hz"))
@@ -232,36 +232,40 @@ fn velocity(of: &Setup) -> Vec<String> {
 }
 
 /// What each environment asks for.
-fn environments(of: &Setup) -> Vec<String> {
-    let one = |e: &Environment| format!("{}: {}", plain(&e.label), asked(of, &e.scene));
-    listed("force asked for:", "environments", of.environments.iter().map(one).collect())
-}
-
-fn asked(of: &Setup, scene: &Scene) -> String {
-    let spring = scene.spring().map(|spring| {
-        let stiffness = given(spring.stiffness_n_per_rad, "N/rad", of.coordinate);
-        format!("{stiffness} from {}", place(of, spring.rest_rad))
-    });
-    let wall = scene.wall_rad().map(|at| format!("all from {} on", place(of, at)));
-    let parts: Vec<String> = spring.into_iter().chain(wall).collect();
-    if parts.is_empty() { "none".to_owned() } else { parts.join(", ") }
+fn environments(setup: &Setup) -> Vec<String> {
+    let mut items = Vec::new();
+    for environment in &setup.environments {
+        let spring = environment.scene.spring().map(|spring| {
+            let stiffness = given(spring.stiffness_n_per_rad, "N/rad", setup.coordinate);
+            format!("{stiffness} from {}", place(setup, spring.rest_rad))
+        });
+        let wall = environment.scene.wall_rad();
+        let wall = wall.map(|at| format!("all from {} on", place(setup, at)));
+        let parts: Vec<String> = spring.into_iter().chain(wall).collect();
+        let force = if parts.is_empty() { "none".to_owned() } else { parts.join(", ") };
+        items.push(format!("{}: {force}", plain(&environment.label)));
+    }
+    listed("force asked for:", "environments", items)
 }
 
 /// Which actuator each mode has in charge.
-fn modes(of: &Setup) -> Vec<String> {
-    let one = |mode: &Mode| Some(format!("{}: {}", plain(&mode.label), in_charge(mode)?));
-    let mut lines =
-        listed("actuator in charge:", "modes", of.modes.iter().filter_map(one).collect());
-    if of.modes.iter().any(|mode| mode.has(ActuatorKind::Brake)) {
-        let let_go = with_unit(&number(of.control.let_go_n, None), "N");
+fn modes(setup: &Setup) -> Vec<String> {
+    let mut items = Vec::new();
+    for mode in &setup.modes {
+        let Some(law) = mode.law() else { continue };
+        let [forward, back] = law.drives().map(ActuatorKind::as_str);
+        let drive = match forward == back {
+            true => forward.to_owned(),
+            false => format!("{forward} in, {back} back"),
+        };
+        items.push(format!("{}: {drive}", plain(&mode.label)));
+    }
+    let mut lines = listed("actuator in charge:", "modes", items);
+    if setup.modes.iter().any(|mode| mode.has(ActuatorKind::Brake)) {
+        let let_go = with_unit(&number(setup.control.let_go_n, None), "N");
         lines.push(format!("brake lets go below {let_go}"));
     }
     lines
-}
-
-fn in_charge(mode: &Mode) -> Option<String> {
-    let [forward, back] = mode.law()?.drives().map(ActuatorKind::as_str);
-    Some(if forward == back { forward.to_owned() } else { format!("{forward} in, {back} back") })
 }
 
 /// A heading and what it lists, or how many there are.

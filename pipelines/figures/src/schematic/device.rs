@@ -32,12 +32,12 @@ const SHAFT_MM: f64 = -13.0;
 const CELL_MM: f64 = 2.2;
 
 /// The device, drawn from what the study knows of it; `None` without a lever between stops.
-pub(crate) fn device(of: &Setup) -> Option<Figure> {
-    let [low, high] = of.stops_rad()?;
-    let front = panel(Cell::at(0, 0), FRONT[0], FRONT[1], front(of, LEVER_MM, [low, high]));
-    let side = panel(Cell::at(0, 1), SIDE[0], SIDE[1], side(of));
+pub(crate) fn device(setup: &Setup) -> Option<Figure> {
+    let [low, high] = setup.stops_rad()?;
+    let front = panel(Cell::at(0, 0), FRONT[0], FRONT[1], front(setup, LEVER_MM, [low, high]));
+    let side = panel(Cell::at(0, 1), SIDE[0], SIDE[1], side(setup));
     Some(Figure {
-        title: Some(name(of)),
+        title: Some(name(setup)),
         description: "From the front: the lever on its wheel, the user's force at its end, and below \
                       it the capstan on the shaft with the torques of motor and brake. From the side: \
                       the shaft with motor, capstan, brake and angle sensor, above it wheel and lever."
@@ -56,17 +56,22 @@ pub(crate) fn device(of: &Setup) -> Option<Figure> {
 }
 
 /// Lever, wheel, capstan, and the forces on them.
-pub(crate) fn front(of: &Setup, length_mm: f64, [low, high]: [f64; 2]) -> Vec<Layer> {
+pub(crate) fn front(setup: &Setup, length_mm: f64, [low, high]: [f64; 2]) -> Vec<Layer> {
     let lever = Lever::between(length_mm, low, high);
     let mut layers = transmission();
-    layers.extend(lever.work_space(words(of), low, high));
+    layers.extend(lever.work_space(words(setup), low, high));
     layers.extend(lever.angle(0.68));
     layers.extend(lever.bar());
-    layers.extend(load_cell(&lever));
+    // The force sensor, a box in the lever's end.
+    let along = lever.ray((1.0, 1.1), lever.theta_rad);
+    let corners = [(-1.0, 1.0), (1.0, 1.0), (1.0, -1.0), (-1.0, -1.0), (-1.0, 1.0)]
+        .map(|(up, left)| along.at(up * CELL_MM - CELL_MM, left * CELL_MM / 1.4));
+    layers.push(line(corners, Stroke { width_pt: 1.2, ..style::mean(style::FINGER) }));
     layers.extend(lever.push());
-    layers.extend(torques(of));
-    let known = of.device.lever_m.map(|m| zwidth_tables::given(m * 1e3, "mm", of.coordinate));
-    layers.extend(known.map(|length| {
+    layers.extend(torques(setup));
+    let length =
+        setup.device.lever_m.map(|m| zwidth_tables::given(m * 1e3, "mm", setup.coordinate));
+    layers.extend(length.map(|length| {
         let at = lever.at(0.47, lever.theta_rad);
         left_of(vec![length], at)
     }));
@@ -77,7 +82,7 @@ pub(crate) fn front(of: &Setup, length_mm: f64, [low, high]: [f64; 2]) -> Vec<La
 fn transmission() -> Vec<Layer> {
     let pen = Stroke { width_pt: 0.9, ..style::mean(style::GREY) };
     let shaft = (0.0, SHAFT_MM);
-    // the cable crosses over, so that it touches both at its own sides
+    // The cable crosses over, so that it touches both at its own sides.
     let lean = libm::acos((WHEEL_MM + CAPSTAN_MM) / SHAFT_MM.abs());
     let cable = [1.0, -1.0].map(|side| {
         let wheel = polar((0.0, 0.0), WHEEL_MM, PI - side * lean);
@@ -93,19 +98,19 @@ fn transmission() -> Vec<Layer> {
 }
 
 /// The torques of motor and brake on the shaft, one to either side.
-fn torques(of: &Setup) -> Vec<Layer> {
+fn torques(setup: &Setup) -> Vec<Layer> {
     /// Distance of an arrow from the shaft, mm.
     const AROUND: f64 = 5.6;
     /// Half of what it goes round, rad.
     const HALF_RAD: f64 = 0.7;
     let shaft = (0.0, SHAFT_MM);
     let mut layers = Vec::new();
-    // both resist the push, which turns the lever clockwise and the shaft the other way
+    // Both resist the push, which turns the lever clockwise and the shaft the other way.
     let both = [
         (ActuatorKind::Motor, -1.0, "*T*_{m}", style::MOTOR),
         (ActuatorKind::Brake, 1.0, "*T*_{b}", style::BRAKE),
     ];
-    for (_, side, symbol, colour) in both.into_iter().filter(|(drive, ..)| of.uses(*drive)) {
+    for (_, side, symbol, colour) in both.into_iter().filter(|(drive, ..)| setup.uses(*drive)) {
         let middle = side * FRAC_PI_2;
         let way = Way::arc(shaft, AROUND, middle - HALF_RAD, middle + HALF_RAD);
         layers.extend(arrow(&way, style::mean(colour)));
@@ -116,35 +121,21 @@ fn torques(of: &Setup) -> Vec<Layer> {
     layers
 }
 
-/// The force sensor in the lever's end.
-fn load_cell(lever: &Lever) -> Vec<Layer> {
-    let along = lever.ray((1.0, 1.1), lever.theta_rad);
-    let corner = |up: f64, left: f64| along.at(up * CELL_MM - CELL_MM, left * CELL_MM / 1.4);
-    let corners = [
-        corner(-1.0, 1.0),
-        corner(1.0, 1.0),
-        corner(1.0, -1.0),
-        corner(-1.0, -1.0),
-        corner(-1.0, 1.0),
-    ];
-    vec![line(corners, Stroke { width_pt: 1.2, ..style::mean(style::FINGER) })]
-}
-
 /// The shaft with what sits on it, and the wheel and the lever above.
-fn side(of: &Setup) -> Vec<Layer> {
+fn side(setup: &Setup) -> Vec<Layer> {
     /// Both ends of the shaft, mm.
     const SHAFT: [f64; 2] = [-18.5, 38.0];
     let thick = Stroke { width_pt: 2.2, ..style::mean(style::INK) };
     let mut layers = vec![line(SHAFT.map(|x| (x, SHAFT_MM)), thick)];
-    if of.uses(ActuatorKind::Motor) {
-        let motor = Block::new((-29.0, SHAFT_MM), (21.0, 13.0), motor(of));
+    if setup.uses(ActuatorKind::Motor) {
+        let motor = Block::new((-29.0, SHAFT_MM), (21.0, 13.0), motor(setup));
         layers.extend(motor.coloured(style::MOTOR).layers());
     }
-    if of.uses(ActuatorKind::Brake) {
-        layers.extend(disc_and_brake(of));
+    if setup.uses(ActuatorKind::Brake) {
+        layers.extend(disc_and_brake(setup));
     }
     layers.extend(capstan());
-    layers.extend(wheel_and_lever(of));
+    layers.extend(wheel_and_lever(setup));
     let angle = Block::new((39.0, SHAFT_MM), (3.0, 7.0), [""; 0]).coloured(style::FINGER);
     layers.extend(angle.layers());
     layers.push(left_of(vec!["angle sensor".to_owned()], (41.8, SHAFT_MM + 9.0)));
@@ -153,10 +144,10 @@ fn side(of: &Setup) -> Vec<Layer> {
 }
 
 /// The disc on the shaft, and the magnet that holds it: the shaft runs through behind.
-fn disc_and_brake(of: &Setup) -> Vec<Layer> {
+fn disc_and_brake(setup: &Setup) -> Vec<Layer> {
     let plate = Stroke { width_pt: 2.8, ..style::mean(style::BRAKE) };
-    let brake = Block::new((23.0, SHAFT_MM), (21.0, 13.0), brake(of));
-    // what runs through the brake is not seen
+    let brake = Block::new((23.0, SHAFT_MM), (21.0, 13.0), brake(setup));
+    // What runs through the brake is not seen.
     let hidden = Stroke { width_pt: 4.0, ..style::mean(style::PAPER) };
     let behind = line([brake.left(), brake.right()], hidden);
     let mut layers = vec![
@@ -176,7 +167,7 @@ fn capstan() -> Vec<Layer> {
 }
 
 /// The wheel edge on, above the capstan, and the lever with its sensor.
-fn wheel_and_lever(of: &Setup) -> Vec<Layer> {
+fn wheel_and_lever(setup: &Setup) -> Vec<Layer> {
     /// Where they stand, mm.
     const X: f64 = -6.0;
     let bar = Stroke { width_pt: 3.2, ..style::mean(style::INK) };
@@ -184,9 +175,11 @@ fn wheel_and_lever(of: &Setup) -> Vec<Layer> {
     let cell = Block::new((X, LEVER_MM - 1.0), (3.4, 4.6), [""; 0]).coloured(style::FINGER);
     let axis = Way::through([(X + 12.0, 3.0), (X + 12.0, -3.0)]);
     let mut layers = wheel.layers();
-    // the cable, edge on
-    let cable = |x: f64| [(x, -WHEEL_MM), (x, SHAFT_MM + CAPSTAN_MM)];
-    layers.extend([-1.0, 1.0].map(|off| line(cable(X + off), style::single(style::INK))));
+    // The cable, edge on.
+    for x in [X - 1.0, X + 1.0] {
+        let cable = [(x, -WHEEL_MM), (x, SHAFT_MM + CAPSTAN_MM)];
+        layers.push(line(cable, style::single(style::INK)));
+    }
     layers.push(line([(X - 4.0, 0.0), (X + 12.0, 0.0)], style::single(style::INK)));
     layers.extend(ground(
         &Way::through(axis.points().iter().rev().copied()),
@@ -194,10 +187,10 @@ fn wheel_and_lever(of: &Setup) -> Vec<Layer> {
     ));
     layers.push(line([(X, 0.0), cell.bottom()], bar));
     layers.extend(cell.layers());
-    layers.push(right_of(force_sensor(of), (X + 2.5, LEVER_MM - 1.0)));
+    layers.push(right_of(force_sensor(setup), (X + 2.5, LEVER_MM - 1.0)));
     layers.push(right_of(vec!["lever".to_owned()], (X + 1.0, 16.0)));
     layers.push(left_of(vec!["wheel".to_owned()], (X - 2.5, 6.0)));
-    // away from the reader
+    // The push goes away from the reader: a circle with a cross in it, as the feathers of an arrow.
     layers.extend(ring((X - 8.0, LEVER_MM - 1.0), 1.7, style::mean(style::INK)));
     for side in [1.0, -1.0] {
         let x = X - 8.0;

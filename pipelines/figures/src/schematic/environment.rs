@@ -74,7 +74,12 @@ pub fn environment(placement: &Placement) -> Option<Figure> {
     let lever = Lever::between(UPRIGHT_MM, low, high);
     let mut layers = lever.work_space(words, low, high);
     layers.extend(rendered_spring(&lever, spring, high));
-    layers.extend(wall.iter().flat_map(|at| rendered_wall(&lever, words, *at)));
+    if let Some(theta) = wall {
+        let pen = Stroke { width_pt: 1.8, ..style::mean(style::MARK) };
+        layers.extend(ground(&lever.ray(WALL, theta), pen));
+        let name = format!("wall {}", words.signed_place(theta));
+        layers.push(over(name, lever.at(WALL.1 + 0.12, theta)));
+    }
     layers.extend(device(&lever));
     Some(Figure {
         title: Some(plain(&environment.label)),
@@ -105,14 +110,14 @@ fn footnotes(
         "{}Spring: {} N/rad, at rest at {}, {} N at {}.",
         lever.unwrap_or_default(),
         number(spring.stiffness_n_per_rad),
-        signed(words, spring.rest_rad),
+        words.signed_place(spring.rest_rad),
         number(force(high)),
-        signed(words, high),
+        words.signed_place(high),
     )];
     notes.extend(wall.map(|at| {
         format!(
             "Wall: from {} on (where the spring has {} N) each actuator in use gets its full voltage.",
-            signed(words, at),
+            words.signed_place(at),
             number(force(at))
         )
     }));
@@ -124,29 +129,17 @@ fn number(value: f64) -> String {
     format!("{}", (value * 100.0).round() / 100.0).replace('-', "−")
 }
 
-fn signed(words: Words, theta_rad: f64) -> String {
-    words.place(theta_rad).replace('-', "−")
-}
-
 /// The spring between the lever and the end of the work space, and where the lever stands when it
 /// rests.
-fn rendered_spring(lever: &Lever, of: Spring, high: f64) -> Vec<Layer> {
+fn rendered_spring(lever: &Lever, rendered: Spring, high: f64) -> Vec<Layer> {
     let coils = lever.arc(SPRING, lever.theta_rad, high);
-    let mut layers = vec![spring(&coils, style::mean(style::FINGER)), stiffness(lever, of, high)];
-    layers.extend(lever.rest(of.rest_rad));
+    let stiffness = format!("*K* = {} N/rad", number(rendered.stiffness_n_per_rad));
+    let mut layers = vec![
+        spring(&coils, style::mean(style::FINGER)),
+        over(stiffness, lever.at(0.7, high + 0.48)),
+    ];
+    layers.extend(lever.rest(rendered.rest_rad));
     layers.extend(ground(&lever.ray(STOP, high), style::mean(style::INK)));
-    layers
-}
-
-fn stiffness(lever: &Lever, of: Spring, high: f64) -> Layer {
-    let words = format!("*K* = {} N/rad", number(of.stiffness_n_per_rad));
-    over(words, lever.at(0.7, high + 0.48))
-}
-
-fn rendered_wall(lever: &Lever, words: Words, theta: f64) -> Vec<Layer> {
-    let pen = Stroke { width_pt: 1.8, ..style::mean(style::MARK) };
-    let mut layers = ground(&lever.ray(WALL, theta), pen);
-    layers.push(over(format!("wall {}", signed(words, theta)), lever.at(WALL.1 + 0.12, theta)));
     layers
 }
 

@@ -58,13 +58,13 @@ pub(crate) struct LeverModel {
 }
 
 impl LeverModel {
-    fn of(of: &Modelled, length_mm: f64) -> Self {
-        let [low, high_rad] = of.scene.plant.stops_rad.unwrap_or(STOPS_RAD);
+    fn of(modelled: &Modelled, length_mm: f64) -> Self {
+        let [low, high_rad] = modelled.scene.plant.stops_rad.unwrap_or(STOPS_RAD);
         Self {
             lever: Lever::between(length_mm, low, high_rad),
-            length: of.lever(),
-            object: of.object(),
-            finger: of.finger(),
+            length: modelled.lever(),
+            object: modelled.object(),
+            finger: modelled.finger(),
             high_rad,
         }
     }
@@ -86,15 +86,15 @@ impl LeverModel {
     fn object(&self) -> Vec<Layer> {
         let lever = &self.lever;
         let Body { stiffness, damping, pen, .. } = &self.object;
-        let around = |distance| lever.arc(distance, lever.theta_rad, self.high_rad);
-        let mut layers = vec![spring(&around(SPRING), *pen)];
-        layers.extend(damper(&around(DAMPER), *pen));
+        let [outer, inner] =
+            [SPRING, DAMPER].map(|distance| lever.arc(distance, lever.theta_rad, self.high_rad));
+        let mut layers = vec![spring(&outer, *pen)];
+        layers.extend(damper(&inner, *pen));
         layers.extend(ground(&lever.ray(GROUND, self.high_rad), style::mean(style::INK)));
-        let beside = |distance, part: &Part| {
+        for (distance, part) in [(SPRING, stiffness), (DAMPER - 0.06, damping)] {
             let (x, y) = lever.at(distance, self.high_rad);
-            right_of(part.lines(), (x + 3.2, y - 1.8))
-        };
-        layers.extend([beside(SPRING, stiffness), beside(DAMPER - 0.06, damping)]);
+            layers.push(right_of(part.lines(), (x + 3.2, y - 1.8)));
+        }
         layers
     }
 
@@ -131,14 +131,14 @@ fn pushed(along: &Way, to: f64) -> Vec<Layer> {
 /// Plate, spring, damper and mass of the finger, away from the lever, and the user's force on it.
 fn finger_layers(finger: &Body, along: &Way) -> Vec<Layer> {
     let [plate, near, far, tip, _] = FINGER_MM;
-    let beside = |off: f64| Way::through([plate, near].map(|at| along.at(at, off)));
-    let wide = |at: f64| line([along.at(at, PLATE_MM), along.at(at, -PLATE_MM)], finger.pen);
+    let [right, left] =
+        [-OFF_MM, OFF_MM].map(|off| Way::through([plate, near].map(|at| along.at(at, off))));
     let mut layers = vec![
         line([along.at(0.0, 0.0), along.at(plate, 0.0)], finger.pen),
-        wide(plate),
-        spring(&beside(-OFF_MM), finger.pen),
+        line([along.at(plate, PLATE_MM), along.at(plate, -PLATE_MM)], finger.pen),
+        spring(&right, finger.pen),
     ];
-    layers.extend(damper(&beside(OFF_MM), finger.pen));
+    layers.extend(damper(&left, finger.pen));
     layers.extend(slab(finger, along, near, far));
     let middle = f64::midpoint(plate, near);
     layers.push(over(finger.stiffness.line(), along.at(middle - 1.0, -OFF_MM - 2.0)));
@@ -149,39 +149,33 @@ fn finger_layers(finger: &Body, along: &Way) -> Vec<Layer> {
 
 /// A mass across a way, with its words.
 fn slab(body: &Body, along: &Way, near: f64, far: f64) -> Vec<Layer> {
-    let corner = |at: f64, side: f64| along.at(at, side * (PLATE_MM + 0.8));
-    let corners = [
-        corner(near, 1.0),
-        corner(far, 1.0),
-        corner(far, -1.0),
-        corner(near, -1.0),
-        corner(near, 1.0),
-    ];
+    let corners = [(near, 1.0), (far, 1.0), (far, -1.0), (near, -1.0), (near, 1.0)]
+        .map(|(at, side)| along.at(at, side * (PLATE_MM + 0.8)));
     let words = amid(body.mass.lines(), along.at(f64::midpoint(near, far), 0.0));
     vec![line(corners, style::mean(style::GREY)), words]
 }
 
 /// The model that is solved: the object turns about the lever's axis, the finger rides on its end
 /// (thesis (8) to (11)).
-pub(crate) fn lever_model(of: &Modelled) -> Figure {
-    let layers = LeverModel::of(of, UPRIGHT_MM).layers();
+pub(crate) fn lever_model(modelled: &Modelled) -> Figure {
+    let layers = LeverModel::of(modelled, UPRIGHT_MM).layers();
     let panel = panel(Cell::at(0, 0), WHOLE[0], WHOLE[1], layers);
     let notes = [format!(
         "*θ* = 0 is upright, and *θ* > 0 compresses. *F*_{{ex}}{} square to the lever.{}",
-        if of.finger().is_some() { " and the finger stay" } else { " stays" },
-        of.pressed()
+        if modelled.finger().is_some() { " and the finger stay" } else { " stays" },
+        modelled.pressed()
     )];
-    let finger = if of.finger().is_some() { ", at its end the finger" } else { "" };
+    let finger = if modelled.finger().is_some() { ", at its end the finger" } else { "" };
     let description = format!(
         "A lever on an axis, between it and a stop the rendered object's spring and damper{finger}; \
          the user's force pushes its end."
     );
-    of.figure("The model of the device", &description, vec![panel], notes)
+    modelled.figure("The model of the device", &description, vec![panel], notes)
 }
 
 /// The forces on lever and finger, and what they come to.
-pub(crate) fn lever_model_forces(of: &Modelled) -> Figure {
-    let LeverModel { lever, object, finger, .. } = LeverModel::of(of, 26.0);
+pub(crate) fn lever_model_forces(modelled: &Modelled) -> Figure {
+    let LeverModel { lever, object, finger, .. } = LeverModel::of(modelled, 26.0);
     let (at_end, sign) = if finger.is_some() { ("*F*_{F}", '−') } else { ("*F*_{ex}", '+') };
     let mut layers = lever.torque(0.24);
     layers.push(line([(0.0, 0.0), lever.at(0.52, 0.0)], style::reference()));
@@ -193,7 +187,7 @@ pub(crate) fn lever_model_forces(of: &Modelled) -> Figure {
     layers.extend(from_both_sides(&across(&lever, 1.0), 2.0, [at_end, "*F*_{O} = *T*_{O} / *L*"]));
     let equation = format!("*M*_{{O}} *L* *θ̈* = *F*_{{O}} {sign} {at_end}");
     layers.push(amid(vec![equation], (0.0, -9.5)));
-    let alone = finger.zip(of.scene.finger.map(|finger| finger.law));
+    let alone = finger.zip(modelled.scene.finger.map(|finger| finger.law));
     let (title, more, which, corners) = match &alone {
         Some((finger, law)) => {
             layers.extend(finger_alone(&lever, finger, *law));
@@ -210,7 +204,7 @@ pub(crate) fn lever_model_forces(of: &Modelled) -> Figure {
     let panel = panel(Cell::at(0, 0), corners[0], corners[1], layers);
     let description =
         format!("The lever alone, with the torque at its axis and the forces at its end.{more}");
-    of.figure(title, &description, vec![panel], notes)
+    modelled.figure(title, &description, vec![panel], notes)
 }
 
 /// The finger's mass between the user's force and its tissue, and its equation by the scene's law.

@@ -45,5 +45,8 @@ pub const OF_MODEL: [(FigureKind, OfModel); 6] = [
 ];
 
 /// The schematics of the device and of its control.
-pub const OF_DEVICE: [(FigureKind, OfDevice); 3] =
-    [(DEVICE, device), (TRANSLATION, translation), (CONTROL_LOOP, |of| Some(control_loop(of)))];
+pub const OF_DEVICE: [(FigureKind, OfDevice); 3] = [
+    (DEVICE, device),
+    (TRANSLATION, translation),
+    (CONTROL_LOOP, |setup| Some(control_loop(setup))),
+];

@@ -95,6 +95,7 @@ impl Modelled {
     ) -> Result<Self, DynamicsError> {
         let step_s = step_s.unwrap_or(scene.step_s);
         let scene = ModelScene { step_s, ..scene };
+        // Only to refuse what cannot be run.
         System::new(scene.clone())?;
         Ok(Self { scene, file: file.to_owned(), solver: solver.to_owned() })
     }
@@ -143,7 +144,8 @@ impl Modelled {
         at.map(|at| format!(" The tissue is fully pressed at {at}.")).unwrap_or_default()
     }
 
-    /// A figure of the model, one column wide, with these notes and where its numbers are from.
+    /// A figure of the model, one column wide, with these notes, where its numbers are from, and what
+    /// the scene has and the drawings do not.
     pub(crate) fn figure(
         &self,
         title: &str,
@@ -151,12 +153,18 @@ impl Modelled {
         panels: Vec<Panel>,
         notes: impl IntoIterator<Item = String>,
     ) -> Figure {
+        let friction = self.scene.friction.map(|_| "friction");
+        let terms: Vec<&str> =
+            friction.into_iter().chain(self.scene.terms.iter().map(Term::name)).collect();
+        let not_drawn = match terms.is_empty() {
+            true => String::new(),
+            false => format!(" Not drawn: {}.", plain(&terms.join(", "))),
+        };
         let mut footnotes: Vec<String> = notes.into_iter().collect();
         footnotes.push(format!(
-            "Numbers: {} ({}), the first scene that study.toml draws runs of.{}",
+            "Numbers: {} ({}), the first scene that study.toml draws runs of.{not_drawn}",
             plain(&self.file),
             plain(&self.scene.name),
-            self.not_drawn(),
         ));
         Figure {
             title: Some(title.to_owned()),
@@ -166,17 +174,6 @@ impl Modelled {
             legend: LegendPlace::Hidden,
             footnotes,
             ..Figure::default()
-        }
-    }
-
-    /// What the scene has and the drawings of the model do not, a sentence with a space before it.
-    fn not_drawn(&self) -> String {
-        let friction = self.scene.friction.map(|_| "friction");
-        let terms: Vec<&str> =
-            friction.into_iter().chain(self.scene.terms.iter().map(Term::name)).collect();
-        match terms.is_empty() {
-            true => String::new(),
-            false => format!(" Not drawn: {}.", plain(&terms.join(", "))),
         }
     }
 }

@@ -9,7 +9,7 @@ use crate::schematic::sketch::{Lever, Point, Way, ground, line, panel, polar, ri
 use crate::words::plain;
 use zwidth_draw::style::{self, Stroke};
 use zwidth_draw::{Cell, Figure, Layer, LegendPlace, TWO_COLUMNS_MM};
-use zwidth_study::{Coordinate, Environment, Setup, Spring};
+use zwidth_study::{Coordinate, Setup, Spring};
 use zwidth_tables::given;
 
 /// The figure [`translation`].
@@ -32,10 +32,10 @@ const COIL_MM: (f64, f64) = (2.0, 7.5);
 
 /// The study's first environment with a spring, as object, model and device; `None` without a lever
 /// between stops or without a spring.
-pub(crate) fn translation(of: &Setup) -> Option<Figure> {
-    let stops = of.stops_rad()?;
+pub(crate) fn translation(setup: &Setup) -> Option<Figure> {
+    let stops = setup.stops_rad()?;
     let (environment, rendered) =
-        of.environments.iter().find_map(|e| Some((e, e.scene.spring()?)))?;
+        setup.environments.iter().find_map(|e| Some((e, e.scene.spring()?)))?;
     let lever = Lever::between(LEVER_MM, stops[0], stops[1]);
     let model = LeverModel {
         lever: Lever { length_mm: MODEL_MM, ..lever },
@@ -47,14 +47,18 @@ pub(crate) fn translation(of: &Setup) -> Option<Figure> {
     let drawings = [
         ("**a**  object", OBJECT, object(&lever, rendered)),
         ("**b**  model", MODEL, model.layers()),
-        ("**c**  device", DEVICE, front(of, LEVER_MM, stops)),
+        ("**c**  device", DEVICE, front(setup, LEVER_MM, stops)),
     ];
     let panels = drawings.into_iter().enumerate().map(|(column, (title, corners, layers))| {
         panel(Cell::at(0, column), corners[0], corners[1], layers).titled(title)
     });
     Some(Figure {
         title: Some(format!("{}: object, model and device", plain(&environment.label))),
-        description: described(environment),
+        description: format!(
+            "{}: a beam on a torsion spring; the model with the object's spring and damper at a lever's \
+             axis and the finger at its end; the device with wheel and capstan.",
+            environment.label
+        ),
         width_mm: TWO_COLUMNS_MM,
         column_weights: [OBJECT, MODEL, DEVICE].map(|c| c[1].0 - c[0].0).to_vec(),
         panels: panels.collect(),
@@ -67,14 +71,6 @@ pub(crate) fn translation(of: &Setup) -> Option<Figure> {
         ],
         ..Figure::default()
     })
-}
-
-fn described(environment: &Environment) -> String {
-    format!(
-        "{}: a beam on a torsion spring; the model with the object's spring and damper at a lever's \
-         axis and the finger at its end; the device with wheel and capstan.",
-        environment.label
-    )
 }
 
 /// A beam on a torsion spring, and where it rests.
@@ -96,10 +92,10 @@ fn coil() -> Layer {
     /// Pieces of a turn.
     const PIECES: f64 = 90.0;
     let pieces = (TURNS * PIECES) as usize;
-    let point = |i: usize| {
+    let points = (0..=pieces).map(|i| {
         let share = i as f64 / pieces as f64;
         let turned = std::f64::consts::TAU * (0.5 + TURNS * (share - 1.0));
         polar((0.0, 0.0), COIL_MM.0 + share * (COIL_MM.1 - COIL_MM.0), turned)
-    };
-    line((0..=pieces).map(point), style::mean(style::BRAKE))
+    });
+    line(points, style::mean(style::BRAKE))
 }

@@ -6,7 +6,7 @@ mod words;
 use self::words::{about, significant, why_not_calibrated};
 use crate::FigureKind;
 use crate::words::{mark, percent, plain};
-use zwidth_draw::style::{self, Colour, Dash};
+use zwidth_draw::style::{self, Colour, Dash, Stroke};
 use zwidth_draw::{Axis, Band, Cell, Direction, Figure, Layer, Line, Panel, Points, Reference};
 use zwidth_numerics::branch::{Branch, branches};
 use zwidth_results::{
@@ -33,7 +33,7 @@ const RESIDUALS_MM: f64 = 22.0;
 const MANY_POINTS: usize = 1000;
 /// More points than this are no more than a blot: each sweep becomes a faint line of step means.
 const MOST_POINTS: usize = 10_000;
-/// Steps of the command that such a line has one mean in: about one a printed dot.
+/// Steps of the command that such a line has one mean in: about one per printed dot.
 const STEPS: f64 = 250.0;
 
 /// Pen of the chosen fit under a mean, pt.
@@ -64,27 +64,25 @@ impl<'a> Characterised<'a> {
 /// The characteristic of one actuator or sensor: all sweeps faint, their mean, the first-order fit
 /// with its R², the chosen fit, and where it begins and ends to rise; below, from the chosen fit
 /// on, the band for a new response and the samples. Its coefficients are in their table.
-pub fn characteristic(actuator: &str, sweeps: &[Sweep], found: Characterised) -> Figure {
-    let quantity =
-        |of: fn(&Sweep) -> &Quantity| sweeps.first().map(of).cloned().unwrap_or_else(nothing);
-    let command = quantity(|s| &s.command);
-    let response = quantity(|s| &s.response);
-    let chosen = found.chosen();
+pub fn characteristic(actuator: &str, sweeps: &[Sweep], fitted: Characterised) -> Figure {
+    let command = sweeps.first().map_or_else(nothing, |sweep| sweep.command.clone());
+    let response = sweeps.first().map_or_else(nothing, |sweep| sweep.response.clone());
+    let chosen = fitted.chosen();
     let mut layers = samples(sweeps, are_seen(chosen, sweeps));
-    layers.extend(curves(found, sweeps.len()));
-    layers.extend(corners(found, &command.unit));
-    let x = || axis(&command).linked("command");
-    let panel = Panel::new(Cell::at(0, 0), x(), axis(&response), layers);
+    layers.extend(curves(fitted, sweeps.len()));
+    layers.extend(corners(fitted, &command.unit));
+    let x = axis(&command).linked("command");
+    let panel = Panel::new(Cell::at(0, 0), x.clone(), axis(&response), layers);
     let off = Axis::new("off the fit", plain(&response.unit));
-    let below = residuals(found, sweeps).map(|layers| Panel {
+    let below = residuals(fitted, sweeps).map(|layers| Panel {
         height_mm: Some(RESIDUALS_MM),
-        ..Panel::new(Cell::at(1, 0), x(), off, layers)
+        ..Panel::new(Cell::at(1, 0), x, off, layers)
     });
     let panel = Panel { height_mm: Some(PANEL_MM), ..panel };
     let mut footnotes = Vec::new();
     footnotes.extend(chosen.map(|chosen| about(chosen, &response.unit, actuator)));
     if actuator == "motor" {
-        footnotes.extend(why_not_calibrated(found.curve, &command.unit, &response.unit));
+        footnotes.extend(why_not_calibrated(fitted.curve, &command.unit, &response.unit));
     }
     let name = chosen.map_or("", |chosen| chosen.model.as_str());
     Figure {
@@ -131,20 +129,21 @@ fn samples(sweeps: &[Sweep], seen: bool) -> Vec<Layer> {
     let all = sweeps.iter().flat_map(|s| &s.command_values).copied();
     let (low, high) =
         all.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
-    let line = |(number, sweep): (usize, &Sweep)| {
+    let mut layers = Vec::new();
+    for (number, sweep) in sweeps.iter().enumerate() {
         let (x, y) =
             step_means(&sweep.command_values, &sweep.response_values, (high - low) / STEPS);
         let name = (number == 0 && seen).then(|| "sweeps".to_owned());
-        Layer::Line(Line { x, y, stroke: style::faint(style::GREY), name, ..Line::default() })
-    };
-    sweeps.iter().enumerate().map(line).collect()
+        let stroke = style::faint(style::GREY);
+        layers.push(Layer::Line(Line { x, y, stroke, name, ..Line::default() }));
+    }
+    layers
 }
 
 fn points(sweeps: &[Sweep], many: bool, seen: bool) -> Layer {
-    let all = |values: fn(&Sweep) -> &Vec<f64>| sweeps.iter().flat_map(values).copied().collect();
     Layer::Points(Points {
-        x: all(|s| &s.command_values),
-        y: all(|s| &s.response_values),
+        x: sweeps.iter().flat_map(|s| &s.command_values).copied().collect(),
+        y: sweeps.iter().flat_map(|s| &s.response_values).copied().collect(),
         colour: style::GREY,
         opacity: if many { 0.25 } else { 0.6 },
         diameter_pt: if many { 1.4 } else { style::POINT_PT },
@@ -155,13 +154,14 @@ fn points(sweeps: &[Sweep], many: bool, seen: bool) -> Layer {
 /// Means of runs of samples whose commands lie in one step of this width, in the order of
 /// recording.
 fn step_means(x: &[f64], y: &[f64], step: f64) -> (Vec<f64>, Vec<f64>) {
-    let place = |x: f64| libm::floor(x / step) as i64;
     let samples: Vec<(f64, f64)> = x.iter().copied().zip(y.iter().copied()).collect();
-    let mean = |run: &[(f64, f64)]| {
-        let (sx, sy) = run.iter().fold((0.0, 0.0), |(sx, sy), (x, y)| (sx + x, sy + y));
-        (sx / run.len() as f64, sy / run.len() as f64)
-    };
-    samples.chunk_by(|a, b| place(a.0) == place(b.0)).map(mean).unzip()
+    let runs = samples
+        .chunk_by(|a, b| libm::floor(a.0 / step) as i64 == libm::floor(b.0 / step) as i64)
+        .map(|run| {
+            let (sx, sy) = run.iter().fold((0.0, 0.0), |(sx, sy), (x, y)| (sx + x, sy + y));
+            (sx / run.len() as f64, sy / run.len() as f64)
+        });
+    runs.unzip()
 }
 
 /// One branch of the chosen curve.
@@ -198,21 +198,31 @@ impl Part<'_> {
         self.points.iter().map(number).collect()
     }
 
+    /// The same against the command.
+    fn line(&self, y: impl Fn(&CurvePoint) -> f64, stroke: Stroke, name: String) -> Layer {
+        let x = self.column(|p| p.command);
+        let y = self.column(y);
+        Layer::Line(Line { x, y, stroke, name: Some(name), ..Line::default() })
+    }
+
     /// How far a sweep's samples of this branch lie off its fit; which these are is told by the
     /// rule that the fit went by.
     fn residuals(&self, sweep: &Sweep, fit: (&[f64], &[f64])) -> Vec<(f64, f64)> {
-        let commands = &sweep.command_values;
-        let ways = self.way.map(|way| (way, branches(commands)));
-        let mine = |i: &usize| ways.as_ref().is_none_or(|(way, ways)| ways[*i] == *way);
-        let off =
-            |i: usize| Some((commands[i], sweep.response_values[i] - value_at(fit, commands[i])?));
-        (0..commands.len()).filter(mine).filter_map(off).collect()
+        let ways = self.way.map(|way| (way, branches(&sweep.command_values)));
+        let mut residuals = Vec::new();
+        for (i, &command) in sweep.command_values.iter().enumerate() {
+            let is_mine = ways.as_ref().is_none_or(|(way, ways)| ways[i] == *way);
+            if let Some(fitted) = value_at(fit, command).filter(|_| is_mine) {
+                residuals.push((command, sweep.response_values[i] - fitted));
+            }
+        }
+        residuals
     }
 }
 
 /// The samples off the chosen fit, and the band for a new response on them; `None` where there is
 /// no fit.
-fn residuals(found: Characterised, sweeps: &[Sweep]) -> Option<Vec<Layer>> {
+fn residuals(fitted: Characterised, sweeps: &[Sweep]) -> Option<Vec<Layer>> {
     let zero = Reference {
         direction: Direction::Horizontal,
         at: 0.0,
@@ -225,13 +235,14 @@ fn residuals(found: Characterised, sweeps: &[Sweep]) -> Option<Vec<Layer>> {
     let named = (stride > 1).then(|| format!("one sample of {stride}, off the fit"));
     let mut layers = vec![Layer::Reference(zero)];
     let mut bands = Vec::new();
-    for part in parts(found.curve) {
+    for part in parts(fitted.curve) {
         let x = part.column(|p| p.command);
         let fit = part.column(|p| p.fit);
         let low = part.column(|p| p.prediction_low - p.fit);
         let high = part.column(|p| p.prediction_high - p.fit);
-        let name = Some(format!("{} prediction band{}", percent(found.level), part.name));
+        let name = Some(format!("{} prediction band{}", percent(fitted.level), part.name));
         let curve = (x.as_slice(), fit.as_slice());
+        // Every so many: a page holds no more points than can be told from a blot.
         let off = sweeps.iter().flat_map(|sweep| part.residuals(sweep, curve));
         let (at, y) = off.step_by(stride).unzip();
         let (opacity, diameter_pt) = if n > MANY_POINTS { (0.25, 1.2) } else { (0.6, 2.0) };
@@ -242,12 +253,14 @@ fn residuals(found: Characterised, sweeps: &[Sweep]) -> Option<Vec<Layer>> {
     }
     let any =
         layers.iter().any(|l| matches!(l, Layer::Points(p) if p.y.iter().any(|y| y.is_finite())));
+    // Over the samples, which are many: a translucent band would not be seen under them.
     layers.extend(bands);
     any.then_some(layers)
 }
 
 /// The value of a rising curve at `x`, on the straight line between its points; `None` outside.
 fn value_at((xs, ys): (&[f64], &[f64]), x: f64) -> Option<f64> {
+    // At the first point there is none before: it belongs to the first piece.
     let after = xs.partition_point(|at| *at < x).max(1);
     let x0 = *xs.get(after - 1)?;
     let x1 = *xs.get(after)?;
@@ -258,65 +271,57 @@ fn value_at((xs, ys): (&[f64], &[f64]), x: f64) -> Option<f64> {
 /// Fits, means and the first-order fit, in the order in which they lie over each other: the mean is
 /// thin on the broad chosen fit, so that both are seen where they agree. Where the line was chosen
 /// it is the first-order fit.
-fn curves(found: Characterised, sweeps: usize) -> Vec<Layer> {
-    let parts = parts(found.curve);
-    let line = |y: fn(&CurvePoint) -> f64, part: &Part, stroke, name: String| {
-        let x = part.column(|p| p.command);
-        let y = part.column(y);
-        Layer::Line(Line { x, y, stroke, name: Some(name), ..Line::default() })
-    };
-    let first_order = format!("first-order fit{}", r_squared(found.models));
-    let is_line = found.chosen().is_some_and(|chosen| chosen.model == CurveModel::Line);
+fn curves(fitted: Characterised, sweeps: usize) -> Vec<Layer> {
+    let parts = parts(fitted.curve);
+    let line = fitted.models.iter().find(|row| row.model == CurveModel::Line);
+    let r2 = line.and_then(|line| line.r2).map(|r2| format!(", *R*^{{2}} = {r2:.4}"));
+    let first_order = format!("first-order fit{}", r2.unwrap_or_default());
+    let is_line = fitted.chosen().is_some_and(|chosen| chosen.model == CurveModel::Line);
     let fit = if is_line { format!("{first_order} (chosen)") } else { "chosen fit".to_owned() };
     let mut layers = Vec::new();
     for part in &parts {
         let usual = style::mean(part.colour).dashed(part.dash);
-        let pen = if sweeps > 1 { style::Stroke { width_pt: BROAD_PT, ..usual } } else { usual };
-        layers.push(line(|p| p.fit, part, pen, format!("{fit}{}", part.name)));
+        let pen = if sweeps > 1 { Stroke { width_pt: BROAD_PT, ..usual } } else { usual };
+        layers.push(part.line(|p| p.fit, pen, format!("{fit}{}", part.name)));
     }
     for part in parts.iter().filter(|_| sweeps > 1) {
-        let thin = style::Stroke { width_pt: THIN_PT, ..style::single(style::INK) };
+        let thin = Stroke { width_pt: THIN_PT, ..style::single(style::INK) };
         // Without samples near by there is a gap.
-        let mean = |p: &CurvePoint| p.mean.unwrap_or(f64::NAN);
-        layers.push(line(mean, part, thin, "mean of the sweeps".to_owned()));
+        let name = "mean of the sweeps".to_owned();
+        layers.push(part.line(|p| p.mean.unwrap_or(f64::NAN), thin, name));
     }
     if let Some(part) = parts.first().filter(|_| !is_line) {
-        let dashed = style::Stroke { colour: style::INK, width_pt: 0.9, ..style::reference() };
-        layers.push(line(|p| p.first_order, part, dashed, first_order));
+        let dashed = Stroke { colour: style::INK, width_pt: 0.9, ..style::reference() };
+        layers.push(part.line(|p| p.first_order, dashed, first_order));
     }
     layers
 }
 
-/// `, R² = 0.9894` of the line.
-fn r_squared(models: &[FittedModel]) -> String {
-    let line = models.iter().find(|row| row.model == CurveModel::Line);
-    let r2 = line.and_then(|line| line.r2);
-    r2.map(|r2| format!(", *R*^{{2}} = {r2:.4}")).unwrap_or_default()
-}
-
 /// Where the chosen curve begins and ends to rise, where the data can tell.
-fn corners(found: Characterised, unit: &str) -> Vec<Layer> {
-    let chosen = found.chosen().map(|chosen| chosen.model);
-    let corner = |p: &FittedParameter| {
+fn corners(fitted: Characterised, unit: &str) -> Vec<Layer> {
+    let chosen = fitted.chosen().map(|chosen| chosen.model);
+    let own = fitted.parameters.iter().filter(|p| Some(p.model) == chosen);
+    let mut corners = Vec::new();
+    // A note says why the data cannot tell.
+    for p in own.filter(|p| p.note.is_none()) {
         let what = match p.parameter {
             CurveSymbol::X0 => "begins at",
             CurveSymbol::X1 => "ends at",
-            _ => return None,
+            _ => continue,
         };
         let way = match p.branch {
             CommandWay::Both => String::new(),
             way => format!(" ({})", way.as_str()),
         };
-        Some(Layer::Reference(Reference {
+        corners.push(Layer::Reference(Reference {
             direction: Direction::Vertical,
             at: p.estimate,
             label: Some(format!("{what} {} {}{way}", significant(p.estimate), plain(unit))),
-            stroke: style::reference().dashed(style::Dash::Dotted),
+            stroke: style::reference().dashed(Dash::Dotted),
             name: None,
-        }))
-    };
-    let own = found.parameters.iter().filter(|p| Some(p.model) == chosen);
-    own.filter(|p| p.note.is_none()).filter_map(corner).collect()
+        }));
+    }
+    corners
 }
 
 #[cfg(test)]

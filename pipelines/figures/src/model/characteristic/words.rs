@@ -49,18 +49,10 @@ fn typeset(formula: &str) -> String {
         .replace("^p", "^{p}")
 }
 
-/// Three significant digits.
+/// Three significant digits, with a minus sign, not a hyphen.
 pub(super) fn significant(value: f64) -> String {
-    fixed(value, decimals(value, 3.0))
-}
-
-/// Decimals that show so many significant digits of `value`.
-fn decimals(value: f64, digits: f64) -> usize {
+    const DIGITS: f64 = 3.0;
     let magnitude = if value == 0.0 { 0.0 } else { libm::floor(libm::log10(value.abs())) };
-    (digits - 1.0 - magnitude).clamp(0.0, 9.0) as usize
-}
-
-/// With so many decimals and a true minus sign.
-fn fixed(value: f64, decimals: usize) -> String {
+    let decimals = (DIGITS - 1.0 - magnitude).clamp(0.0, 9.0) as usize;
     format!("{value:.decimals$}").replace('-', "−")
 }

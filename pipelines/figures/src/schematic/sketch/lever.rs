@@ -60,7 +60,7 @@ impl Lever {
         for theta in [low, high].into_iter().chain(upright) {
             let tick = self.ray((ARC - 0.03, ARC + 0.03), theta);
             layers.push(line(tick.points().iter().copied(), thin));
-            layers.push(amid(vec![signed(words, theta)], self.at(NUMBERS, theta)));
+            layers.push(amid(vec![words.signed_place(theta)], self.at(NUMBERS, theta)));
         }
         let ray = upright.map(|theta| self.ray((0.0, ARC), theta));
         layers.extend(ray.map(|ray| line(ray.points().iter().copied(), style::reference())));
@@ -117,9 +117,4 @@ impl Lever {
         layers.push(amid(vec!["*F*_{ex}".to_owned()], self.at(below, self.theta_rad - 0.36)));
         layers
     }
-}
-
-/// A place with the sign of mathematics.
-fn signed(words: Words, theta_rad: f64) -> String {
-    words.place(theta_rad).replace('-', "−")
 }

@@ -17,7 +17,7 @@ const STRAIGHT: f64 = 0.1;
 const DAMPER: [f64; 3] = [0.3, 0.7, 0.55];
 /// Half the width of a damper's cup and of its piston, mm.
 const CUP_MM: (f64, f64) = (2.2, 1.5);
-/// Points a millimetre.
+/// Points per millimetre.
 const PT_PER_MM: f64 = 72.0 / 25.4;
 /// Distance between two hatches of a ground, and how far each leans and reaches, mm.
 const HATCH_MM: (f64, f64) = (1.3, 1.3);
@@ -32,8 +32,8 @@ pub(crate) fn line(points: impl IntoIterator<Item = Point>, stroke: Stroke) -> L
 pub(crate) fn arrow(way: &Way, stroke: Stroke) -> Vec<Layer> {
     let end = way.length();
     let long = HEAD_MM.min(HEAD_SHARE * end);
-    let side = |left: f64| way.at(end - long, left * long);
-    let head = [side(HEAD_WIDE), way.at(end, 0.0), side(-HEAD_WIDE)];
+    let [left, right] = [HEAD_WIDE, -HEAD_WIDE].map(|left| way.at(end - long, left * long));
+    let head = [left, way.at(end, 0.0), right];
     vec![line(way.points().iter().copied(), stroke), line(head, stroke)]
 }
 
@@ -42,32 +42,35 @@ pub(crate) fn spring(way: &Way, stroke: Stroke) -> Layer {
     let length = way.length();
     let first = STRAIGHT * length;
     let last = (1.0 - STRAIGHT) * length;
+    // Fewer than three coils look like no spring.
     let coils = ((last - first) / COIL_MM.0).round().max(3.0) as usize;
-    let turn = |i: usize| {
+    let mut points = vec![way.at(0.0, 0.0)];
+    for i in 0..=2 * coils {
         let left = match i {
             0 => 0.0,
             i if i == 2 * coils => 0.0, // it begins and ends on its own line
             i if i % 2 == 0 => -COIL_MM.1,
             _ => COIL_MM.1,
         };
-        way.at(first + (last - first) * i as f64 / (2 * coils) as f64, left)
-    };
-    let ends = [way.at(0.0, 0.0), way.at(length, 0.0)];
-    line([ends[0]].into_iter().chain((0..=2 * coils).map(turn)).chain([ends[1]]), stroke)
+        points.push(way.at(first + (last - first) * i as f64 / (2 * coils) as f64, left));
+    }
+    points.push(way.at(length, 0.0));
+    line(points, stroke)
 }
 
 /// A damper along a way: a piston in a cup that is open towards the way's beginning.
 pub(crate) fn damper(way: &Way, stroke: Stroke) -> Vec<Layer> {
     let [open, bottom, piston] = DAMPER.map(|share| share * way.length());
-    let at = |along: f64, left: f64| way.at(along, left);
-    let between =
-        |from: f64, to: f64| [from, (from + to) / 2.0, to].map(|along| at(along, 0.0)).to_vec();
+    // A point halfway too, because the way may be an arc.
+    let [rod, foot] = [(0.0, piston), (bottom, way.length())]
+        .map(|(from, to)| [from, (from + to) / 2.0, to].map(|along| way.at(along, 0.0)));
     let (cup, disc) = CUP_MM;
+    let corners = [(open, cup), (bottom, cup), (bottom, -cup), (open, -cup)];
     vec![
-        line(between(0.0, piston), stroke),
-        line([at(piston, disc), at(piston, -disc)], stroke),
-        line([at(open, cup), at(bottom, cup), at(bottom, -cup), at(open, -cup)], stroke),
-        line(between(bottom, way.length()), stroke),
+        line(rod, stroke),
+        line([way.at(piston, disc), way.at(piston, -disc)], stroke),
+        line(corners.map(|(along, left)| way.at(along, left)), stroke),
+        line(foot, stroke),
     ]
 }
 

@@ -18,6 +18,7 @@ impl Way {
     /// Through these points, in this order.
     pub(crate) fn through(points: impl IntoIterator<Item = Point>) -> Self {
         let mut points: Vec<Point> = points.into_iter().collect();
+        // A piece without length has no direction.
         points.dedup();
         Self(points)
     }
@@ -26,8 +27,9 @@ impl Way {
     pub(crate) fn arc(centre: Point, radius: f64, from_rad: f64, to_rad: f64) -> Self {
         let pieces =
             ((to_rad - from_rad).abs() / TAU * PIECES).ceil().clamp(1.0, MOST_PIECES) as usize;
-        let angle = |i: usize| from_rad + (to_rad - from_rad) * i as f64 / pieces as f64;
-        Self::through((0..=pieces).map(|i| polar(centre, radius, angle(i))))
+        Self::through((0..=pieces).map(|i| {
+            polar(centre, radius, from_rad + (to_rad - from_rad) * i as f64 / pieces as f64)
+        }))
     }
 
     /// Its points.
@@ -46,6 +48,7 @@ impl Way {
         let mut rest = along;
         for (i, pair) in self.0.windows(2).enumerate() {
             let piece = distance(pair[0], pair[1]);
+            // The last piece goes on past its end.
             if rest <= piece || i + 2 == self.0.len() {
                 let x = (pair[1].0 - pair[0].0) / piece;
                 let y = (pair[1].1 - pair[0].1) / piece;
