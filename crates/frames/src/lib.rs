@@ -55,8 +55,8 @@ pub fn grouped<K: Row + Send + Sync>(
 ) -> Result<Vec<Group<K>>, FrameError> {
     // Polars waits for threads of its own, and a thread of ours that waits takes up other work,
     // however long: so the grouping waits on a thread that has no other.
-    let found = thread::scope(|scope| scope.spawn(|| groups(keys, numbers)).join());
-    found.unwrap_or_else(|panic| resume_unwind(panic))
+    let groups = thread::scope(|scope| scope.spawn(|| groups(keys, numbers)).join());
+    groups.unwrap_or_else(|panic| resume_unwind(panic))
 }
 
 fn groups<K: Row>(keys: &[K], numbers: &[&[Option<f64>]]) -> Result<Vec<Group<K>>, FrameError> {
@@ -69,7 +69,7 @@ fn groups<K: Row>(keys: &[K], numbers: &[&[Option<f64>]]) -> Result<Vec<Group<K>
         .zip(grouped.keys())
         .map(|(field, values)| Ok(Column { values: values_of(&values, field.kind)?, field }))
         .collect::<Result<_, pl::PolarsError>>()?;
-    let mut found: Vec<Group<K>> = K::read(&first)?
+    let mut groups: Vec<Group<K>> = K::read(&first)?
         .into_iter()
         .zip(&members)
         .map(|(key, rows)| Group { key, rows: rows.len(), numbers: Vec::new() })
@@ -78,13 +78,13 @@ fn groups<K: Row>(keys: &[K], numbers: &[&[Option<f64>]]) -> Result<Vec<Group<K>
         let all = pl::Series::new(pl::PlSmallStr::EMPTY, column);
         let all = all.f64()?;
         // Of one group at a time: a frame for each of thousands of groups takes far more memory.
-        for (group, rows) in found.iter_mut().zip(&members) {
+        for (group, rows) in groups.iter_mut().zip(&members) {
             let own = all.take(rows)?;
             let count = own.len() - own.null_count();
             group.numbers.push(Statistics { count, mean: own.mean(), sd: own.std(1) });
         }
     }
-    Ok(found)
+    Ok(groups)
 }
 
 /// The rows of a group.

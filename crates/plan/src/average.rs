@@ -18,8 +18,8 @@ use zwidth_tables::{Table, TableError};
 
 pub(crate) const STAGE: Stage = Stage { name: "average", version: zwidth_average::VERSION };
 
-/// The average of a condition with the alignment asked for: `average/P01.S01.spring.hybrid.parquet`
-/// at onset, `….hybrid.landmarks.parquet` by landmarks.
+/// The average of a condition with an alignment: `average/P01.S01.spring.hybrid.parquet` at onset,
+/// `….hybrid.landmarks.parquet` by landmarks.
 pub(crate) fn aligned(layout: &Layout, repeats: &Repeats, alignment: Alignment) -> PathBuf {
     let suffix = match alignment {
         Alignment::Onset => "",
@@ -44,13 +44,34 @@ pub(crate) fn parameters(data: &StudyData, repeats: &Repeats) -> Parameters {
 }
 
 pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
-    let over_people = over_people(data).into_iter().map(|people| people.job(data));
-    repeats(data).iter().map(|repeats| job(data, repeats)).chain(over_people).collect()
+    let mut jobs = Vec::new();
+    for repeats in repeats(data) {
+        let name = format!("average {}", repeats.who);
+        let parameters = OfTrials::new(parameters(data, &repeats), &repeats.trials);
+        let files = files(&repeats.trials);
+        // In the order of `make`.
+        let outputs = vec![
+            aligned(&data.layout, &repeats, Alignment::Onset),
+            aligned(&data.layout, &repeats, Alignment::Landmarks),
+            looped(&data.layout, &repeats),
+        ];
+        let job = Job::new(STAGE, name, parameters, files, outputs, make);
+        jobs.push(job.of_part(repeats.key));
+    }
+    for people in over_people(data) {
+        let environment = &people.environment.id;
+        let mode = &data.study.modes[people.mode].id;
+        let name = format!("average over participants {environment} {mode}");
+        let level = data.study.analysis.confidence;
+        jobs.push(Job::new(STAGE, name, level, people.sessions, vec![people.mean], make_people));
+    }
+    jobs
 }
 
 /// One condition in which several participants have trials.
 struct People<'a> {
     environment: &'a Environment,
+    /// Its place among the study's modes.
     mode: usize,
     /// The mean loops of every session.
     sessions: Vec<PathBuf>,
@@ -61,45 +82,37 @@ struct People<'a> {
 /// The conditions that several participants have, of those with something rendered.
 fn over_people(data: &StudyData) -> Vec<People<'_>> {
     let all = sessions(data);
-    let mut found = Vec::new();
-    for environment in data.study.environments.iter().filter(|e| is_rendered(e)) {
+    let mut conditions = Vec::new();
+    for environment in &data.study.environments {
+        // Free motion has no mean course, and neither has a questionnaire.
+        if matches!(environment.scene.kind(), SceneKind::Free | SceneKind::None) {
+            continue;
+        }
         for (place, mode) in data.study.modes.iter().enumerate() {
-            let of: Vec<Repeats> =
+            let repeats: Vec<Repeats> =
                 all.iter().filter_map(|session| session.repeats(environment, mode)).collect();
-            let first = of.iter().filter_map(|repeats| repeats.trials.first());
+            let first = repeats.iter().filter_map(|repeats| repeats.trials.first());
             let people: BTreeSet<_> = first.map(|trial| &trial.meta.participant).collect();
+            // One person's sessions have a mean, but none over participants.
             if people.len() > 1 {
                 let name = format!("average/people.{}.{}.parquet", environment.id, mode.id);
-                let sessions = of.iter().map(|r| looped(&data.layout, r)).collect();
+                let sessions = repeats.iter().map(|r| looped(&data.layout, r)).collect();
                 let mean = derived(&data.layout, name);
-                found.push(People { environment, mode: place, sessions, mean });
+                conditions.push(People { environment, mode: place, sessions, mean });
             }
         }
     }
-    found
-}
-
-/// Free motion has no mean course, and of nothing known there is none.
-fn is_rendered(environment: &Environment) -> bool {
-    !matches!(environment.scene.kind(), SceneKind::Free | SceneKind::None)
-}
-
-impl People<'_> {
-    fn job(self, data: &StudyData) -> Job {
-        let environment = &self.environment.id;
-        let mode = &data.study.modes[self.mode].id;
-        let name = format!("average over participants {environment} {mode}");
-        let level = data.study.analysis.confidence;
-        Job::new(STAGE, name, level, self.sessions, vec![self.mean], make_people)
-    }
+    conditions
 }
 
 fn make_people(level: &f64, sessions: &Vec<PathBuf>, making: &Making) -> Result<Made, JobError> {
-    let looked_at = zwidth_average::looked_at();
-    let names: Vec<&str> = looked_at.iter().map(String::as_str).collect();
+    let columns = zwidth_average::looked_at();
+    let columns: Vec<&str> = columns.iter().map(String::as_str).collect();
     // Of a large study the tables together would take far more memory than the courses.
-    let one = |file: &PathBuf| SessionLoop::of(&Table::columns_from_parquet(file, &names)?);
-    let loops: Vec<_> = sessions.par_iter().map(one).collect::<Result<_, TableError>>()?;
+    let loops = sessions
+        .par_iter()
+        .map(|file| SessionLoop::of(&Table::columns_from_parquet(file, &columns)?));
+    let loops: Vec<_> = loops.collect::<Result<_, TableError>>()?;
     let table = match zwidth_average::over_participants(loops.into_iter().flatten(), *level)? {
         Some(table) => table,
         None => zwidth_average::no_loop(&WhyNot::Nobody)?,
@@ -119,24 +132,27 @@ struct Drawn {
 pub(crate) fn figure(data: &StudyData) -> Option<Drawing> {
     let people = over_people(data);
     let mut environments: Vec<(Environment, Vec<usize>)> = Vec::new();
-    for of in &people {
-        match environments.last_mut().filter(|(last, _)| last.id == of.environment.id) {
-            Some((_, modes)) => modes.push(of.mode),
-            None => environments.push((of.environment.clone(), vec![of.mode])),
+    for condition in &people {
+        // Conditions of one environment follow each other.
+        match environments.last_mut().filter(|(last, _)| last.id == condition.environment.id) {
+            Some((_, modes)) => modes.push(condition.mode),
+            None => environments.push((condition.environment.clone(), vec![condition.mode])),
         }
     }
-    let of = Drawn {
+    let drawn = Drawn {
         about: About::of(&data.study),
         environments,
         sources: data.counting().map(|trial| trial.meta.source).collect(),
     };
     let most = people.iter().map(|people| people.sessions.len()).max().unwrap_or(0);
-    let each = |sessions| if draws_each(most) { sessions } else { Vec::new() };
-    let files: Vec<(PathBuf, Vec<PathBuf>)> =
-        people.into_iter().map(|people| (people.mean, each(people.sessions))).collect();
+    let mut files = Vec::new();
+    for People { mean, sessions, .. } in people {
+        // What is not drawn is no input: the figure would be made again whenever a session changes.
+        files.push((mean, if draws_each(most) { sessions } else { Vec::new() }));
+    }
     let trials = data.counting().count();
     (!files.is_empty())
-        .then(|| Drawing::new(data, MEAN_LOOPS, [""; 0], of, OfPeople(files), draw).of(trials))
+        .then(|| Drawing::new(data, MEAN_LOOPS, [""; 0], drawn, OfPeople(files), draw).of(trials))
 }
 
 /// Each condition's mean over participants, and the means of its sessions where they are drawn.
@@ -152,62 +168,51 @@ impl Inputs for OfPeople {
     }
 }
 
-fn draw(of: &Drawn, OfPeople(files): &OfPeople) -> Figured {
+fn draw(drawn: &Drawn, OfPeople(files): &OfPeople) -> Figured {
     let columns = zwidth_figures::loop_columns();
     let columns: Vec<&str> = columns.iter().map(String::as_str).collect();
-    let read = |path: &PathBuf| Table::columns_from_parquet(path, &columns);
     let mut tables = Vec::new();
     for (mean, sessions) in files {
         let mean =
             Table::columns_from_parquet(mean, &[columns.as_slice(), &["sessions"]].concat())?;
-        tables.push((mean, sessions.iter().map(read).collect::<Result<Vec<Table>, _>>()?));
+        let sessions = sessions.iter().map(|path| Table::columns_from_parquet(path, &columns));
+        tables.push((mean, sessions.collect::<Result<Vec<Table>, _>>()?));
     }
+    // Taken in turn: tables stand in the order of environments and their modes.
     let mut tables = tables.iter();
     let mut environments = Vec::new();
-    for (environment, modes) in &of.environments {
+    for (environment, modes) in &drawn.environments {
         let modes = modes
             .iter()
             .zip(tables.by_ref())
             .map(|(index, (mean, sessions))| ModeOfPeople { index: *index, mean, sessions });
         environments.push(EnvironmentOfPeople { environment, modes: modes.collect() });
     }
-    let sources: Vec<Source> = of.sources.iter().copied().collect();
-    Ok((zwidth_figures::mean_loops(&of.about, &environments, &sources)?, Vec::new()))
+    let sources: Vec<Source> = drawn.sources.iter().copied().collect();
+    Ok((zwidth_figures::mean_loops(&drawn.about, &environments, &sources)?, Vec::new()))
 }
 
 /// The averages of one condition, by each alignment.
-fn job(data: &StudyData, repeats: &Repeats) -> Job {
-    Job::new(
-        STAGE,
-        format!("average {}", repeats.who),
-        OfTrials::new(parameters(data, repeats), &repeats.trials),
-        files(&repeats.trials),
-        [
-            aligned(&data.layout, repeats, Alignment::Onset),
-            aligned(&data.layout, repeats, Alignment::Landmarks),
-            looped(&data.layout, repeats),
-        ]
-        .to_vec(),
-        make,
-    )
-    .of_part(&repeats.key)
-}
-
-fn make(of: &OfTrials<Parameters>, files: &Recordings, making: &Making) -> Result<Made, JobError> {
-    let (trials, problems) = open_all(files, &of.trials)?;
-    let table = |alignment| -> Result<Table, JobError> {
-        match zwidth_average::average(&trials, &of.stage, alignment) {
-            Ok(average) => Ok(zwidth_average::table(&[average])?),
-            Err(AverageError::WhyNot(why)) => Ok(zwidth_average::no_average(&why)?),
-            Err(error) => Err(error.into()),
-        }
-    };
-    let looped = match zwidth_average::mean_loop(&trials, &of.stage) {
+fn make(
+    parameters: &OfTrials<Parameters>,
+    files: &Recordings,
+    making: &Making,
+) -> Result<Made, JobError> {
+    let (trials, problems) = open_all(files, &parameters.trials)?;
+    let looped = match zwidth_average::mean_loop(&trials, &parameters.stage) {
         Ok(mean) => zwidth_average::loop_table(&mean)?,
         Err(AverageError::WhyNot(why)) => zwidth_average::no_loop(&why)?,
         Err(error) => return Err(error.into()),
     };
-    let tables = [table(Alignment::Onset)?, table(Alignment::Landmarks)?, looped];
+    let mut tables = Vec::new();
+    for alignment in [Alignment::Onset, Alignment::Landmarks] {
+        tables.push(match zwidth_average::average(&trials, &parameters.stage, alignment) {
+            Ok(average) => zwidth_average::table(&[average])?,
+            Err(AverageError::WhyNot(why)) => zwidth_average::no_average(&why)?,
+            Err(error) => return Err(error.into()),
+        });
+    }
+    tables.push(looped);
     // A mean without a column that could not be read is void.
     if let Some(error) = trials.iter().find_map(|trial| trial.columns().failure()) {
         return Err(error.into());

@@ -3,7 +3,7 @@
 
 use crate::shared::handle::{Derived, Written};
 use crate::shared::making::derived;
-use crate::shared::trials::{Found, readable};
+use crate::shared::trials::{WithProblems, readable};
 use serde::Serialize;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -50,13 +50,14 @@ impl Characterisation {
     /// A file that cannot be read, or has other rows.
     pub(crate) fn read(&self) -> Result<Fit, TableError> {
         let curve = Table::from_parquet(self.curve.path())?;
-        let unit = |open| curve.unit_for::<CurvePoint>(open).unwrap_or_default().to_owned();
+        let [command_unit, response_unit] = [UNIT_OF_COMMAND, UNIT_OF_RESPONSE]
+            .map(|open| curve.unit_for::<CurvePoint>(open).unwrap_or_default().to_owned());
         Ok(Fit {
             models: self.models.read()?,
             parameters: self.parameters.read()?,
             curve: curve.to_rows()?,
-            command_unit: unit(UNIT_OF_COMMAND),
-            response_unit: unit(UNIT_OF_RESPONSE),
+            command_unit,
+            response_unit,
         })
     }
 }
@@ -70,21 +71,21 @@ impl Inputs for Characterisation {
 
 /// Every actuator or sensor with sweeps, and their files.
 pub(crate) fn actuators(data: &StudyData) -> Vec<(&ActuatorId, Vec<PathBuf>)> {
+    // The searches of a Z-width test lie among the sweeps, and are of no actuator.
     let swept = data.sweeps.iter().map(|s| &s.actuator);
     let ids: BTreeSet<&ActuatorId> = swept.filter(|id| id.as_str() != ACTUATOR).collect();
-    ids.into_iter().map(|id| (id, files_of(data, id))).collect()
-}
-
-/// The sweeps of one actuator or sensor.
-fn files_of(data: &StudyData, id: &ActuatorId) -> Vec<PathBuf> {
-    data.sweeps.iter().filter(|s| s.actuator == *id).map(|s| s.path.clone()).collect()
+    let of_actuators = ids.into_iter().map(|id| {
+        let own = data.sweeps.iter().filter(|s| s.actuator == *id);
+        (id, own.map(|s| s.path.clone()).collect())
+    });
+    of_actuators.collect()
 }
 
 /// Reads sweeps. A sweep of other quantities than the first one is left out and reported.
 ///
 /// # Errors
 /// A file that the system does not give.
-pub(crate) fn read_sweeps(files: &[PathBuf]) -> Result<Found<Sweep>, StoreError> {
+pub(crate) fn read_sweeps(files: &[PathBuf]) -> Result<WithProblems<Sweep>, StoreError> {
     let (sweeps, mut problems) = readable(files.iter().map(|f| read_sweep(f)).collect())?;
     let Some(first) = sweeps.first().cloned() else { return Ok((sweeps, problems)) };
     let others = sweeps.iter().filter(|s| !s.is_like(&first));
@@ -95,9 +96,10 @@ pub(crate) fn read_sweeps(files: &[PathBuf]) -> Result<Found<Sweep>, StoreError>
 /// The study's own calibration, where motor and brake were both swept: the file whose content
 /// trials name by its hash.
 pub(crate) fn calibration(data: &StudyData) -> Option<PathBuf> {
-    let swept = |name: &str| data.sweeps.iter().any(|s| s.actuator.as_str() == name);
-    let both = swept("motor") && swept("brake");
-    both.then(|| derived(&data.layout, "characterise/calibration.toml"))
+    let are_both_swept = ["motor", "brake"]
+        .iter()
+        .all(|name| data.sweeps.iter().any(|s| s.actuator.as_str() == *name));
+    are_both_swept.then(|| derived(&data.layout, "characterise/calibration.toml"))
 }
 
 /// What the characteristic of an actuator depends on besides its sweeps.
@@ -111,24 +113,29 @@ struct OfActuator {
 
 pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
     let level = data.study.analysis.confidence;
-    let characteristic = |(actuator, files): (&ActuatorId, Vec<PathBuf>)| {
-        let outputs = Characterisation::of(&data.layout, actuator).files();
+    let mut jobs = Vec::new();
+    let (mut motor, mut brake) = (None, None);
+    for (actuator, files) in actuators(data) {
+        let tables = Characterisation::of(&data.layout, actuator);
+        let outputs = tables.files();
         let name = format!("characteristic of {actuator}");
-        let of = OfActuator { actuator: actuator.clone(), level, resamples: RESAMPLES, seed: SEED };
-        Job::new(STAGE, name, of, files, outputs, make_characteristic)
-    };
-    let tables = |name: &str| {
-        let (actuator, _) = actuators(data).into_iter().find(|(id, _)| id.as_str() == name)?;
-        Some(Characterisation::of(&data.layout, actuator))
-    };
-    let both = tables("motor").zip(tables("brake")).zip(calibration(data));
-    let calibration = both
-        .map(|(tables, file)| Job::new(STAGE, "calibration", (), tables, vec![file], calibrate));
-    actuators(data).into_iter().map(characteristic).chain(calibration).collect()
+        let parameters =
+            OfActuator { actuator: actuator.clone(), level, resamples: RESAMPLES, seed: SEED };
+        jobs.push(Job::new(STAGE, name, parameters, files, outputs, make_characteristic));
+        match actuator.as_str() {
+            "motor" => motor = Some(tables),
+            "brake" => brake = Some(tables),
+            _ => {}
+        }
+    }
+    if let Some((tables, file)) = motor.zip(brake).zip(calibration(data)) {
+        jobs.push(Job::new(STAGE, "calibration", (), tables, vec![file], calibrate));
+    }
+    jobs
 }
 
 fn make_characteristic(
-    of: &OfActuator,
+    parameters: &OfActuator,
     files: &Vec<PathBuf>,
     making: &Making,
 ) -> Result<Made, JobError> {
@@ -138,27 +145,26 @@ fn make_characteristic(
     let command_unit = &first.command.unit;
     let response_unit = &first.response.unit;
     let settings = Settings {
-        resamples: of.resamples,
-        seed: of.seed,
-        level: of.level,
+        resamples: parameters.resamples,
+        seed: parameters.seed,
+        level: parameters.level,
         command_unit: command_unit.clone(),
         response_unit: response_unit.clone(),
     };
-    let samples: Vec<_> = sweeps.iter().map(samples).collect();
-    let subject = Subject { actuator: of.actuator.as_str(), command_unit, response_unit };
-    let found = zwidth_characterise::characterise(&samples, &settings)?;
-    let curve = curve_points(&samples, &found, of.level)?;
+    let mut samples = Vec::new();
+    for Sweep { command_values: command, response_values: response, .. } in &sweeps {
+        samples.push(zwidth_characterise::Sweep { command, response });
+    }
+    let subject = Subject { actuator: parameters.actuator.as_str(), command_unit, response_unit };
+    let fits = zwidth_characterise::characterise(&samples, &settings)?;
+    let curve = curve_points(&samples, &fits, parameters.level)?;
     // What is swept on a simulated device is marked where it is printed.
-    let made = Written::begin(making, false)
-        .table(subject.models_table(&found)?)?
-        .table(subject.parameters_table(&found)?)?
+    let written = Written::begin(making, false)
+        .table(subject.models_table(&fits)?)?
+        .table(subject.parameters_table(&fits)?)?
         .table(subject.curve_table(&curve)?)?
         .end()?;
-    Ok(Made { problems, ..made })
-}
-
-fn samples(sweep: &Sweep) -> zwidth_characterise::Sweep<'_> {
-    zwidth_characterise::Sweep { command: &sweep.command_values, response: &sweep.response_values }
+    Ok(Made { problems, ..written })
 }
 
 /// The calibration, if motor and brake were both swept. It has no comment and no provenance, so
@@ -171,14 +177,15 @@ fn calibrate(
     let motor = characteristic("motor", motor)?;
     let brake = characteristic("brake", brake)?;
     let text = Calibration { motor, brake }.to_toml()?;
+    // Sessions will refuse a calibration that cannot be read: it is an error here, not there.
     Calibration::from_toml(&text)?;
     Ok(Made::of(vec![text.into_bytes()]))
 }
 
-/// The characteristic by knots, from what was found of an actuator.
+/// The characteristic by knots, from the tables of an actuator.
 fn characteristic(
     actuator: &'static str,
-    found: &Characterisation,
+    tables: &Characterisation,
 ) -> Result<Characteristic, JobError> {
-    Ok(calibrated(actuator, &found.read()?.chosen(actuator)?)?)
+    Ok(calibrated(actuator, &tables.read()?.chosen(actuator)?)?)
 }

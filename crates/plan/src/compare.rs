@@ -27,7 +27,7 @@ use zwidth_runner::{Inputs, Job, JobError, Made, Making, Stage};
 use zwidth_store::{Layout, SessionLog, StudyData};
 use zwidth_study::order::Rules;
 use zwidth_study::{
-    Better, Bound, Coordinate, Environment, Event, IdError, MetricId, Source, Study, is_felt,
+    Bound, Coordinate, Environment, Event, IdError, MetricId, Source, Study, is_felt,
 };
 use zwidth_tables::{Measured, TableError};
 
@@ -44,7 +44,7 @@ const OTHERS: [&str; 6] = [
     "duration_s",
 ];
 
-/// What the stage finds of the metrics, a table for each kind of row.
+/// The results of the stage on metrics, one table for each kind of row.
 #[derive(Clone)]
 pub(crate) struct Comparison {
     pub(crate) metrics: Derived<Compared>,
@@ -84,12 +84,11 @@ impl Comparison {
         }
     }
 
-    /// What was found of one metric.
+    /// The results on one metric.
     fn read(&self, metric: &MetricId) -> Result<MetricResults, JobError> {
-        let all = self.metrics.read_of(metric)?;
-        let none = || format!("the metric {metric} was not compared");
+        let compared = self.metrics.read_of(metric)?.into_iter().next();
         Ok(MetricResults {
-            metric: all.into_iter().next().ok_or_else(none)?,
+            metric: compared.ok_or_else(|| format!("the metric {metric} was not compared"))?,
             cells: self.cells.read_of(metric)?,
             means: self.means.read_of(metric)?,
             contrasts: self.contrasts.read_of(metric)?,
@@ -127,7 +126,7 @@ impl Inputs for Comparison {
     }
 }
 
-/// By what a study is compared.
+/// What is compared in a study.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum By {
     /// Its modes: means, contrasts, and these against other orders of the trials.
@@ -142,36 +141,36 @@ pub enum By {
     Answer,
 }
 
-/// The tables that answer by what a study is compared, as they are printed, in the order in which
-/// they are read.
+/// The tables of a comparison, as they are printed, in the order in which they are read.
 pub fn comparison(data: &StudyData, by: By, metric: &str) -> Vec<Printed> {
-    let found = Comparison::of(&data.layout);
-    let of =
-        |tables: &[&Path]| tables.iter().map(|table| Printed::of_metric(table, metric)).collect();
-    match by {
-        By::Answer => vec![Printed::without_empty_columns(answers_of(&data.layout).0.path())],
-        By::Mode => of(&[
-            found.means.path(),
-            found.contrasts.path(),
-            found.omnibus.path(),
-            found.orders.path(),
-        ]),
-        By::Participant => of(&[found.participants.path()]),
-        By::Session => of(&[found.sessions.path()]),
-        By::Repeat => of(&[found.learning.path()]),
-    }
+    let tables = Comparison::of(&data.layout);
+    let paths = match by {
+        By::Answer => {
+            return vec![Printed::without_empty_columns(answers_of(&data.layout).0.path())];
+        }
+        By::Mode => vec![
+            tables.means.path(),
+            tables.contrasts.path(),
+            tables.omnibus.path(),
+            tables.orders.path(),
+        ],
+        By::Participant => vec![tables.participants.path()],
+        By::Session => vec![tables.sessions.path()],
+        By::Repeat => vec![tables.learning.path()],
+    };
+    paths.into_iter().map(|table| Printed::of_metric(table, metric)).collect()
 }
 
 /// How participants differ in a metric: the contrasts, and the mixed models.
 ///
 /// # Errors
-/// Tables that are not there.
+/// Tables that do not exist.
 pub fn spreads(
     data: &StudyData,
     metric: &MetricId,
 ) -> Result<(Vec<ModeDifference>, Vec<Model>), TableError> {
-    let found = Comparison::of(&data.layout);
-    Ok((found.contrasts.read_of(metric)?, found.models.read_of(metric)?))
+    let tables = Comparison::of(&data.layout);
+    Ok((tables.contrasts.read_of(metric)?, tables.models.read_of(metric)?))
 }
 
 /// The metrics that are compared: those that trials of this study can have, the primary one first.
@@ -180,10 +179,12 @@ pub fn compared(data: &StudyData) -> Vec<String> {
     if !are_several(data.counting().map(|trial| &trial.meta.mode)) {
         return Vec::new();
     }
-    wanted(&data.study).into_iter().filter(|metric| is_possible(data, metric)).collect()
+    let mut metrics = requested_metrics(&data.study);
+    metrics.retain(|metric| is_possible(data, metric));
+    metrics
 }
 
-/// Whether there are two that differ.
+/// Whether two items differ.
 fn are_several<T: PartialEq>(mut all: impl Iterator<Item = T>) -> bool {
     all.next().is_some_and(|first| all.any(|other| other != first))
 }
@@ -203,7 +204,7 @@ fn is_possible(data: &StudyData, metric: &str) -> bool {
 }
 
 /// The metrics that a study asks for, the primary one first, each once.
-fn wanted(study: &Study) -> Vec<String> {
+fn requested_metrics(study: &Study) -> Vec<String> {
     let primary = study.compare.primary.to_string();
     let others: Vec<String> = match &study.compare.metrics {
         Some(metrics) => metrics.iter().map(ToString::to_string).collect(),
@@ -212,13 +213,13 @@ fn wanted(study: &Study) -> Vec<String> {
             std::iter::once(default).chain(OTHERS.map(str::to_owned)).collect()
         }
     };
-    let mut wanted = vec![primary];
+    let mut requested = vec![primary];
     for metric in others {
-        if !wanted.contains(&metric) {
-            wanted.push(metric);
+        if !requested.contains(&metric) {
+            requested.push(metric);
         }
     }
-    wanted
+    requested
 }
 
 /// What a metric measures, in words, if there is one of that name.
@@ -233,81 +234,89 @@ pub fn is_metric(name: &str) -> bool {
 
 /// Remarks on metrics in study.toml that do not exist, and on bounds that have no effect.
 pub fn asked_in_vain(study: &Study) -> Vec<String> {
-    let unknown = wanted(study).into_iter().filter(|metric| !zwidth_metrics::is_number(metric));
-    let mut unknown: Vec<String> = unknown
-        .map(|metric| {
-            let on_a_lever = metric.replace("_per_mm", "_per_rad").replace("_mm", "_rad");
-            let meant = zwidth_metrics::is_number(&on_a_lever)
-                .then(|| format!(": write {on_a_lever}, also on a slide"));
-            let meant = meant.unwrap_or_default();
-            format!(
-                "[compare] of study.toml: there is no metric '{metric}' that is a number{meant}; \
-                 it is left out"
-            )
-        })
-        .collect();
-    if !unknown.is_empty() {
-        unknown.push(format!(
+    let mut remarks = Vec::new();
+    for metric in requested_metrics(study) {
+        if zwidth_metrics::is_number(&metric) {
+            continue;
+        }
+        // A slide shows millimetres on its figures, but its metrics are named in radians like all.
+        let in_radians = metric.replace("_per_mm", "_per_rad").replace("_mm", "_rad");
+        let hint = match zwidth_metrics::is_number(&in_radians) {
+            true => format!(": write {in_radians}, also on a slide"),
+            false => String::new(),
+        };
+        remarks.push(format!(
+            "[compare] of study.toml: there is no metric '{metric}' that is a number{hint}; \
+             it is left out"
+        ));
+    }
+    if !remarks.is_empty() {
+        remarks.push(format!(
             "[compare] of study.toml: the metrics are {}",
             zwidth_metrics::names().join(", ")
         ));
     }
-    let fractions = study.compare.bounds.iter().filter(|(_, b)| matches!(b, Bound::Weber(_)));
-    let of_nothing = fractions.filter(|(metric, _)| !is_commanded(study, metric));
-    let of_nothing = of_nothing.map(|(metric, _)| {
-        format!(
-            "the bound of '{metric}' in study.toml is a Weber fraction, but no environment \
-             commands a value of it: give a number in its unit"
-        )
-    });
-    unknown.into_iter().chain(of_nothing).collect()
+    for (metric, bound) in &study.compare.bounds {
+        let is_commanded = study
+            .environments
+            .iter()
+            .any(|e| zwidth_metrics::commanded(metric.as_str(), &e.scene).is_some());
+        if matches!(bound, Bound::Weber(_)) && !is_commanded {
+            remarks.push(format!(
+                "the bound of '{metric}' in study.toml is a Weber fraction, but no environment \
+                 commands a value of it: give a number in its unit"
+            ));
+        }
+    }
+    remarks
 }
 
-/// Whether some environment commands a value of a metric.
-fn is_commanded(study: &Study, metric: &MetricId) -> bool {
-    let mut scenes = study.environments.iter().map(|environment| &environment.scene);
-    scenes.any(|scene| zwidth_metrics::commanded(metric.as_str(), scene).is_some())
-}
-
-/// What is compared of the study's metrics, where any is.
+/// The results on the study's metrics, if any is compared.
 pub(crate) fn of_study(data: &StudyData) -> Option<Comparison> {
     (!compared(data).is_empty()).then(|| Comparison::of(&data.layout))
 }
 
-/// Whether several people took part, and somebody of them came again.
-pub(crate) fn are_sessions_told(data: &StudyData) -> bool {
-    let (several, again) = who(data);
-    several && again
+/// Who took part in a study.
+struct Attendance {
+    /// Whether there were several people.
+    several: bool,
+    /// Whether there were several people, and one of them came again.
+    several_and_again: bool,
 }
 
-/// Whether several people took part, and whether somebody came again.
-fn who(data: &StudyData) -> (bool, bool) {
+fn attendance(data: &StudyData) -> Attendance {
     let metas = data.counting().map(|trial| &trial.meta);
     let sessions: BTreeSet<_> = metas.map(|meta| (&meta.participant, &meta.session)).collect();
     let people: BTreeSet<_> = sessions.iter().map(|(participant, _)| participant).collect();
-    (people.len() > 1, sessions.len() > people.len())
+    let several = people.len() > 1;
+    Attendance { several, several_and_again: several && sessions.len() > people.len() }
+}
+
+/// Whether the study's sessions are compared: several people took part, and one of them came again.
+pub(crate) fn has_session_changes(data: &StudyData) -> bool {
+    attendance(data).several_and_again
 }
 
 /// The tables that people read: that of all metrics; of every metric its means, its contrasts and its
-/// changes; those of participants and sessions where there are several.
+/// changes; those of participants and sessions if there are several.
 pub(crate) fn tables(data: &StudyData) -> Vec<Printed> {
-    let (several, again) = who(data);
+    let Attendance { several, several_and_again } = attendance(data);
     let mut tables = Vec::new();
-    if let Some(found) = of_study(data) {
-        tables.push(Printed::whole(found.printed.path()));
+    if let Some(comparison) = of_study(data) {
+        tables.push(Printed::whole(comparison.printed.path()));
         let kinds = [
-            (true, found.means.path()),
-            (true, found.contrasts.path()),
-            (several, found.omnibus.path()),
-            (several, found.models.path()),
-            (several, found.participants.path()),
-            (several && again, found.sessions.path()),
-            (true, found.learning.path()),
-            (true, found.orders.path()),
+            (true, comparison.means.path()),
+            (true, comparison.contrasts.path()),
+            (several, comparison.omnibus.path()),
+            (several, comparison.models.path()),
+            (several, comparison.participants.path()),
+            (several_and_again, comparison.sessions.path()),
+            (true, comparison.learning.path()),
+            (true, comparison.orders.path()),
         ];
         for metric in compared(data) {
-            let wanted = kinds.iter().filter(|(is_wanted, _)| *is_wanted);
-            tables.extend(wanted.map(|(_, table)| Printed::of_metric(table, &metric)));
+            let printed = kinds.iter().filter(|(is_printed, _)| *is_printed);
+            tables.extend(printed.map(|(_, table)| Printed::of_metric(table, &metric)));
         }
     }
     tables.extend(answers(data).map(|table| Printed::without_empty_columns(&table)));
@@ -340,28 +349,31 @@ impl Comparing {
     fn of(data: &StudyData) -> Result<Self, IdError> {
         let (study, compare) = (&data.study, &data.study.compare);
         let compared = compared(data);
-        let metrics = compared.iter().map(|metric| {
+        let mut metrics = Vec::new();
+        for metric in &compared {
             let mut bounds = compare.bounds.iter();
-            let given = bounds.find(|(of, _)| of.as_str() == metric).map(|(_, bound)| bound);
-            let bound = |environment: &Environment| match given? {
+            let bound = bounds.find(|(id, _)| id.as_str() == metric).map(|(_, bound)| bound);
+            let bounds = study.environments.iter().map(|environment| match bound? {
                 Bound::Absolute(bound) => Some(*bound),
                 Bound::Weber(share) => {
                     let commanded = zwidth_metrics::commanded(metric, &environment.scene)?;
                     Some(share * commanded)
                 }
-            };
+            });
+            let chosen = compare.better.iter().find(|(id, _)| id.as_str() == metric);
             let primary = metric == compare.primary.as_str();
-            Ok(MetricParameters {
+            metrics.push(MetricParameters {
                 metric: metric.parse()?,
                 primary,
-                better: better(study, metric),
+                better: chosen.map_or_else(|| zwidth_metrics::better(metric), |(_, b)| *b),
+                // A plan is a promise on the primary metric alone.
                 preregistered: if primary { preregistered(data, &compared) } else { None },
-                bounds: study.environments.iter().map(bound).collect(),
+                bounds: bounds.collect(),
                 noticed: noticed(study, metric),
-            })
-        });
+            });
+        }
         let stage = Parameters {
-            metrics: metrics.collect::<Result<_, IdError>>()?,
+            metrics,
             environments: study.environments.iter().map(|e| e.id.clone()).collect(),
             modes: study.modes.iter().map(|m| m.id.clone()).collect(),
             contrasts: compare.contrasts.clone(),
@@ -376,13 +388,7 @@ impl Comparing {
     }
 }
 
-/// Which values of a metric are better: as the study says, else as is usual.
-fn better(study: &Study, metric: &str) -> Better {
-    let chosen = study.compare.better.iter().find(|(of, _)| of.as_str() == metric);
-    chosen.map_or_else(|| zwidth_metrics::better(metric), |(_, better)| *better)
-}
-
-/// From which difference on a metric is noticed, if anybody feels it.
+/// From which difference on a metric is noticed, if it can be felt at all.
 fn noticed(study: &Study, metric: &str) -> Option<Noticed> {
     is_felt(metric).then(|| Noticed {
         perception: study.perception.clone(),
@@ -398,6 +404,7 @@ fn noticed(study: &Study, metric: &str) -> Option<Noticed> {
 
 /// How the order of a session came about. It was drawn for the study as it was then.
 fn order(log: &SessionLog, study: &Study) -> SessionOrder {
+    // A session without a copy of its study is taken to be of today's.
     let study = log.study.as_deref().unwrap_or(study);
     let drawn = log.record.order.map(|order| DrawnOrder {
         rules: Rules {
@@ -418,50 +425,64 @@ fn order(log: &SessionLog, study: &Study) -> SessionOrder {
 /// The trials that repeat another one, which may itself repeat a third: the number of each, and the
 /// number of the trial that the order had in this place.
 fn repeated(events: &[Event]) -> Vec<[u32; 2]> {
-    let mut found: Vec<[u32; 2]> = Vec::new();
+    let mut places: Vec<[u32; 2]> = Vec::new();
     for event in events {
         let Event::Superseded { trial, by } = event else { continue };
-        let before = found.iter().find(|[number, _]| number == trial);
-        let place = before.map_or(*trial, |[_, place]| *place);
-        found.push([*by, place]);
+        // Events stand in the order of time, so a repeat of a repeat meets its predecessor here.
+        let previous = places.iter().find(|[number, _]| number == trial);
+        let place = previous.map_or(*trial, |[_, place]| *place);
+        places.push([*by, place]);
     }
-    found
+    places
 }
 
 pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
-    let answers = answers(data).map(|_| answers_job(data));
-    metrics_job(data).into_iter().chain(answers).collect()
+    let mut jobs = Vec::new();
+    // Every metric that there is has a name that is an id: the parameters are never an error.
+    if let (Some(metrics), Some(tables), Ok(parameters)) =
+        (metrics::of_study(data), of_study(data), Comparing::of(data))
+    {
+        jobs.push(Job::new(STAGE, "compare metrics", parameters, metrics, tables.files(), make));
+    }
+    if answers(data).is_some() {
+        let study = &data.study;
+        let stage = AnswerParameters {
+            environments: study.environments.iter().map(|e| e.id.clone()).collect(),
+            modes: study.modes.iter().map(|m| m.id.clone()).collect(),
+            questions: study.questions.iter().filter(|q| q.is_rating()).cloned().collect(),
+            contrasts: study.compare.contrasts.clone(),
+            level: study.compare.level,
+        };
+        let simulated = data.sessions.iter().any(|s| s.record.source.is_simulated());
+        let parameters = ComparingAnswers { stage, simulated };
+        let inputs = likert::answers(data);
+        let outputs = answers_of(&data.layout).files();
+        jobs.push(Job::new(STAGE, "compare answers", parameters, inputs, outputs, make_answers));
+    }
+    jobs
 }
 
-/// The comparison of all metrics, from those of all trials.
-fn metrics_job(data: &StudyData) -> Option<Job> {
-    let metrics = metrics::of_study(data)?;
-    let found = of_study(data)?;
-    // Every metric that there is has a name that is an id.
-    let parameters = Comparing::of(data).ok()?;
-    Some(Job::new(STAGE, "compare metrics", parameters, metrics, found.files(), make))
-}
-
-fn make(of: &Comparing, metrics: &PathBuf, making: &Making) -> Result<Made, JobError> {
-    let compared: Vec<&str> = of.stage.metrics.iter().map(|of| of.metric.as_str()).collect();
+fn make(parameters: &Comparing, metrics: &PathBuf, making: &Making) -> Result<Made, JobError> {
+    let Comparing { stage, simulated } = parameters;
+    let compared: Vec<&str> = stage.metrics.iter().map(|metric| metric.metric.as_str()).collect();
     let metrics = Measured::read(metrics, &compared)?;
-    let found = zwidth_compare::compare(&metrics, &of.stage)?;
-    let printed = zwidth_compare::together(&found.metrics, &found.contrasts)?;
-    Written::begin(making, of.simulated)
-        .rows(&found.metrics)?
-        .rows(&found.cells)?
-        .rows(&found.means)?
-        .rows(&found.contrasts)?
+    let results = zwidth_compare::compare(&metrics, stage)?;
+    let printed = zwidth_compare::together(&results.metrics, &results.contrasts)?;
+    Written::begin(making, *simulated)
+        .rows(&results.metrics)?
+        .rows(&results.cells)?
+        .rows(&results.means)?
+        .rows(&results.contrasts)?
         .table(printed)?
-        .rows(&found.omnibus)?
-        .rows(&found.models)?
-        .rows(&found.participants)?
-        .rows(&found.sessions)?
-        .rows(&found.learning)?
-        .rows(&found.repeats)?
-        .rows(&found.orders)?
-        .rows(&found.redrawn)?
-        .rows(&found.notes)?
+        .rows(&results.omnibus)?
+        .rows(&results.models)?
+        .rows(&results.participants)?
+        .rows(&results.sessions)?
+        .rows(&results.learning)?
+        .rows(&results.repeats)?
+        .rows(&results.orders)?
+        .rows(&results.redrawn)?
+        .rows(&results.notes)?
         .end()
 }
 
@@ -473,31 +494,16 @@ struct ComparingAnswers {
     simulated: bool,
 }
 
-fn answers_job(data: &StudyData) -> Job {
-    let study = &data.study;
-    let stage = AnswerParameters {
-        environments: study.environments.iter().map(|e| e.id.clone()).collect(),
-        modes: study.modes.iter().map(|m| m.id.clone()).collect(),
-        questions: study.questions.iter().filter(|q| q.is_rating()).cloned().collect(),
-        contrasts: study.compare.contrasts.clone(),
-        level: study.compare.level,
-    };
-    let simulated = data.sessions.iter().any(|session| session.record.source.is_simulated());
-    let of = ComparingAnswers { stage, simulated };
-    let outputs = answers_of(&data.layout).files();
-    Job::new(STAGE, "compare answers", of, likert::answers(data), outputs, make_answers)
-}
-
 fn make_answers(
-    of: &ComparingAnswers,
+    parameters: &ComparingAnswers,
     answers: &Option<Derived<GivenAnswer>>,
     making: &Making,
 ) -> Result<Made, JobError> {
     let answers = likert::read_counting(answers.as_ref().ok_or("there is no answer")?)?;
-    let found = zwidth_compare::compare_answers(&answers, &of.stage)?;
-    Written::begin(making, of.simulated)
-        .table(zwidth_compare::answers_table(&found.contrasts)?)?
-        .rows(&found.participants)?
+    let results = zwidth_compare::compare_answers(&answers, &parameters.stage)?;
+    Written::begin(making, parameters.simulated)
+        .table(zwidth_compare::answers_table(&results.contrasts)?)?
+        .rows(&results.participants)?
         .end()
 }
 
@@ -520,71 +526,80 @@ struct AllDrawn {
     is_narrow: bool,
 }
 
-fn draw_verdicts(of: &AllDrawn, found: &Comparison) -> Figured {
-    let read = of.metrics.iter().map(|metric| found.read(&metric.parse()?));
-    let metrics = read.collect::<Result<Vec<_>, _>>()?;
-    let sources: Vec<Source> = of.sources.iter().copied().collect();
-    let AllDrawn { about, environments, is_narrow, .. } = of;
+fn draw_verdicts(drawn: &AllDrawn, tables: &Comparison) -> Figured {
+    let AllDrawn { about, environments, sources, metrics, is_narrow } = drawn;
+    let metrics = metrics.iter().map(|metric| tables.read(&metric.parse()?));
+    let metrics = metrics.collect::<Result<Vec<_>, _>>()?;
+    let sources: Vec<Source> = sources.iter().copied().collect();
     Ok((zwidth_figures::verdicts(about, environments, &sources, &metrics, *is_narrow), Vec::new()))
 }
 
-/// What describes a figure of a metric.
+/// Describes a figure of a metric.
 type Draw = fn(&Drawn, &Comparison) -> Figured;
 
 /// The figure of every difference between modes, over two columns and in one.
 pub(crate) fn verdict_figures(data: &StudyData) -> Vec<Drawing> {
     let metrics = compared(data);
-    let forms = if metrics.is_empty() { Vec::new() } else { vec![None, Some(IN_ONE_COLUMN)] };
-    let figure = |column: Option<&str>| {
-        let of = AllDrawn {
+    if metrics.is_empty() {
+        return Vec::new();
+    }
+    let forms = [None, Some(IN_ONE_COLUMN)].map(|column| {
+        let drawn = AllDrawn {
             about: About::of(&data.study),
             environments: data.study.environments.clone(),
             sources: data.counting().map(|trial| trial.meta.source).collect(),
             metrics: metrics.clone(),
             is_narrow: column.is_some(),
         };
-        let found = Comparison::of(&data.layout);
-        Drawing::new(data, VERDICTS, column, of, found, draw_verdicts).of(data.counting().count())
-    };
-    forms.into_iter().map(figure).collect()
+        let tables = Comparison::of(&data.layout);
+        Drawing::new(data, VERDICTS, column, drawn, tables, draw_verdicts)
+            .of(data.counting().count())
+    });
+    forms.into()
 }
 
 /// Every difference between modes, as a terminal shows it.
 ///
 /// # Errors
-/// Tables that are not there.
+/// Tables that do not exist.
 pub fn verdicts(data: &StudyData) -> Result<Vec<VerdictRow>, JobError> {
-    let found = Comparison::of(&data.layout);
-    let read = compared(data).into_iter().map(|metric| found.read(&metric.parse()?));
-    let metrics = read.collect::<Result<Vec<_>, JobError>>()?;
+    let tables = Comparison::of(&data.layout);
+    let metrics = compared(data).into_iter().map(|metric| tables.read(&metric.parse()?));
+    let metrics = metrics.collect::<Result<Vec<_>, JobError>>()?;
     Ok(verdict_rows(&About::of(&data.study), &data.study.environments, &metrics))
 }
 
 /// The figures of every metric.
 pub(crate) fn figures(data: &StudyData) -> Vec<Drawing> {
-    let (several, again) = who(data);
+    let Attendance { several, several_and_again } = attendance(data);
     let trials = data.counting().count();
-    let found = Comparison::of(&data.layout);
+    let tables = Comparison::of(&data.layout);
     // One repeat shows no learning.
     let repeated = data.study.design.repeats > 1;
     let kinds: [(bool, FigureKind, Draw); 4] = [
-        (true, MODES_COMPARED, draw_modes),
-        (several, PARTICIPANTS_COMPARED, draw_participants),
-        (several && again, SESSIONS_COMPARED, draw_sessions),
-        (repeated, REPEATS_COMPARED, draw_repeats),
+        (true, MODES_COMPARED, |drawn, tables| draw(zwidth_figures::modes_compared, drawn, tables)),
+        (several, PARTICIPANTS_COMPARED, |drawn, tables| {
+            draw(zwidth_figures::participants_compared, drawn, tables)
+        }),
+        (several_and_again, SESSIONS_COMPARED, |drawn, tables| {
+            draw(zwidth_figures::sessions_compared, drawn, tables)
+        }),
+        (repeated, REPEATS_COMPARED, |drawn, tables| {
+            draw(zwidth_figures::repeats_compared, drawn, tables)
+        }),
     ];
     let mut drawings = Vec::new();
     for metric in compared(data) {
-        let of = Drawn {
+        let drawn = Drawn {
             about: About::of(&data.study),
             environments: data.study.environments.clone(),
             sources: data.counting().map(|trial| trial.meta.source).collect(),
             metric,
         };
         for (_, kind, draw) in kinds.into_iter().filter(|(is_shown, ..)| *is_shown) {
-            let of = of.clone();
-            let found = found.clone();
-            let drawing = Drawing::new(data, kind, [of.metric.clone()], of, found, draw);
+            let drawn = drawn.clone();
+            let tables = tables.clone();
+            let drawing = Drawing::new(data, kind, [drawn.metric.clone()], drawn, tables, draw);
             drawings.push(drawing.of(trials));
         }
     }
@@ -606,56 +621,36 @@ fn answers_figures(data: &StudyData) -> Vec<Drawing> {
     if people.len() < 2 || answers(data).is_none() {
         return Vec::new();
     }
-    let pages = zwidth_figures::answers_pages(&likert_figures::list_asked(data));
-    let numbers = likert_figures::number_pages(pages.len());
-    pages
-        .into_iter()
-        .zip(numbers)
-        .map(|(page, number)| answers_figure(data, page, number))
-        .collect()
+    let pages = zwidth_figures::answers_pages(&likert_figures::list_rated(data));
+    let mut drawings = Vec::new();
+    for (number, page) in likert_figures::number_pages(pages.len()).into_iter().zip(pages) {
+        let shown =
+            data.answers.iter().filter(|a| page.shows(&a.condition.environment, &a.question));
+        let answers = shown.count();
+        let sources = data.sessions.iter().map(|s| s.record.source).collect();
+        let drawn = AnswersDrawn { about: About::of(&data.study), page, sources };
+        let tables = answers_of(&data.layout);
+        let drawing = Drawing::new(data, ANSWERS_COMPARED, number, drawn, tables, draw_answers);
+        drawings.push(drawing.of(answers));
+    }
+    drawings
 }
 
-/// One page of answers compared.
-fn answers_figure(data: &StudyData, page: AnswersPage, number: Option<String>) -> Drawing {
-    let answers =
-        data.answers.iter().filter(|a| page.shows(&a.condition.environment, &a.question)).count();
-    let sources = data.sessions.iter().map(|s| s.record.source).collect();
-    let of = AnswersDrawn { about: About::of(&data.study), page, sources };
-    let found = answers_of(&data.layout);
-    Drawing::new(data, ANSWERS_COMPARED, number, of, found, draw_answers).of(answers)
-}
-
-fn draw_answers(of: &AnswersDrawn, (contrasts, participants): &AnswersOf) -> Figured {
-    let sources: Vec<Source> = of.sources.iter().copied().collect();
+fn draw_answers(drawn: &AnswersDrawn, (contrasts, participants): &AnswersOf) -> Figured {
+    let sources: Vec<Source> = drawn.sources.iter().copied().collect();
     let contrasts = contrasts.read()?;
     let participants = participants.read()?;
-    let about = &of.about;
-    Ok((answers_compared(about, &of.page, &contrasts, &participants, &sources), Vec::new()))
-}
-
-fn draw_modes(of: &Drawn, found: &Comparison) -> Figured {
-    draw(zwidth_figures::modes_compared, of, found)
-}
-
-fn draw_participants(of: &Drawn, found: &Comparison) -> Figured {
-    draw(zwidth_figures::participants_compared, of, found)
-}
-
-fn draw_sessions(of: &Drawn, found: &Comparison) -> Figured {
-    draw(zwidth_figures::sessions_compared, of, found)
-}
-
-fn draw_repeats(of: &Drawn, found: &Comparison) -> Figured {
-    draw(zwidth_figures::repeats_compared, of, found)
+    let about = &drawn.about;
+    Ok((answers_compared(about, &drawn.page, &contrasts, &participants, &sources), Vec::new()))
 }
 
 /// A figure of a metric.
 type Figure = fn(&About, &[Environment], &[Source], &MetricResults) -> zwidth_draw::Figure;
 
-fn draw(figure: Figure, of: &Drawn, found: &Comparison) -> Figured {
-    let found = found.read(&of.metric.parse()?)?;
-    let sources: Vec<Source> = of.sources.iter().copied().collect();
-    Ok((figure(&of.about, &of.environments, &sources, &found), Vec::new()))
+fn draw(figure: Figure, drawn: &Drawn, tables: &Comparison) -> Figured {
+    let results = tables.read(&drawn.metric.parse()?)?;
+    let sources: Vec<Source> = drawn.sources.iter().copied().collect();
+    Ok((figure(&drawn.about, &drawn.environments, &sources, &results), Vec::new()))
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 
 use crate::shared::handle::{Derived, Written};
 use crate::shared::making::split;
-use crate::shared::trials::{Found, OfTrials, Recordings, files, name, read_all};
+use crate::shared::trials::{OfTrials, Recordings, WithProblems, files, name, read_all};
 use rayon::prelude::*;
 use std::path::PathBuf;
 use zwidth_freemotion::{FreeMotionError, Parameters};
@@ -16,80 +16,85 @@ const STAGE: Stage = Stage { name: "freemotion", version: zwidth_freemotion::VER
 
 /// The plane fits of the study, if any trial has one.
 pub(crate) fn planes(data: &StudyData) -> Option<Derived<FreePlane>> {
-    (!trials(data).1.is_empty()).then(|| Derived::within(&data.layout.derived()))
+    (!trials(data).for_plane.is_empty()).then(|| Derived::within(&data.layout.derived()))
 }
 
 /// The plants of the study, if any trial has one.
 fn plants(data: &StudyData) -> Option<Derived<FreePlant>> {
-    (!trials(data).0.is_empty()).then(|| Derived::within(&data.layout.derived()))
+    (!trials(data).for_plant.is_empty()).then(|| Derived::within(&data.layout.derived()))
 }
 
 /// The tables of the stage.
 pub(crate) fn tables(data: &StudyData) -> Vec<PathBuf> {
-    let planes = planes(data).into_iter().flat_map(|table| table.files());
-    planes.chain(plants(data).into_iter().flat_map(|table| table.files())).collect()
+    [planes(data).files(), plants(data).files()].concat()
 }
 
-/// Trials of free motion that count: those for a plant, and those for a plane fit.
-fn trials(data: &StudyData) -> (Vec<&TrialEntry>, Vec<&TrialEntry>) {
-    data.counting().filter(|trial| is_free(data, trial)).partition(|trial| {
-        trial.said.signals.contains(&Signal::Theta)
-            && !trial.said.signals.contains(&Signal::ThetaDdot)
-    })
+/// Trials of free motion that count.
+struct FreeTrials<'a> {
+    for_plant: Vec<&'a TrialEntry>,
+    for_plane: Vec<&'a TrialEntry>,
 }
 
-/// Whether nothing was rendered in a trial.
-fn is_free(data: &StudyData, trial: &TrialEntry) -> bool {
-    let environment = data.study.environment(&trial.meta.environment);
-    environment.is_some_and(|e| matches!(e.scene, Scene::Free))
+fn trials(data: &StudyData) -> FreeTrials<'_> {
+    let (for_plant, for_plane) = data
+        .counting()
+        .filter(|trial| {
+            let environment = data.study.environment(&trial.meta.environment);
+            environment.is_some_and(|e| matches!(e.scene, Scene::Free))
+        })
+        .partition(|trial| {
+            trial.said.signals.contains(&Signal::Theta)
+                && !trial.said.signals.contains(&Signal::ThetaDdot)
+        });
+    FreeTrials { for_plant, for_plane }
 }
 
 pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
-    let (with_plant, with_plane) = trials(data);
-    let of = |trials: &[&TrialEntry]| OfTrials::new(Parameters::of(&data.study), trials);
-    let plane = planes(data).map(|output| {
-        let of = of(&with_plane);
-        let files = files(&with_plane);
-        Job::new(STAGE, "plane fits of free motion", of, files, output.files(), make_planes)
-    });
-    let plant = plants(data).map(|output| {
-        let of = of(&with_plant);
-        let files = files(&with_plant);
-        Job::new(STAGE, "plant in free motion", of, files, output.files(), make_plants)
-    });
-    plane.into_iter().chain(plant).collect()
+    let FreeTrials { for_plant, for_plane } = trials(data);
+    let mut jobs = Vec::new();
+    if let Some(output) = planes(data) {
+        let parameters = OfTrials::new(Parameters::of(&data.study), &for_plane);
+        let (name, files) = ("plane fits of free motion", files(&for_plane));
+        jobs.push(Job::new(STAGE, name, parameters, files, output.files(), make_planes));
+    }
+    if let Some(output) = plants(data) {
+        let parameters = OfTrials::new(Parameters::of(&data.study), &for_plant);
+        let (name, files) = ("plant in free motion", files(&for_plant));
+        jobs.push(Job::new(STAGE, name, parameters, files, output.files(), make_plants));
+    }
+    jobs
 }
 
 fn make_planes(
-    of: &OfTrials<Parameters>,
+    parameters: &OfTrials<Parameters>,
     files: &Recordings,
     making: &Making,
 ) -> Result<Made, JobError> {
-    let (fits, problems) = fit_all(of, files, zwidth_freemotion::plane_fit)?;
+    let (fits, problems) = fit_all(parameters, files, zwidth_freemotion::plane_fit)?;
     let table = zwidth_freemotion::plane_table(&fits)?;
     Ok(Made { problems, ..Written::begin(making, false).table(table)?.end()? })
 }
 
 fn make_plants(
-    of: &OfTrials<Parameters>,
+    parameters: &OfTrials<Parameters>,
     files: &Recordings,
     making: &Making,
 ) -> Result<Made, JobError> {
-    let (fits, problems) = fit_all(of, files, zwidth_freemotion::plant_fit)?;
+    let (fits, problems) = fit_all(parameters, files, zwidth_freemotion::plant_fit)?;
     let table = zwidth_freemotion::plant_table(&fits)?;
     Ok(Made { problems, ..Written::begin(making, false).table(table)?.end()? })
 }
 
 /// The fits of the trials that can be read and fitted, and what is wrong with the others.
 fn fit_all<F: Send>(
-    of: &OfTrials<Parameters>,
+    parameters: &OfTrials<Parameters>,
     files: &Recordings,
     fit: fn(&Trial, &Parameters) -> Result<F, FreeMotionError>,
-) -> Result<Found<F>, StoreError> {
-    let (trials, mut problems) = read_all(files, &of.trials, Signal::all())?;
-    let fits = trials
-        .par_iter()
-        .map(|trial| fit(trial, &of.stage).map_err(|e| format!("{}: {e}", name(&trial.meta))));
+) -> Result<WithProblems<F>, StoreError> {
+    let (trials, mut problems) = read_all(files, &parameters.trials, Signal::all())?;
+    let fits = trials.par_iter().map(|trial| {
+        fit(trial, &parameters.stage).map_err(|e| format!("{}: {e}", name(&trial.meta)))
+    });
     let (fits, more) = split(fits.collect());
     problems.extend(more);
     Ok((fits, problems))

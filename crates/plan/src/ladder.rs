@@ -8,8 +8,8 @@ use crate::replay::replayable::{is_replayable, rendering};
 use crate::shared::conditions::{Repeats, repeats};
 use crate::shared::handle::Derived;
 use crate::shared::making::{derived, write_tables};
-use crate::shared::measured::model_trial;
-use crate::shared::trials::{OfTrials, Recordings, files, name, read_all};
+use crate::shared::measured::{measured, model_trial};
+use crate::shared::trials::{OfTrials, Recordings, files, label_trials, name, read_all};
 use serde::{Serialize, Serializer};
 use std::path::{Path, PathBuf};
 use zwidth_device::{TwinParameters, Velocity};
@@ -22,9 +22,7 @@ use zwidth_results::{
 };
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, Stage};
 use zwidth_store::{Samples, Signal, StudyData, Trial, TrialEntry};
-use zwidth_study::{
-    Analysis, Control, Environment, Measured, Mode, Perception, ReplayModel, Study,
-};
+use zwidth_study::{Analysis, Control, Environment, Mode, Perception, ReplayModel, Study};
 use zwidth_tables::TableError;
 
 pub(crate) const STAGE: Stage = Stage { name: "ladder", version: zwidth_ladder::VERSION };
@@ -51,7 +49,7 @@ fn as_text<S: Serializer>(condition: &LadderCondition, into: S) -> Result<S::Ok,
     into.collect_str(condition)
 }
 
-/// What is found of a condition's ladder, a table for each kind of row.
+/// The results of a condition's ladder, one table for each kind of row.
 #[derive(Clone)]
 struct LadderTables {
     models: Derived<LadderModel>,
@@ -103,19 +101,20 @@ impl Condition<'_> {
 
     fn laddered(&self, data: &StudyData, points: usize) -> Laddered {
         let study = &data.study;
-        let how = |t: &&TrialEntry| rendering(data, &t.meta, self.environment, self.mode);
+        let Self { environment, mode, trials } = self;
+        let renderings = trials.iter().map(|t| rendering(data, &t.meta, environment, mode));
         Laddered {
             condition: LadderCondition {
-                environment: self.environment.id.clone(),
-                mode: self.mode.id.clone(),
+                environment: environment.id.clone(),
+                mode: mode.id.clone(),
             },
-            renderings: self.trials.iter().map(how).collect(),
-            metrics: zwidth_metrics::Parameters::of(study, self.environment, self.mode),
+            renderings: renderings.collect(),
+            metrics: zwidth_metrics::Parameters::of(study, environment, mode),
             metrics_version: zwidth_metrics::VERSION,
             control: study.control,
             perception: study.perception.clone(),
             points,
-            synthetic: self.trials.iter().any(|t| t.meta.source.is_simulated()),
+            synthetic: trials.iter().any(|t| t.meta.source.is_simulated()),
         }
     }
 }
@@ -123,33 +122,34 @@ impl Condition<'_> {
 /// The conditions with a trial that can be replayed, in the order of the study.
 fn conditions(data: &StudyData) -> Vec<Condition<'_>> {
     let all = repeats(data);
-    let mut found: Vec<Condition> = Vec::new();
+    let mut conditions = Vec::new();
     for environment in &data.study.environments {
         for mode in &data.study.modes {
-            let of = |r: &&Repeats| r.environment.id == environment.id && r.mode.id == mode.id;
-            let trials = all.iter().filter(of).flat_map(|r| r.trials.iter().copied());
-            let trials: Vec<_> =
-                trials.filter(|t| is_replayable(data, t)).take(MOST_TRIALS).collect();
+            let own = all
+                .iter()
+                .filter(|r| r.environment.id == environment.id && r.mode.id == mode.id)
+                .flat_map(|r| r.trials.iter().copied());
+            let trials: Vec<_> = own.filter(|t| is_replayable(data, t)).take(MOST_TRIALS).collect();
             if !trials.is_empty() {
-                found.push(Condition { environment, mode, trials });
+                conditions.push(Condition { environment, mode, trials });
             }
         }
     }
-    found
+    conditions
 }
 
-/// Whether a study asks for it.
-fn is_asked(study: &Study) -> bool {
+/// Whether study.toml says `[replay] model = "auto"`.
+fn is_requested(study: &Study) -> bool {
     study.replay == ReplayModel::Auto
 }
 
 fn tables_of(data: &StudyData, condition: &Condition) -> LadderTables {
-    let file =
-        |what: &str| derived(&data.layout, format!("ladder/{}.{what}.parquet", condition.key()));
+    let [models, effects, interactions] = ["models", "effects", "interactions"]
+        .map(|kind| derived(&data.layout, format!("ladder/{}.{kind}.parquet", condition.key())));
     LadderTables {
-        models: Derived::at(file("models")),
-        effects: Derived::at(file("effects")),
-        interactions: Derived::at(file("interactions")),
+        models: Derived::at(models),
+        effects: Derived::at(effects),
+        interactions: Derived::at(interactions),
     }
 }
 
@@ -158,16 +158,17 @@ fn held_out_of(data: &StudyData, environment: &Environment, mode: &Mode) -> Deri
     Derived::at(derived(&data.layout, name))
 }
 
-/// The models that say how a condition is replayed; `None` where a study replays by eye, or no trial
-/// of the condition can be.
-pub(crate) fn of_replay(data: &StudyData, of: &Repeats) -> Option<Derived<HeldOutModel>> {
-    let is_any = of.trials.iter().any(|t| is_replayable(data, t));
-    (is_asked(&data.study) && is_any).then(|| held_out_of(data, of.environment, of.mode))
+/// The models by which a condition is replayed; `None` if the study replays by eye, or no trial of the
+/// condition can be replayed.
+pub(crate) fn of_replay(data: &StudyData, repeats: &Repeats) -> Option<Derived<HeldOutModel>> {
+    let is_any = repeats.trials.iter().any(|t| is_replayable(data, t));
+    (is_requested(&data.study) && is_any)
+        .then(|| held_out_of(data, repeats.environment, repeats.mode))
 }
 
-/// The choices of all conditions, where a study asks for them.
+/// The choices of all conditions, if the study asks for them.
 pub(crate) fn of_study(data: &StudyData) -> Option<Derived<LadderChoice>> {
-    (is_asked(&data.study) && !conditions(data).is_empty())
+    (is_requested(&data.study) && !conditions(data).is_empty())
         .then(|| Derived::within(&data.layout.derived()))
 }
 
@@ -175,41 +176,43 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
     let Some(whole) = of_study(data) else { return Vec::new() };
     let conditions = conditions(data);
     let mut jobs = Vec::new();
+    let mut held_out = Vec::new();
     for condition in &conditions {
         let laddered = condition.laddered(data, zwidth_ladder::DEFAULT_POINTS);
         let tables = tables_of(data, condition);
         let key = condition.key();
         let trials = &condition.trials;
+        // A ladder runs each of its models on one recording: the first stands for the condition.
         let first = &trials[..1];
-        let of = OfTrials::new(laddered.clone(), first);
+        let parameters = OfTrials::new(laddered.clone(), first);
         let name = format!("ladder {key}");
-        let job = Job::new(STAGE, name, of, files(first), tables.files(), make);
+        let job = Job::new(STAGE, name, parameters, files(first), tables.files(), make);
         jobs.push(job.of_part(&key));
-        let outputs = held_out_of(data, condition.environment, condition.mode).files();
+        let output = held_out_of(data, condition.environment, condition.mode);
         let inputs = (files(trials), tables);
-        let of = OfTrials::new(laddered, trials);
+        let parameters = OfTrials::new(laddered, trials);
         let name = format!("ladder held out {key}");
-        jobs.push(Job::new(STAGE, name, of, inputs, outputs, make_held_out).of_part(&key));
+        let job = Job::new(STAGE, name, parameters, inputs, output.files(), make_held_out);
+        jobs.push(job.of_part(&key));
+        held_out.push(output);
     }
-    let held_out =
-        conditions.iter().map(|c| held_out_of(data, c.environment, c.mode)).collect::<Vec<_>>();
     jobs.push(Job::new(STAGE, "ladder of the study", (), held_out, whole.files(), make_study));
     jobs
 }
 
 pub(crate) fn figures(data: &StudyData) -> Vec<Drawing> {
-    let all = if is_asked(&data.study) { conditions(data) } else { Vec::new() };
+    let conditions = if is_requested(&data.study) { conditions(data) } else { Vec::new() };
     // All conditions have the same axes.
-    let drawn = |condition: &Condition| Drawn::of(tables_of(data, condition));
-    let beside: Vec<Drawn> = all.iter().map(drawn).collect();
-    all.iter()
-        .map(|condition| {
-            let subject = [condition.environment.id.to_string(), condition.mode.id.to_string()];
-            let synthetic = condition.trials.iter().any(|t| t.meta.source.is_simulated());
-            let inputs = (drawn(condition), beside.clone());
-            Drawing::new(data, LADDER, subject, synthetic, inputs, draw).of(1)
-        })
-        .collect()
+    let beside: Vec<Drawn> =
+        conditions.iter().map(|condition| Drawn::of(tables_of(data, condition))).collect();
+    let mut drawings = Vec::new();
+    for (condition, own) in conditions.iter().zip(&beside) {
+        let subject = [condition.environment.id.to_string(), condition.mode.id.to_string()];
+        let synthetic = condition.trials.iter().any(|t| t.meta.source.is_simulated());
+        let inputs = (own.clone(), beside.clone());
+        drawings.push(Drawing::new(data, LADDER, subject, synthetic, inputs, draw).of(1));
+    }
+    drawings
 }
 
 fn draw(synthetic: &bool, (own, beside): &(Drawn, Vec<Drawn>)) -> Figured {
@@ -219,9 +222,9 @@ fn draw(synthetic: &bool, (own, beside): &(Drawn, Vec<Drawn>)) -> Figured {
     Ok((zwidth_figures::ladder(&own, &beside, &notes, *synthetic), Vec::new()))
 }
 
-/// Models, effects and interactions of each condition of a study that has a recording, with so many
-/// points: what `zwidth ladder STUDY` prints. `told` is called with each condition before it is
-/// made, and `progress` after each of its points.
+/// Models, effects and interactions of each condition of a study that has a recording, with `points`
+/// points: what `zwidth ladder STUDY` prints. `begin` is called with each condition before its ladder
+/// is made, and `progress` after each of its points.
 ///
 /// # Errors
 /// A condition for which no model can be made.
@@ -229,24 +232,25 @@ pub fn ladders(
     data: &StudyData,
     points: usize,
     rate_hz: Option<f64>,
-    told: &dyn Fn(&str),
+    begin: &dyn Fn(&str),
     progress: &(dyn Fn() + Sync),
 ) -> Result<Vec<(String, Ladder, bool)>, JobError> {
-    let mut found = Vec::new();
+    let mut ladders = Vec::new();
     for condition in conditions(data) {
-        told(&format!("{} {}", data.layout.study(), condition.key()));
+        begin(&format!("{} {}", data.layout.study(), condition.key()));
         let mut laddered = condition.laddered(data, points);
         laddered.control.rate_hz = rate_hz.unwrap_or(laddered.control.rate_hz);
-        let of = OfTrials::new(laddered, &condition.trials[..1]);
-        let (trials, problems) =
-            read_all(&files(&condition.trials[..1]), &of.trials, Signal::all())?;
+        let first = &condition.trials[..1];
+        let (trials, problems) = read_all(&files(first), &label_trials(first), Signal::all())?;
         let trial = trials.into_iter().next().ok_or_else(|| problems.join("; "))?;
-        found.push((condition.key(), ladder_of(&of.stage, &trial, progress)?, of.stage.synthetic));
+        let ladder = ladder_of(&laddered, &trial, progress)?;
+        ladders.push((condition.key(), ladder, laddered.synthetic));
     }
-    Ok(found)
+    Ok(ladders)
 }
 
-/// What a recording's force is measured at: the finger is on its far side, so it is not offered.
+/// The terms that may explain a recording: without the finger, which is on the far side of the force
+/// sensor.
 const OFFERED: TermSet = TermSet::ALL.without(LadderTerm::Finger);
 
 fn looped(control: &Control) -> Result<Loop, JobError> {
@@ -254,53 +258,57 @@ fn looped(control: &Control) -> Result<Loop, JobError> {
 }
 
 /// The scene of a recorded trial, with the twin's plant in place of the thesis'.
-fn recorded(of: &Laddered, trial: &Trial, rendering: &Rendering) -> Result<Recorded, JobError> {
+fn recorded(
+    laddered: &Laddered,
+    trial: &Trial,
+    rendering: &Rendering,
+) -> Result<Recorded, JobError> {
     let drive = Drive::new(trial, rendering)?;
     let mut scene = drive.scene().clone();
-    scene.name = of.condition.to_string();
+    scene.name = laddered.condition.to_string();
     let twin = TwinParameters::default().plant(None);
+    // The scene moves the lever's end: the inertia there is a mass.
     scene.plant.mass_kg = twin.inertia_kg_m2 / (twin.lever_m * twin.lever_m);
-    let seen = drive.recorded();
-    Ok(Recorded { scene, t_s: seen.t_s.clone(), theta_rad: seen.theta_rad.clone() })
+    let course = drive.recorded();
+    Ok(Recorded { scene, t_s: course.t_s.clone(), theta_rad: course.theta_rad.clone() })
 }
 
 fn ladder_of(
-    of: &Laddered,
+    laddered: &Laddered,
     trial: &Trial,
     progress: &(dyn Fn() + Sync),
 ) -> Result<Ladder, JobError> {
-    let rendering = of.renderings.first().ok_or("there is no trial")?;
-    let scene = recorded(of, trial, rendering)?.scene;
+    let rendering = laddered.renderings.first().ok_or("there is no trial")?;
+    let scene = recorded(laddered, trial, rendering)?.scene;
     let settings = Settings {
-        looped: looped(&of.control)?,
-        points: of.points,
-        bounds: of.perception.clone(),
+        looped: looped(&laddered.control)?,
+        points: laddered.points,
+        bounds: laddered.perception.clone(),
         offered: OFFERED.both(zwidth_ladder::possible(&scene)),
     };
-    let measure = |course: &Course| measured(course, trial, &of.metrics);
+    // The study's own metrics of a course.
+    let measure = |course: &Course| {
+        let mut samples = Samples::default();
+        samples.set(Signal::Time, course.t_s.clone());
+        samples.set(Signal::Theta, course.theta_rad.clone());
+        samples.set(Signal::ThetaDot, course.theta_dot_rad_s.clone());
+        samples.set(Signal::ForceEx, course.force_ex_n.clone());
+        samples.set(Signal::ForceCmd, course.feedback_n.clone());
+        let lever_m = Some(course.lever_m);
+        let parameters = zwidth_metrics::Parameters { lever_m, ..laddered.metrics };
+        measured(&model_trial(samples, trial), &parameters)
+    };
     Ok(zwidth_ladder::ladder(&scene, &settings, &measure, progress)?)
 }
 
-/// The study's own metrics of a course.
-fn measured(
-    course: &Course,
-    trial: &Trial,
-    parameters: &zwidth_metrics::Parameters,
-) -> Vec<Measured> {
-    let mut samples = Samples::default();
-    samples.set(Signal::Time, course.t_s.clone());
-    samples.set(Signal::Theta, course.theta_rad.clone());
-    samples.set(Signal::ThetaDot, course.theta_dot_rad_s.clone());
-    samples.set(Signal::ForceEx, course.force_ex_n.clone());
-    samples.set(Signal::ForceCmd, course.feedback_n.clone());
-    let parameters = zwidth_metrics::Parameters { lever_m: Some(course.lever_m), ..*parameters };
-    crate::shared::measured::measured(&model_trial(samples, trial), &parameters)
-}
-
-fn make(of: &OfTrials<Laddered>, files: &Recordings, making: &Making) -> Result<Made, JobError> {
-    let (trials, problems) = read_all(files, &of.trials, Signal::all())?;
+fn make(
+    parameters: &OfTrials<Laddered>,
+    files: &Recordings,
+    making: &Making,
+) -> Result<Made, JobError> {
+    let (trials, problems) = read_all(files, &parameters.trials, Signal::all())?;
     let trial = trials.first().ok_or_else(|| problems.join("; "))?;
-    let ladder = ladder_of(&of.stage, trial, &|| ())?;
+    let ladder = ladder_of(&parameters.stage, trial, &|| ())?;
     let tables = [
         zwidth_ladder::models_table(&ladder)?,
         zwidth_ladder::effects_table(&ladder)?,
@@ -310,27 +318,28 @@ fn make(of: &OfTrials<Laddered>, files: &Recordings, making: &Making) -> Result<
 }
 
 fn make_held_out(
-    of: &OfTrials<Laddered>,
+    parameters: &OfTrials<Laddered>,
     (files, tables): &(Recordings, LadderTables),
     making: &Making,
 ) -> Result<Made, JobError> {
+    let OfTrials { stage: laddered, trials: labels } = parameters;
     let choice = zwidth_ladder::chosen(&tables.models.read()?);
     let choice = choice.ok_or("the ladder has no choice")?;
-    let looped = looped(&of.stage.control)?;
+    let looped = looped(&laddered.control)?;
     let mut recordings = Vec::new();
     let mut problems = Vec::new();
-    for (i, rendering) in of.stage.renderings.iter().enumerate().take(files.len()) {
-        let (trial, more) = read_all(&files[i..=i], &of.trials[i..=i], Signal::all())?;
+    for (i, rendering) in laddered.renderings.iter().enumerate().take(files.len()) {
+        let (trial, more) = read_all(&files[i..=i], &labels[i..=i], Signal::all())?;
         problems.extend(more);
         for trial in &trial {
-            match recorded(&of.stage, trial, rendering) {
-                Ok(found) => recordings.push(found),
+            match recorded(laddered, trial, rendering) {
+                Ok(recording) => recordings.push(recording),
                 Err(error) => problems.push(format!("{}: {error}", name(&trial.meta))),
             }
         }
     }
     let tried = zwidth_ladder::tried(&recordings, choice, OFFERED, &looped);
-    let Laddered { condition, perception, .. } = &of.stage;
+    let Laddered { condition, perception, .. } = laddered;
     let models = zwidth_ladder::held_out_models(condition, &tried, recordings.len(), perception);
     write_tables(&[zwidth_ladder::held_out_table(&models)?], making, problems)
 }
@@ -345,7 +354,7 @@ fn make_study(
     write_tables(&[zwidth_ladder::held_out_table(&choices)?], making, Vec::new())
 }
 
-/// The model of a condition's replays: its terms, and what was fitted.
+/// The model that the ladder chose, as replays depend on it; its terms and its fit are read.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Auto {
     control: Control,
@@ -357,7 +366,7 @@ impl Auto {
         Self { control: study.control, version: zwidth_ladder::VERSION }
     }
 
-    /// A recorded trial by the model that is the choice among those held against the condition.
+    /// A recorded trial by the model that fits the condition best of those in `held_out`.
     pub(crate) fn replay(
         &self,
         trial: &Trial,
@@ -383,26 +392,29 @@ impl Auto {
             scene.plant.mass_kg =
                 zwidth_ladder::plant(TermSet::NONE, zwidth_ladder::Knobs::USUAL).mass_kg;
             let course = zwidth_ladder::predict(&scene, set, &looped, knobs)?;
-            Ok(at(course, drive.recorded()))
+            Ok(resample(course, drive.recorded()))
         };
-        let which = ModelPlant::Auto;
-        Ok(replay_with(trial, rendering, analysis, which, &parameters, &force_driven)?)
+        Ok(replay_with(trial, rendering, analysis, ModelPlant::Auto, &parameters, &force_driven)?)
     }
 }
 
 /// A course at the recording's times.
-fn at(course: Course, recorded: &zwidth_replay::Course) -> zwidth_replay::Course {
+fn resample(course: Course, recorded: &zwidth_replay::Course) -> zwidth_replay::Course {
     let t_s = &recorded.t_s;
-    let of = |values: &[f64]| -> Vec<f64> {
-        let last = values.last().copied().unwrap_or(f64::NAN);
-        t_s.iter()
-            .map(|t| zwidth_numerics::series::interpolate(&course.t_s, values, *t).unwrap_or(last))
-            .collect()
-    };
+    let [theta_rad, theta_dot_rad_s, feedback_n] =
+        [&course.theta_rad, &course.theta_dot_rad_s, &course.feedback_n].map(|values| {
+            // The recording's last sample may lie behind the course's last step.
+            let last = values.last().copied().unwrap_or(f64::NAN);
+            t_s.iter()
+                .map(|t| {
+                    zwidth_numerics::series::interpolate(&course.t_s, values, *t).unwrap_or(last)
+                })
+                .collect::<Vec<f64>>()
+        });
     zwidth_replay::Course {
-        theta_rad: of(&course.theta_rad),
-        theta_dot_rad_s: of(&course.theta_dot_rad_s),
-        feedback_n: Some(of(&course.feedback_n)),
+        theta_rad,
+        theta_dot_rad_s,
+        feedback_n: Some(feedback_n),
         force_ex_n: recorded.force_ex_n.clone(),
         t_s: t_s.clone(),
     }

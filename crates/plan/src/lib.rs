@@ -49,10 +49,10 @@ use rayon::prelude::*;
 use zwidth_runner::Job;
 use zwidth_store::{Findings, StudyData};
 
-/// A stage, and jobs of it that the data alone give.
+/// A stage, and those of its jobs that follow from the data alone.
 type OfData = (&'static str, fn(&StudyData) -> Vec<Job>);
 
-/// Each after those whose results it reads.
+/// Each stage stands after those whose results it reads.
 const OF_DATA: [OfData; 13] = [
     ("characterise", characterise::jobs),
     ("identify", identify::jobs),
@@ -70,46 +70,50 @@ const OF_DATA: [OfData; 13] = [
     ("simulate", scenes::jobs),
 ];
 
-/// Stages of whose name there is a figure too, or a file of the page.
+/// Stages that share their name with a figure or a file of the page.
 const NAMESAKES: [&str; 2] = ["likert", "replay"];
 
 /// The jobs needed for `--only STAGE`: those of the stage, of the stages before it and of the tables.
-/// Of a large study they are planned in a fraction of the time of all. None where the stage has no
-/// jobs, or needs more.
+/// In a large study they are planned in a fraction of the time that all jobs need. `None` if the stage
+/// has no jobs, or needs more.
 pub fn jobs_of_stage(data: &StudyData, stage: &str) -> Option<Vec<Job>> {
     let last = OF_DATA.iter().rposition(|(name, _)| *name == stage)?;
+    // `--only` goes by the names of files too: those jobs are found among all alone.
     if NAMESAKES.contains(&stage) {
         return None;
     }
-    let mut jobs = of_data(data, &OF_DATA[..=last]);
+    let mut jobs = jobs_of_stages(data, &OF_DATA[..=last]);
     let is_any = jobs.iter().any(|job| job.stage.name == stage);
     jobs.extend(tables::jobs(data));
     is_any.then_some(jobs)
 }
 
-fn of_data(data: &StudyData, stages: &[OfData]) -> Vec<Job> {
+fn jobs_of_stages(data: &StudyData, stages: &[OfData]) -> Vec<Job> {
     let jobs: Vec<_> = stages.par_iter().map(|(_, jobs)| jobs(data)).collect();
     jobs.into_iter().flatten().collect()
 }
 
 /// Every job of a study, given its findings.
-pub fn jobs(data: &StudyData, found: &Findings) -> Vec<Job> {
+pub fn jobs(data: &StudyData, findings: &Findings) -> Vec<Job> {
     // Side by side: in a study of tens of thousands of trials that takes as long as all else.
     let (mut jobs, (figures, tables, page, summary)) = rayon::join(
-        || of_data(data, &OF_DATA),
+        || jobs_of_stages(data, &OF_DATA),
         || {
-            let (figures, tables) = rayon::join(|| figures::made(data), || tables::jobs(data));
-            let page = || page::jobs(data, found, &figures);
-            let (page, summary) = rayon::join(page, || page::summary::job(data, found, &figures));
+            let (figures, tables) = rayon::join(|| figures::of_run(data), || tables::jobs(data));
+            let (page, summary) = rayon::join(
+                || page::jobs(data, findings, &figures),
+                || page::summary::job(data, findings, &figures),
+            );
             (figures, tables, page, summary)
         },
     );
     jobs.extend(report::jobs(data, &figures));
     jobs.extend(tables);
+    // Before the figures give their jobs away.
     let captions = (!figures.is_empty()).then(|| figures::captions::job(data, &figures));
     jobs.extend(figures.into_iter().map(|figure| figure.job));
     jobs.extend(captions);
-    jobs.push(page::counted::job(data, found));
+    jobs.push(page::counted::job(data, findings));
     jobs.push(summary);
     jobs.extend(page);
     jobs

@@ -20,37 +20,39 @@ use zwidth_tables::{Measured, NoteKind, Table, TableError};
 const STAGE: Stage = Stage { name: "metrics", version: zwidth_metrics::VERSION };
 
 /// The metrics of a session that need nothing but its trials, `metrics/P01.S01.parquet`.
-fn of_session(layout: &Layout, session: &str) -> PathBuf {
+fn plain_metrics(layout: &Layout, session: &str) -> PathBuf {
     derived(layout, format!("metrics/{session}.parquet"))
 }
 
-/// What happened in the trials of a session, `metrics/P01.S01.events.parquet`.
-pub(crate) fn events_of(layout: &Layout, of: &TrialMeta) -> Derived<TrialEvent> {
-    Derived::at(derived(layout, format!("metrics/{}.events.parquet", key(of))))
+/// The metrics of a session that need the plant, `metrics/P01.S01.plant.parquet`.
+fn plant_metrics(layout: &Layout, session: &str) -> PathBuf {
+    derived(layout, format!("metrics/{session}.plant.parquet"))
 }
 
-/// What is said of the trials of a session, `metrics/P01.S01.remarks.parquet`.
+/// What happened in the trials of a session, `metrics/P01.S01.events.parquet`.
+pub(crate) fn events_of(layout: &Layout, trial: &TrialMeta) -> Derived<TrialEvent> {
+    Derived::at(derived(layout, format!("metrics/{}.events.parquet", session_key(trial))))
+}
+
+/// The remarks on the trials of a session, `metrics/P01.S01.remarks.parquet`.
 fn remarks_of(layout: &Layout, session: &str) -> Derived<TrialRemark> {
     Derived::at(derived(layout, format!("metrics/{session}.remarks.parquet")))
 }
 
-/// What is said of the trials of every session that has trials.
+/// The remarks on the trials of every session that has trials.
 pub(crate) fn remarks(data: &StudyData) -> Vec<Derived<TrialRemark>> {
-    by_session(&repeats(data)).map(|s| remarks_of(&data.layout, &key(meta(s)))).collect()
+    by_session(&repeats(data))
+        .map(|session| remarks_of(&data.layout, &session_key(first_trial(session))))
+        .collect()
 }
 
-/// Those of a session that rest on the plant, `metrics/P01.S01.plant.parquet`.
-fn with_plant(layout: &Layout, session: &str) -> PathBuf {
-    derived(layout, format!("metrics/{session}.plant.parquet"))
-}
-
-/// The metrics of the study, where it has trials.
+/// The metrics of the study, if it has trials.
 pub(crate) fn of_study(data: &StudyData) -> Option<PathBuf> {
     is_any(data).then(|| study_files(&data.layout)[0].clone())
 }
 
-/// Of the metrics of the study what a report looks at, and these.
-pub(crate) fn looked_at(file: &Path, compared: &[String]) -> Result<Measured, TableError> {
+/// Reads the metrics of the study that a report needs, and those that are compared.
+pub(crate) fn read_for_report(file: &Path, compared: &[String]) -> Result<Measured, TableError> {
     let mut metrics = zwidth_report::metric_columns();
     metrics.extend(compared.iter().map(String::as_str));
     Measured::read(file, &metrics)
@@ -63,7 +65,7 @@ pub(crate) fn study_files(layout: &Layout) -> [PathBuf; 2] {
 
 /// What the metrics of a condition depend on besides its trials.
 #[derive(Serialize)]
-struct Asking {
+struct ConditionParameters {
     #[serde(flatten)]
     metrics: Parameters,
     asked: Asked,
@@ -75,12 +77,20 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
         return Vec::new();
     }
     let plant = known_plant(data);
-    // The two of a session follow each other: they look at the same trials.
-    let of_one = |session| [session_job(data, session), plant_job(data, session, plant.clone())];
-    let mut jobs: Vec<Job> = by_session(&repeats).flat_map(of_one).collect();
-    let keys = by_session(&repeats).map(|session| key(meta(session)));
-    let files = |key: String| [of_session, with_plant].map(|of| of(&data.layout, &key)).to_vec();
-    jobs.extend(study_jobs(data, keys.map(files).collect()));
+    let mut jobs = Vec::new();
+    let mut sessions = Vec::new();
+    for session in by_session(&repeats) {
+        // The two of a session follow each other: they look at the same trials.
+        jobs.push(session_job(data, session));
+        jobs.push(plant_job(data, session, plant.clone()));
+        let key = session_key(first_trial(session));
+        sessions.push(vec![plain_metrics(&data.layout, &key), plant_metrics(&data.layout, &key)]);
+    }
+    let [metrics, conditions] = study_files(&data.layout);
+    let whole = vec![metrics.clone()];
+    jobs.push(Job::new(STAGE, "metrics of the study", (), sessions, whole, make_study));
+    let (name, parameters) = ("metrics by condition", data.study.conditions());
+    jobs.push(Job::new(STAGE, name, parameters, metrics, vec![conditions], make_by_condition));
     jobs
 }
 
@@ -89,14 +99,14 @@ fn by_session<'r, 'a>(repeats: &'r [Repeats<'a>]) -> impl Iterator<Item = &'r [R
     repeats.chunk_by(Repeats::is_of_session_of)
 }
 
-/// A trial of a session: which session it is.
-fn meta<'r>(session: &'r [Repeats]) -> &'r TrialMeta {
+/// The first trial of a session, which tells whose session it is. Neither list is ever empty.
+fn first_trial<'r>(session: &'r [Repeats]) -> &'r TrialMeta {
     &session[0].trials[0].meta
 }
 
 /// `P01.S01`, the session of a trial.
-fn key(of: &TrialMeta) -> String {
-    format!("{}.{}", of.participant, of.session)
+fn session_key(trial: &TrialMeta) -> String {
+    format!("{}.{}", trial.participant, trial.session)
 }
 
 /// The trials of each condition of a session.
@@ -106,49 +116,39 @@ fn trials_of(session: &[Repeats]) -> Vec<Recordings> {
 
 /// The metrics of a session's trials that need nothing but the trials, and what happened in them.
 fn session_job(data: &StudyData, session: &[Repeats]) -> Job {
-    let of_condition = |repeats: &Repeats| {
+    // One table for all conditions: a table has a hundred columns, and to write and read one takes as
+    // long as the metrics of a trial or two.
+    let conditions = session.iter().map(|repeats| {
         let metrics = Parameters::of(&data.study, repeats.environment, repeats.mode);
         let asked = Asked::of(&data.study, &repeats.environment.id);
-        OfTrials::new(Asking { metrics, asked }, &repeats.trials)
-    };
-    let conditions: Vec<_> = session.iter().map(of_condition).collect();
-    let of = meta(session);
-    let key = key(meta(session));
-    let events = events_of(&data.layout, of).path().to_owned();
+        OfTrials::new(ConditionParameters { metrics, asked }, &repeats.trials)
+    });
+    let conditions: Vec<_> = conditions.collect();
+    let first = first_trial(session);
+    let key = session_key(first);
+    let events = events_of(&data.layout, first).path().to_owned();
     let remarks = remarks_of(&data.layout, &key).path().to_owned();
-    let outputs = vec![of_session(&data.layout, &key), events, remarks];
-    let title = format!("metrics {} {}", of.participant, of.session);
+    let outputs = vec![plain_metrics(&data.layout, &key), events, remarks];
+    let title = format!("metrics {} {}", first.participant, first.session);
     Job::new(STAGE, title, conditions, trials_of(session), outputs, make_session).of_part(key)
 }
 
 /// The metrics of a session's trials that need the identified plant.
 fn plant_job(data: &StudyData, session: &[Repeats], plant: Option<[PathBuf; 2]>) -> Job {
-    let of_condition = |repeats: &Repeats| {
+    let conditions = session.iter().map(|repeats| {
         let metrics = Parameters::of(&data.study, repeats.environment, repeats.mode);
         OfTrials::new(metrics, &repeats.trials)
-    };
-    let conditions: Vec<_> = session.iter().map(of_condition).collect();
-    let of = meta(session);
-    let key = key(meta(session));
-    let outputs = vec![with_plant(&data.layout, &key)];
-    let title = format!("metrics {} {} with the plant", of.participant, of.session);
+    });
+    let conditions: Vec<_> = conditions.collect();
+    let first = first_trial(session);
+    let key = session_key(first);
+    let outputs = vec![plant_metrics(&data.layout, &key)];
+    let title = format!("metrics {} {} with the plant", first.participant, first.session);
     let inputs = (trials_of(session), plant);
     Job::new(STAGE, title, conditions, inputs, outputs, make_with_plant).of_part(key)
 }
 
-/// The metrics of all sessions in one table, and by condition.
-fn study_jobs(data: &StudyData, sessions: Vec<Vec<PathBuf>>) -> [Job; 2] {
-    let [metrics, by_condition] = study_files(&data.layout);
-    let whole = "metrics of the study";
-    let conditions = "metrics by condition";
-    let asked = data.study.conditions();
-    [
-        Job::new(STAGE, whole, (), sessions, vec![metrics.clone()], make_study),
-        Job::new(STAGE, conditions, asked, metrics, vec![by_condition], make_by_condition),
-    ]
-}
-
-/// Which trials are damaged, or have samples that make no metrics, the job without the plant tells.
+/// The job without the plant reports trials that are damaged, or have samples that make no metrics.
 fn make_with_plant(
     conditions: &Vec<OfTrials<Parameters>>,
     (trials, plant): &(Vec<Recordings>, Option<[PathBuf; 2]>),
@@ -162,85 +162,88 @@ fn make_with_plant(
         }
         None => None,
     };
-    let rows = conditions.par_iter().zip(trials).map(|(of, trials)| {
+    let rows = conditions.par_iter().zip(trials).map(|(parameters, files)| {
         let signals = &zwidth_metrics::PLANT_SIGNALS;
-        let found = of_each(making.trials, trials, &of.trials, signals, |trial| {
-            zwidth_metrics::plant_metrics(trial, &of.stage, plant.as_ref())
+        let each = of_each(making.trials, files, &parameters.trials, signals, |trial| {
+            zwidth_metrics::plant_metrics(trial, &parameters.stage, plant.as_ref())
         });
-        found.map(|each| each.into_iter().flatten().flatten().collect::<Vec<_>>())
+        // A trial that cannot be read, or has no metrics, has no row.
+        each.map(|each| each.into_iter().flatten().flatten().collect::<Vec<_>>())
     });
     let rows: Vec<_> = rows.collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect();
     write_tables(&[zwidth_metrics::plant_table(&rows)?], making, Vec::new())
 }
 
-/// What is made of a condition's trials.
-type OfCondition = (Vec<TrialMetrics>, Vec<TrialRemark>);
+/// The metrics of a condition's trials, and the remarks on them.
+type MetricsAndRemarks = (Vec<TrialMetrics>, Vec<TrialRemark>);
 
 fn make_session(
-    conditions: &Vec<OfTrials<Asking>>,
+    conditions: &Vec<OfTrials<ConditionParameters>>,
     trials: &Vec<Recordings>,
     making: &Making,
 ) -> Result<Made, JobError> {
-    let made =
-        conditions.par_iter().zip(trials).map(|(of, files)| make_condition(of, files, making));
-    let made: Vec<OfCondition> = made.collect::<Result<_, StoreError>>()?;
-    let (rows, remarks): (Vec<_>, Vec<_>) = made.into_iter().unzip();
+    let results = conditions
+        .par_iter()
+        .zip(trials)
+        .map(|(parameters, files)| measure_condition(parameters, files, making));
+    let results: Vec<MetricsAndRemarks> = results.collect::<Result<_, StoreError>>()?;
+    let (rows, remarks): (Vec<_>, Vec<_>) = results.into_iter().unzip();
     let rows = rows.concat();
     let mut remarks = remarks.concat();
     // Those that are left out come first.
     remarks.sort_by_key(|remark| remark.kind == NoteKind::Care);
 
-    let told = |kind| remarks.iter().filter(move |remark| remark.kind == kind).map(in_words);
-    let metrics = zwidth_metrics::table(&rows)?;
-    let metrics = remarks
-        .iter()
-        .fold(metrics, |table, remark| table.with_note_of(remark.kind, in_words(remark)));
+    let mut metrics = zwidth_metrics::table(&rows)?;
+    let (mut problems, mut care) = (Vec::new(), Vec::new());
+    for TrialRemark { kind, what, why, .. } in &remarks {
+        let sentence = format!("{what}: {why}");
+        metrics = metrics.with_note_of(*kind, sentence.clone());
+        match kind {
+            NoteKind::LeftOut => problems.push(sentence),
+            NoteKind::Care => care.push(sentence),
+            // The other kinds are of tables, and no trial's.
+            _ => {}
+        }
+    }
     let events = rows.iter().flat_map(|row| row.events.iter().map(|event| event.of(&row.meta)));
     let tables = [metrics, Table::of_rows(&events.collect::<Vec<_>>())?, Table::of_rows(&remarks)?];
-    let problems = told(NoteKind::LeftOut).collect();
-    let care = told(NoteKind::Care).collect();
     Ok(Made { care, ..write_tables(&tables, making, problems)? })
 }
 
-fn in_words(remark: &TrialRemark) -> String {
-    format!("{}: {}", remark.what, remark.why)
-}
-
-fn make_condition(
-    of: &OfTrials<Asking>,
+fn measure_condition(
+    parameters: &OfTrials<ConditionParameters>,
     files: &Recordings,
     making: &Making,
-) -> Result<OfCondition, StoreError> {
+) -> Result<MetricsAndRemarks, StoreError> {
+    let ConditionParameters { metrics, asked } = &parameters.stage;
     let signals = [&zwidth_metrics::SIGNALS[..], &zwidth_store::CHECKED].concat();
-    let each = of_each(making.trials, files, &of.trials, &signals, |trial| {
-        let found = zwidth_metrics::trial_metrics(trial, &of.stage.metrics);
+    let each = of_each(making.trials, files, &parameters.trials, &signals, |trial| {
+        let row = zwidth_metrics::trial_metrics(trial, metrics);
         let mut care: Vec<_> =
-            trial.check(&of.stage.asked).into_iter().map(|f| describe(trial, f)).collect();
-        care.extend(found.as_ref().ok().and_then(|row| covers_little(row, trial)));
-        (found.map_err(|error| (name(&trial.meta), error.to_string())), care)
+            trial.check(asked).into_iter().map(|finding| describe(trial, finding)).collect();
+        care.extend(row.as_ref().ok().and_then(|row| covers_little(row, trial)));
+        (row.map_err(|error| (name(&trial.meta), error.to_string())), care)
     })?;
     let mut rows = Vec::new();
     let mut remarks = Vec::new();
     for (file, each) in files.iter().zip(each) {
-        let mut remark = |kind, (what, why): (String, String)| {
-            let path = making.shown(file);
-            remarks.push(TrialRemark {
-                path,
-                kind,
-                what: strip_root(making.root, &what),
-                why: why.into(),
-            });
-        };
+        let mut own = Vec::new();
         match each {
-            Ok((found, care)) => {
-                match found {
+            Ok((row, care)) => {
+                match row {
                     Ok(row) => rows.push(row),
-                    Err(left_out) => remark(NoteKind::LeftOut, left_out),
+                    Err(left_out) => own.push((NoteKind::LeftOut, left_out)),
                 }
-                care.into_iter().for_each(|found| remark(NoteKind::Care, found));
+                own.extend(care.into_iter().map(|remark| (NoteKind::Care, remark)));
             }
-            Err(error) => remark(NoteKind::LeftOut, (error.place(), error.remark())),
+            Err(error) => own.push((NoteKind::LeftOut, (error.place(), error.remark()))),
         }
+        remarks.extend(own.into_iter().map(|(kind, (what, why))| TrialRemark {
+            path: making.shown(file),
+            kind,
+            what: strip_root(making.root, &what),
+            why: why.into(),
+        }));
     }
     Ok((rows, remarks))
 }
@@ -262,6 +265,7 @@ fn make_by_condition(
     metrics: &PathBuf,
     making: &Making,
 ) -> Result<Made, JobError> {
+    // The table has a hundred columns: those alone are read.
     let summarised: Vec<&str> = zwidth_metrics::summarised().collect();
     let metrics = Measured::read(metrics, &summarised)?;
     write_tables(&[zwidth_metrics::by_condition(&metrics, conditions)?], making, Vec::new())
@@ -269,26 +273,26 @@ fn make_by_condition(
 
 /// A movement that covers less than this share of its recording …
 const LITTLE: f64 = 0.05;
-/// … and leaves this long, s, may not be the one that was meant.
+/// … and leaves out more than this, s, may not be the one that was meant.
 const LONG_S: f64 = 5.0;
 
-/// What is said of a movement that covers little of its recording: of what, and what it is.
+/// The remark on a movement that covers little of its recording: subject and sentence.
 fn covers_little(row: &TrialMetrics, trial: &OpenTrial) -> Option<(String, String)> {
     let duration_s = row.movement.duration_s?;
     let t = trial.columns().column(Signal::Time)?;
     let recorded_s = t.last()? - t.first()?;
     let is_little = duration_s < LITTLE * recorded_s && recorded_s - duration_s > LONG_S;
-    let why = || {
-        format!(
+    is_little.then(|| {
+        let why = format!(
             "its movement is taken to be {duration_s:.2} s of the {recorded_s:.1} s that were recorded; look whether \
              this is the one that was meant, and set onset_deg_s and offset_deg_s under [analysis] of study.toml, or split \
              the recording"
-        )
-    };
-    is_little.then(|| (format!("{}, {}", name(&trial.meta), Signal::ThetaDot.name()), why()))
+        );
+        (format!("{}, {}", name(&trial.meta), Signal::ThetaDot.name()), why)
+    })
 }
 
-/// What `verify` finds in a trial, which counts all the same: in what, and what it is.
+/// The remark on a finding of `verify` in a trial that counts all the same: subject and sentence.
 fn describe(trial: &OpenTrial, finding: StoreError) -> (String, String) {
     let column = finding.column.map(|column| format!(", {column}")).unwrap_or_default();
     let row = finding.row.map(|row| format!(", row {row}")).unwrap_or_default();

@@ -14,7 +14,7 @@ use zwidth_store::{Samples, StudyData, Trial, TrialEntry};
 use zwidth_study::{Calibration, ParticipantId, SessionId, Source, Study, TrialMeta};
 use zwidth_trade::{Bounds, Rehearsed, Setup, Stops, rehearse, setup_shifts, twin_summary};
 
-/// At most so many trials are simulated again: each a dozen times.
+/// At most this many trials are simulated again, each a dozen times.
 const MOST_TRIALS: usize = 600;
 
 /// The simulated device with the person of a session at it.
@@ -34,6 +34,7 @@ fn conditions(data: &StudyData) -> Vec<Repeats<'_>> {
     let mut trials = 0;
     measured_conditions(data)
         .take_while(|repeats| {
+            // The condition that passes the limit is still taken, whole.
             let before = trials;
             trials += repeats.trials.len();
             before < MOST_TRIALS
@@ -41,16 +42,19 @@ fn conditions(data: &StudyData) -> Vec<Repeats<'_>> {
         .collect()
 }
 
-/// What a study's trade of setups would be made of; `None` where no condition has angle and force.
+/// What a study's trade of setups depends on; `None` if no condition has angle and force.
 pub fn rehearsal(data: &StudyData) -> Option<Rehearsal> {
-    let of = |t: &&TrialEntry| {
-        let TrialMeta { participant, session, environment, mode, trial, .. } = &t.meta;
-        let words = [participant.as_str(), session.as_str(), environment.as_str(), mode.as_str()];
-        let [a, b, c, d] = words.map(str::to_owned);
-        [a, b, c, d, trial.to_string()]
-    };
-    let trials: Vec<_> =
-        conditions(data).iter().flat_map(|r| r.trials.iter().map(of).collect::<Vec<_>>()).collect();
+    let mut trials = Vec::new();
+    for trial in conditions(data).iter().flat_map(|repeats| &repeats.trials) {
+        let TrialMeta { participant, session, environment, mode, trial, .. } = &trial.meta;
+        trials.push([
+            participant.to_string(),
+            session.to_string(),
+            environment.to_string(),
+            mode.to_string(),
+            trial.to_string(),
+        ]);
+    }
     (!trials.is_empty()).then(|| Rehearsal {
         trials,
         setups: Setup::others(&data.study),
@@ -90,16 +94,17 @@ pub fn rehearsed(
     let mut stops = Vec::new();
     let conditions = conditions(data);
     for repeats in &conditions {
-        let made = condition(data, repeats, &calibration, twin_of, progress)?;
-        shifts.extend(made.0);
-        stops.extend(made.1);
+        let (own_shifts, own_stops) =
+            rehearse_condition(data, repeats, &calibration, twin_of, progress)?;
+        shifts.extend(own_shifts);
+        stops.extend(own_stops);
     }
     let summary = twin_summary(&shifts, &stops);
     Ok((!conditions.is_empty()).then_some(OtherSetups { shifts, summary, stops }))
 }
 
 /// A condition of a session at every setup.
-fn condition(
+fn rehearse_condition(
     data: &StudyData,
     repeats: &Repeats<'_>,
     calibration: &Calibration,
@@ -108,29 +113,32 @@ fn condition(
 ) -> Result<(Vec<MetricShift>, Vec<Stops>), JobError> {
     let Some(first) = repeats.trials.first() else { return Err("a condition has trials".into()) };
     let twin = twin_of(&first.meta.participant, &first.meta.session)?;
-    let at = |setup: Setup| -> Vec<Result<TrialMetrics, String>> {
+    let metrics_at = |setup: Setup| -> Vec<Result<TrialMetrics, String>> {
         let study = setup.of(&data.study);
-        let one = |entry: &&TrialEntry| {
-            let row = trial(entry, &twin, setup, &data.study, &study, repeats, calibration);
+        let rows = repeats.trials.par_iter().map(|entry| {
+            let row =
+                rehearse_trial(entry, &twin, setup, &data.study, &study, repeats, calibration);
             progress();
             row
-        };
-        repeats.trials.par_iter().map(one).collect()
+        });
+        rows.collect()
     };
-    let own = at(Setup::Own);
+    let own = metrics_at(Setup::Own);
     let mut rehearsals = Vec::new();
     let mut stops = Vec::new();
     for setup in Setup::others(&data.study) {
-        let changed = at(setup);
+        let changed = metrics_at(setup);
         let both = own.iter().zip(&changed);
+        // Pairs alone: a trial that safety stopped at one of the setups shifts no metric.
         let pairs =
             both.filter_map(|(a, b)| Some((a.as_ref().ok()?.clone(), b.as_ref().ok()?.clone())));
         let (own, changed_rows): (Vec<_>, Vec<_>) = pairs.unzip();
         let reasons: Vec<&String> = changed.iter().filter_map(|row| row.as_ref().err()).collect();
         if let Some(why) = reasons.first() {
             let trials = reasons.len();
-            let of = changed.len();
-            let why = format!("{}, {}: {trials} of {of} trials: {why}", repeats.who, setup.words());
+            let all = changed.len();
+            let why =
+                format!("{}, {}: {trials} of {all} trials: {why}", repeats.who, setup.words());
             stops.push(Stops { setup, trials, why });
         }
         rehearsals.push(Rehearsed {
@@ -145,7 +153,7 @@ fn condition(
 }
 
 /// The metrics of a trial at a setup, or why there are none, in words.
-fn trial(
+fn rehearse_trial(
     entry: &TrialEntry,
     twin: &Twin,
     setup: Setup,
@@ -154,9 +162,10 @@ fn trial(
     Repeats { environment, mode, .. }: &Repeats<'_>,
     calibration: &Calibration,
 ) -> Result<TrialMetrics, String> {
-    let what = (*environment, *mode, entry.meta.trial);
+    let condition = (*environment, *mode, entry.meta.trial);
     let samples: Samples =
-        rehearse(twin.clone(), setup, own, what, calibration).map_err(|e| e.to_string())?;
+        rehearse(twin.clone(), setup, own, condition, calibration).map_err(|e| e.to_string())?;
+    // Simulated, whatever the trial was that it takes the place of.
     let meta = TrialMeta { source: Source::Twin, ..entry.meta.clone() };
     let trial = Trial { meta, file: entry.said.file.clone(), samples };
     let parameters = Parameters::of(with_setup, environment, mode);

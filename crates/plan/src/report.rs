@@ -39,8 +39,7 @@ fn table_of(layout: &Layout, name: &str) -> PathBuf {
 
 /// The tables that say what the data show: the thesis' statements and Table 1.
 pub(crate) fn of_data(data: &StudyData) -> Vec<PathBuf> {
-    let actuators = of_actuators(data, &["pros_cons"]);
-    statements(data).files().into_iter().chain(actuators).collect()
+    [statements(data).files(), of_actuators(data, &["pros_cons"])].concat()
 }
 
 /// The tables that say what the study is made of.
@@ -57,20 +56,22 @@ fn is_weighed(data: &StudyData) -> bool {
     zwidth_report::is_weighed(&Setup::of(&data.study))
 }
 
-/// The table of the thesis' statements, where a mode drives a motor or a brake as the thesis' do.
+/// The table of the thesis' statements, if a mode drives a motor or a brake as the thesis' do.
 pub(crate) fn statements(data: &StudyData) -> Option<Derived<JudgedStatement>> {
     has_actuators(data).then(|| Derived::at(table_of(&data.layout, "thesis")))
 }
 
 /// Tables that a study with actuators has, by their names.
 fn of_actuators(data: &StudyData, names: &[&str]) -> Vec<PathBuf> {
-    let names = names.iter().filter(|_| has_actuators(data));
-    names.map(|name| table_of(&data.layout, name)).collect()
+    if !has_actuators(data) {
+        return Vec::new();
+    }
+    names.iter().map(|name| table_of(&data.layout, name)).collect()
 }
 
 /// What was planned, and where its forces come from.
 #[derive(Serialize)]
-struct Forced {
+struct PlannedForces {
     planned: Setup,
     basis: Basis,
 }
@@ -86,16 +87,21 @@ pub(crate) fn gallery(data: &StudyData, figures: &[Drawing]) -> Gallery {
 }
 
 pub(crate) fn jobs(data: &StudyData, figures: &[Drawing]) -> Vec<Job> {
-    let thesis = statements(data)
-        .map(|statements| job_of_statements(data, figures, statements.path().to_owned()));
-    thesis.into_iter().chain(jobs_of_actuators(data)).collect()
+    let mut jobs = Vec::new();
+    if let Some(statements) = statements(data) {
+        jobs.push(statements_job(data, figures, statements.path().to_owned()));
+    }
+    if has_actuators(data) {
+        jobs.extend(actuator_jobs(data));
+    }
+    jobs
 }
 
 /// What the verdicts on the thesis' statements depend on besides files.
 #[derive(Serialize)]
-struct Asked {
+struct JudgeParameters {
     #[serde(flatten)]
-    forced: Forced,
+    forces: PlannedForces,
     gallery: Gallery,
     level: f64,
 }
@@ -119,10 +125,10 @@ impl Inputs for Files {
     }
 }
 
-fn job_of_statements(data: &StudyData, figures: &[Drawing], output: PathBuf) -> Job {
+fn statements_job(data: &StudyData, figures: &[Drawing], output: PathBuf) -> Job {
     let Forces { basis, calibration, .. } = forces(data);
-    let asked = Asked {
-        forced: Forced { planned: Setup::of(&data.study), basis },
+    let parameters = JudgeParameters {
+        forces: PlannedForces { planned: Setup::of(&data.study), basis },
         gallery: gallery(data, figures),
         level: data.study.analysis.confidence,
     };
@@ -133,32 +139,37 @@ fn job_of_statements(data: &StudyData, figures: &[Drawing], output: PathBuf) -> 
         answers: likert::answers(data),
         tally: likert::tally(data),
     };
-    Job::new(STAGE, "thesis' statements", asked, files, vec![output], make_statements)
+    Job::new(STAGE, "thesis' statements", parameters, files, vec![output], make_statements)
 }
 
-fn make_statements(asked: &Asked, files: &Files, making: &Making) -> Result<Made, JobError> {
+fn make_statements(
+    parameters: &JudgeParameters,
+    files: &Files,
+    making: &Making,
+) -> Result<Made, JobError> {
+    let JudgeParameters { forces: PlannedForces { planned, basis }, gallery, level } = parameters;
     let calibration = &Forces::read(files.calibration.as_deref())?;
     let columns = zwidth_report::replayed_columns();
     let columns: Vec<&str> = columns.iter().map(|name| &**name).collect();
+    // Part by part: of a large study the table of replays as a whole would fill the memory.
     let replays = files.replays.as_deref().map(|file| {
         Table::gathered(file, &columns, |part| zwidth_report::replayed(&part))
             .and_then(Measured::of)
     });
-    let metrics = files.metrics.as_deref().map(|file| metrics::looked_at(file, &[]));
+    let metrics = files.metrics.as_deref().map(|file| metrics::read_for_report(file, &[]));
     let metrics = metrics.transpose()?;
     let replays = replays.transpose()?;
     let answers = files.answers.as_ref().filter(|answers| answers.path().exists());
     let answers = answers.map(likert::read_counting).transpose()?;
     let tally = files.tally.as_ref().map(Derived::read).transpose()?;
-    let Forced { planned, basis } = &asked.forced;
     let derived = zwidth_report::Derived {
         known: Known { study: planned, calibration, metrics: metrics.as_ref() },
         basis: *basis,
         replays: replays.as_ref(),
         answers: answers.as_deref(),
         tally: tally.as_deref(),
-        gallery: &asked.gallery,
-        level: asked.level,
+        gallery,
+        level: *level,
     };
     let table = Table::of_rows(&zwidth_report::statements(&derived)?)?;
     let table = notes(metrics.as_ref()).into_iter().fold(table, Table::with_note);
@@ -166,43 +177,46 @@ fn make_statements(asked: &Asked, files: &Files, making: &Making) -> Result<Made
     write_tables(&[table], making, Vec::new())
 }
 
-fn jobs_of_actuators(data: &StudyData) -> Vec<Job> {
-    if !has_actuators(data) {
-        return Vec::new();
-    }
+fn actuator_jobs(data: &StudyData) -> [Job; 3] {
     let Forces { basis, calibration, .. } = forces(data);
     let planned = || Setup::of(&data.study);
-    let forced = || Forced { planned: planned(), basis };
-    let outputs = |names: &[&str]| names.iter().map(|n| table_of(&data.layout, n)).collect();
     let weighed: &[&str] = if is_weighed(data) { &["modes", "weight"] } else { &["modes"] };
-    vec![
+    [
         Job::new(
             STAGE,
             "pros and cons",
-            forced(),
+            PlannedForces { planned: planned(), basis },
             (calibration.clone(), metrics::of_study(data)),
-            outputs(&["pros_cons"]),
+            of_actuators(data, &["pros_cons"]),
             make_pros_cons,
         ),
-        Job::new(STAGE, "modes and weights", forced(), calibration, outputs(weighed), make_forces),
+        Job::new(
+            STAGE,
+            "modes and weights",
+            PlannedForces { planned: planned(), basis },
+            calibration,
+            of_actuators(data, weighed),
+            make_forces,
+        ),
         Job::new(
             STAGE,
             MODEL_JOB,
+            // The text and not its name: with another scene built in, the job is made again.
             (planned(), MODEL),
             (),
-            outputs(&["model", "device", "components"]),
+            of_actuators(data, &["model", "device", "components"]),
             make_planned,
         ),
     ]
 }
 
 fn make_pros_cons(
-    Forced { planned, basis }: &Forced,
+    PlannedForces { planned, basis }: &PlannedForces,
     (calibration, metrics): &(Option<PathBuf>, Option<PathBuf>),
     making: &Making,
 ) -> Result<Made, JobError> {
     let calibration = &Forces::read(calibration.as_deref())?;
-    let metrics = metrics.as_deref().map(|file| metrics::looked_at(file, &[])).transpose()?;
+    let metrics = metrics.as_deref().map(|file| metrics::read_for_report(file, &[])).transpose()?;
     let known = Known { study: planned, calibration, metrics: metrics.as_ref() };
     let table = Table::of_rows(&pros_cons(known)?)?;
     let table = notes(metrics.as_ref()).into_iter().fold(table, Table::with_note);
@@ -211,7 +225,7 @@ fn make_pros_cons(
 
 /// What the forces of the actuators decide: the modes as used, and the weights.
 fn make_forces(
-    Forced { planned, basis }: &Forced,
+    PlannedForces { planned, basis }: &PlannedForces,
     calibration: &Option<PathBuf>,
     making: &Making,
 ) -> Result<Made, JobError> {
@@ -227,7 +241,7 @@ fn make_forces(
     write_tables(&tables, making, Vec::new())
 }
 
-/// What stands before anything is recorded: the model's parameters, the device and its components.
+/// What is known before anything is recorded: the model's parameters, the device and its components.
 fn make_planned(
     (planned, model): &(Setup, &str),
     (): &(),
@@ -238,13 +252,13 @@ fn make_planned(
     let model = facts("model", &title, &model_facts(&scene))?;
     let name = &planned.device.name;
     let device = facts("device", &format!("Device: {name}"), &device_facts(planned))?;
-    let made_of = Table::of_rows(&components(planned))?.without_empty_columns();
-    let made_of = made_of.called("components", format!("Components: {name}"));
-    let made_of = made_of.with_note(
+    let parts = Table::of_rows(&components(planned))?.without_empty_columns();
+    let parts = parts.called("components", format!("Components: {name}"));
+    let parts = parts.with_note(
         "Boards, amplifier, driver and supply are left out, and so are makers and types: the study does \
          not know them.",
     );
-    write_tables(&[model, device, made_of], making, Vec::new())
+    write_tables(&[model, device, parts], making, Vec::new())
 }
 
 /// Facts in their order; the thesis' numbers and the remarks only where there are any.

@@ -1,13 +1,13 @@
 //! Impedance against frequency of every condition of a study, from its recorded trials: `zwidth
 //! characterise STUDY impedance` puts it beside the Z-width.
 
-use crate::shared::trials::{describe_trials, files, read_all};
+use crate::shared::trials::{files, label_trials, read_all};
 use zwidth_runner::JobError;
 use zwidth_stability::impedance::{Recording, Response, response};
 use zwidth_store::{Signal, StudyData, Trial, TrialEntry};
 use zwidth_study::{Scene, Source};
 
-/// What the trials of a study say about impedance.
+/// Impedance from the trials of a study.
 #[derive(Debug)]
 pub struct Responses {
     /// By environment and mode, as the study calls them.
@@ -27,6 +27,7 @@ pub struct Responses {
 pub fn responses(data: &StudyData) -> Result<Responses, JobError> {
     let mut all = Responses { responses: Vec::new(), sources: Vec::new(), problems: Vec::new() };
     let Some(lever_m) = data.study.device.lever_m else { return Ok(all) };
+    // A questionnaire has no impedance.
     for environment in data.study.environments.iter().filter(|e| e.scene != Scene::None) {
         for mode in &data.study.modes {
             let entries: Vec<&TrialEntry> = data
@@ -35,11 +36,12 @@ pub fn responses(data: &StudyData) -> Result<Responses, JobError> {
                 .collect();
             let signals = [Signal::Time, Signal::Theta, Signal::ForceEx, Signal::ForceAge];
             let (trials, problems) =
-                read_all(&files(&entries), &describe_trials(&entries), signals.into_iter())?;
+                read_all(&files(&entries), &label_trials(&entries), signals.into_iter())?;
             all.problems.extend(problems);
             let recordings: Vec<Recording> = trials.iter().filter_map(recording).collect();
-            if let Some(found) = response(&recordings, lever_m, data.study.analysis.confidence)? {
-                all.responses.push(([environment.label.clone(), mode.label.clone()], found));
+            let level = data.study.analysis.confidence;
+            if let Some(response) = response(&recordings, lever_m, level)? {
+                all.responses.push(([environment.label.clone(), mode.label.clone()], response));
                 all.sources.extend(trials.iter().map(|trial| trial.meta.source));
             }
         }

@@ -4,7 +4,7 @@
 use crate::figures::drawing::{Drawing, Figured};
 use crate::shared::making::{derived, read_tables, write_tables};
 use serde::Serialize;
-use std::fmt::Display;
+
 use std::path::{Path, PathBuf};
 use zwidth_figures::{SCENE_BOW_TIE, SCENE_INPUTS, SCENE_RUNS};
 use zwidth_results::{BowTieSample, ModelRun, Row as _};
@@ -22,12 +22,7 @@ const STAGE: Stage = Stage { name: "simulate", version: zwidth_simulate::VERSION
 /// Bytes of a scene (64 MiB): one may hold a recorded series.
 const MOST_BYTES: u64 = 1 << 26;
 
-/// The scene files of a figure.
-fn files(data: &StudyData, figure: &SceneFigure) -> Vec<PathBuf> {
-    figure.files.iter().map(|file| data.layout.raw().join(file)).collect()
-}
-
-/// The results of their runs, one table each.
+/// The results of the runs of a figure's scenes, one table each.
 fn tables(data: &StudyData, figure: &SceneFigure) -> Vec<PathBuf> {
     (1..=figure.files.len())
         .map(|n| derived(&data.layout, format!("scenes/{}.{n}.parquet", figure.id)))
@@ -35,11 +30,13 @@ fn tables(data: &StudyData, figure: &SceneFigure) -> Vec<PathBuf> {
 }
 
 pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
-    let job = |figure: &SceneFigure| {
+    let scenes = data.study.scenes.iter().map(|figure| {
         let name = format!("scenes {}", figure.id);
-        Job::new(STAGE, name, figure.clone(), files(data, figure), tables(data, figure), make)
-    };
-    data.study.scenes.iter().map(job).collect()
+        let files = figure.files.iter().map(|file| data.layout.raw().join(file));
+        let files: Vec<PathBuf> = files.collect();
+        Job::new(STAGE, name, figure.clone(), files, tables(data, figure), make)
+    });
+    scenes.collect()
 }
 
 fn make(figure: &SceneFigure, files: &Vec<PathBuf>, making: &Making) -> Result<Made, JobError> {
@@ -54,9 +51,8 @@ fn make(figure: &SceneFigure, files: &Vec<PathBuf>, making: &Making) -> Result<M
 /// The scene of a file, which study.toml calls `file`.
 pub(crate) fn read_scene(path: &Path, file: &str) -> Result<ModelScene, JobError> {
     let bytes = read_regular(path, MOST_BYTES).map_err(|e| StoreError::io(path, "read", &e))?;
-    let of_file = |error: &dyn Display| JobError::from(format!("{file}: {error}"));
-    let text = std::str::from_utf8(&bytes).map_err(|error| of_file(&error))?;
-    ModelScene::from_toml(text).map_err(|error| of_file(&error))
+    let text = std::str::from_utf8(&bytes).map_err(|error| format!("{file}: {error}"))?;
+    Ok(ModelScene::from_toml(text).map_err(|error| format!("{file}: {error}"))?)
 }
 
 /// A scene's run as a table.
@@ -75,13 +71,13 @@ fn run(figure: &SceneFigure, mut scene: ModelScene) -> Result<Table, JobError> {
 #[derive(Serialize)]
 struct Drawn {
     draw: SceneDrawing,
-    /// So many of the tables are the figure's own; the others are of figures that it is compared
-    /// with, whose axes it has.
+    /// How many of the tables are the figure's own; the others are of figures that it is compared
+    /// with, whose axes it shares.
     own: usize,
 }
 
 pub(crate) fn figures(data: &StudyData) -> Vec<Drawing> {
-    let drawing = |figure: &SceneFigure| {
+    let drawings = data.study.scenes.iter().map(|figure| {
         let kind = match figure.draw {
             SceneDrawing::Runs => SCENE_RUNS,
             SceneDrawing::Inputs => SCENE_INPUTS,
@@ -93,21 +89,22 @@ pub(crate) fn figures(data: &StudyData) -> Vec<Drawing> {
         inputs.extend(compared.into_iter().flat_map(|other| tables(data, other)));
         let subject = [figure.id.to_string()];
         Drawing::new(data, kind, subject, drawn, inputs, draw).of(figure.files.len())
-    };
-    data.study.scenes.iter().map(drawing).collect()
+    });
+    drawings.collect()
 }
 
 /// The other figures of runs that show a scene of this one, such as the same scene by another
 /// solver, and those that show a scene of these: all of them have the same axes.
 fn compared_with<'a>(figure: &'a SceneFigure, all: &'a [SceneFigure]) -> Vec<&'a SceneFigure> {
+    // `alike` grows while it is gone through: a figure found late may lead to further ones.
     let mut alike = vec![figure];
     let mut next = 0;
     while let Some(one) = alike.get(next).copied() {
         next += 1;
         for other in all {
-            let is_known = alike.iter().any(|known| known.id == other.id);
+            let is_listed = alike.iter().any(|listed| listed.id == other.id);
             let are_runs = [one, other].iter().all(|figure| figure.draw == SceneDrawing::Runs);
-            if are_runs && !is_known && other.files.iter().any(|file| one.files.contains(file)) {
+            if are_runs && !is_listed && other.files.iter().any(|file| one.files.contains(file)) {
                 alike.push(other);
             }
         }
@@ -126,6 +123,7 @@ fn draw(drawn: &Drawn, files: &Vec<PathBuf>) -> Figured {
     }
     let runs: Vec<ModelRun> = tables.iter().map(Table::to_run).collect::<Result<_, _>>()?;
     let runs: Vec<&ModelRun> = runs.iter().collect();
+    // `split_at` would panic on a number from the plan that the files do not bear out.
     let (own, compared) = runs.split_at(drawn.own.min(runs.len()));
     let figure = match drawn.draw {
         SceneDrawing::Inputs => zwidth_figures::inputs(own),

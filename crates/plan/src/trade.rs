@@ -12,10 +12,10 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
-use zwidth_figures::{FigureKind, LESS, WORK_PRECISION};
+use zwidth_figures::{LESS, WORK_PRECISION};
 use zwidth_results::{MetricShift, Row, TradeChoice, TradeSetting};
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, Stage};
-use zwidth_store::{Layout, Samples, Signal, StudyData, Trial, TrialEntry, TrialFile};
+use zwidth_store::{Layout, Samples, Signal, StudyData, Trial, TrialFile};
 use zwidth_study::{Calibration, Kind, Measured, Perception, Source, Status, TrialMeta};
 use zwidth_tables::Table;
 use zwidth_trade::{
@@ -45,7 +45,7 @@ impl Traded {
         samples.set(Signal::ThetaDot, course.theta_dot_rad_s.clone());
         samples.set(Signal::ForceEx, course.force_ex_n.clone());
         samples.set(Signal::ForceCmd, course.feedback_n.clone());
-        let trial = nobody().map(|meta| Trial { meta, file: TrialFile::new(), samples });
+        let trial = model_meta().map(|meta| Trial { meta, file: TrialFile::new(), samples });
         trial.map_or_else(Vec::new, |trial| measured(&trial, &self.metrics))
     }
 
@@ -59,14 +59,14 @@ impl Traded {
         parameters: &Parameters,
         progress: &(dyn Fn() + Sync),
     ) -> Result<Trade, TradeError> {
-        let measure = |course: &Course| self.measure(course);
-        let metrics = Metrics { measure: &measure, bounds: &parameters.perception };
+        let metrics =
+            Metrics { measure: &|course| self.measure(course), bounds: &parameters.perception };
         trade(scene, parameters, Some(&metrics), progress)
     }
 }
 
-/// Who "recorded" a model run: metrics carry it along and do not look at it.
-fn nobody() -> Option<TrialMeta> {
+/// What stands for the trial of a model run: metrics carry it along and do not use it.
+fn model_meta() -> Option<TrialMeta> {
     Some(TrialMeta {
         participant: "model".parse().ok()?,
         session: "model".parse().ok()?,
@@ -81,30 +81,33 @@ fn nobody() -> Option<TrialMeta> {
     })
 }
 
-/// The forces of a study's scenes: those of a session's calibration, or else the thesis'.
+/// The forces of a study's scenes: those of the first calibrated session, or else the thesis'.
 pub(crate) fn scenes_calibration(data: &StudyData) -> Calibration {
-    let of_session = data.sessions.iter().find_map(|s| s.record.calibration.clone());
-    of_session.unwrap_or_else(Calibration::thesis)
+    data.sessions
+        .iter()
+        .find_map(|session| session.record.calibration.clone())
+        .unwrap_or_else(Calibration::thesis)
 }
 
 /// Every condition of a study that a model can be made of, as a scene.
 pub fn scenes(data: &StudyData) -> Vec<Traded> {
     let study = &data.study;
     let calibration = scenes_calibration(data);
-    let conditions =
-        study.environments.iter().flat_map(|e| study.modes.iter().map(move |mode| (e, mode)));
-    conditions
-        .filter_map(|(e, m)| {
-            Some(Traded {
-                scene: condition_scene(study, e, m, &calibration)?,
-                metrics: zwidth_metrics::Parameters::of(study, e, m),
+    let mut scenes = Vec::new();
+    for environment in &study.environments {
+        for mode in &study.modes {
+            let scene = condition_scene(study, environment, mode, &calibration);
+            scenes.extend(scene.map(|scene| Traded {
+                scene,
+                metrics: zwidth_metrics::Parameters::of(study, environment, mode),
                 metrics_version: zwidth_metrics::VERSION,
-            })
-        })
-        .collect()
+            }));
+        }
+    }
+    scenes
 }
 
-/// What is found of the scenes, a table for each kind of row.
+/// The results on the scenes, one table for each kind of row.
 #[derive(Clone)]
 struct OfScenes {
     settings: Derived<TradeSetting>,
@@ -124,8 +127,8 @@ impl Inputs for OfScenes {
     }
 }
 
-/// The derived tables, where there are scenes. What less of the recordings does has thousands of
-/// rows: it is drawn, and read from its Parquet file.
+/// The derived tables, if there are scenes. The effect of fewer recorded data has thousands of rows:
+/// it is drawn, and read from its Parquet file.
 pub(crate) fn tables(data: &StudyData) -> Vec<PathBuf> {
     if scenes(data).is_empty() { Vec::new() } else { OfScenes::of(&data.layout).files() }
 }
@@ -135,31 +138,32 @@ pub(crate) fn recommended(data: &StudyData) -> Option<Derived<TradeChoice>> {
     (!scenes(data).is_empty()).then(|| OfScenes::of(&data.layout).choices)
 }
 
-/// The conditions that were rendered and recorded with angle and force: others have no metric of
-/// which anything is known to be felt.
+/// The conditions that were rendered and recorded with angle and force: of the metrics of others it
+/// is not known from which difference on they are felt.
 pub(crate) fn measured_conditions(data: &StudyData) -> impl Iterator<Item = Repeats<'_>> {
-    let has = |t: &TrialEntry| {
-        [Signal::Theta, Signal::ForceEx].iter().all(|signal| t.said.signals.contains(signal))
-    };
-    rendered(data).filter(move |repeats| repeats.trials.iter().any(|t| has(t)))
+    rendered(data).filter(|repeats| {
+        repeats.trials.iter().any(|trial| {
+            [Signal::Theta, Signal::ForceEx].iter().all(|s| trial.said.signals.contains(s))
+        })
+    })
 }
 
-/// The conditions of which less is taken, with the trials that are not too long for that: each of
-/// them is measured a dozen times, and so in a large study those of some participants stand for
-/// all. How many trials that leaves, and of how many, where it is not all.
+/// The conditions of which fewer data are taken, with the trials that are not too long for that: each
+/// of them is measured a dozen times, so in a large study those of some participants stand for all.
+/// The share says how many trials that leaves if it is not all.
 fn lessened_conditions(data: &StudyData) -> (Vec<Repeats<'_>>, Option<Share>) {
-    let of_short = measured_conditions(data).map(|mut repeats| {
+    let mut conditions: Vec<Repeats> = measured_conditions(data).collect();
+    for repeats in &mut conditions {
         repeats.trials.retain(|trial| trial.rows <= LONGEST);
-        repeats
-    });
-    let mut conditions: Vec<_> = of_short.filter(|repeats| !repeats.trials.is_empty()).collect();
-    let trials = |conditions: &[Repeats]| conditions.iter().map(|r| r.trials.len()).sum();
-    let of: usize = trials(&conditions);
-    let each = conditions.iter().flat_map(|r| &r.trials);
-    let rows: Vec<_> = each.map(|trial| (&trial.meta.participant, trial.rows)).collect();
+    }
+    conditions.retain(|repeats| !repeats.trials.is_empty());
+    let trials = conditions.iter().flat_map(|repeats| &repeats.trials);
+    let rows: Vec<_> = trials.map(|trial| (&trial.meta.participant, trial.rows)).collect();
     let people = spread(&rows);
+    // A condition is of one session, and so all of its trials are taken, or none.
     conditions.retain(|r| r.trials.iter().all(|trial| people.contains(&trial.meta.participant)));
-    let taken = trials(&conditions);
+    let taken: usize = conditions.iter().map(|repeats| repeats.trials.len()).sum();
+    let of = rows.len();
     (conditions, (taken < of).then_some(Share { taken, of }))
 }
 
@@ -170,12 +174,6 @@ struct Share {
     of: usize,
 }
 
-/// What less of the recordings does, where there are any.
-fn shifts_of(data: &StudyData) -> Option<Derived<MetricShift>> {
-    let is_any = measured_conditions(data).any(|r| r.trials.iter().any(|t| t.rows <= LONGEST));
-    is_any.then(|| Derived::within(&data.layout.derived()))
-}
-
 /// What the trade of a study depends on. Recordings are not part of it.
 #[derive(Serialize)]
 struct OfStudy {
@@ -184,43 +182,36 @@ struct OfStudy {
 }
 
 pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
-    let of = OfStudy { scenes: scenes(data), perception: data.study.perception.clone() };
-    let outputs = OfScenes::of(&data.layout).files();
-    let scenes = (!of.scenes.is_empty())
-        .then(|| Job::new(STAGE, "trade of the study's conditions", of, (), outputs, make));
-    scenes.into_iter().chain(data_jobs(data)).collect()
-}
-
-/// What less of a condition's recordings does, and all of them joined.
-fn data_jobs(data: &StudyData) -> Vec<Job> {
+    let mut jobs = Vec::new();
+    let parameters = OfStudy { scenes: scenes(data), perception: data.study.perception.clone() };
+    if !parameters.scenes.is_empty() {
+        let outputs = OfScenes::of(&data.layout).files();
+        let name = "trade of the study's conditions";
+        jobs.push(Job::new(STAGE, name, parameters, (), outputs, make));
+    }
     let (conditions, share) = lessened_conditions(data);
-    let table = |r: &Repeats| -> Derived<MetricShift> {
-        Derived::at(derived(&data.layout, format!("trade/{}.parquet", r.key)))
-    };
-    let one = |r: &Repeats| {
-        let metrics = zwidth_metrics::Parameters::of(&data.study, r.environment, r.mode);
-        let of = OfTrials::new(
-            OfData { condition: r.key.clone(), metrics, perception: data.study.perception.clone() },
-            &r.trials,
-        );
-        let name = format!("less of {}", r.who);
-        Job::new(STAGE, name, of, trial_files(&r.trials), table(r).files(), make_data)
-    };
-    let mut jobs: Vec<Job> = conditions.iter().map(one).collect();
-    if !conditions.is_empty() {
-        let tables: Vec<Vec<Derived<MetricShift>>> = conditions
-            .chunk_by(Repeats::is_of_session_of)
-            .map(|session| session.iter().map(table).collect())
-            .collect();
+    let mut sessions: Vec<Vec<Derived<MetricShift>>> = Vec::new();
+    for session in conditions.chunk_by(Repeats::is_of_session_of) {
+        let mut tables = Vec::new();
+        for repeats in session {
+            let Repeats { who, key, environment, mode, trials } = repeats;
+            let condition = OfData {
+                condition: key.clone(),
+                metrics: zwidth_metrics::Parameters::of(&data.study, environment, mode),
+                perception: data.study.perception.clone(),
+            };
+            let parameters = OfTrials::new(condition, trials);
+            let table = Derived::at(derived(&data.layout, format!("trade/{key}.parquet")));
+            let (name, files) = (format!("less of {who}"), trial_files(trials));
+            jobs.push(Job::new(STAGE, name, parameters, files, table.files(), make_data));
+            tables.push(table);
+        }
+        sessions.push(tables);
+    }
+    if !sessions.is_empty() {
         let output = Derived::<MetricShift>::within(&data.layout.derived()).files();
-        jobs.push(Job::new(
-            STAGE,
-            "less of the study's recordings",
-            share,
-            tables,
-            output,
-            join_data,
-        ));
+        let name = "less of the study's recordings";
+        jobs.push(Job::new(STAGE, name, share, sessions, output, join_data));
     }
     jobs
 }
@@ -233,16 +224,24 @@ struct OfData {
     perception: Perception,
 }
 
-fn make_data(of: &OfTrials<OfData>, files: &Recordings, making: &Making) -> Result<Made, JobError> {
-    let (trials, mut problems) = read_all(files, &of.trials, Signal::all())?;
-    let OfData { condition, metrics, perception } = &of.stage;
-    let rows = |trial: &Trial| {
-        let of = |trial: &Trial| zwidth_metrics::trial_metrics(trial, metrics);
-        let less = Less::ALL.map(|less| of(&lessened(trial, less)));
-        let all = std::iter::once(of(trial)).chain(less).collect::<Result<Vec<_>, _>>();
-        all.map_err(|e| format!("{}: {e}", name(&trial.meta)))
-    };
-    let (rows, more) = split(trials.par_iter().map(rows).collect());
+fn make_data(
+    parameters: &OfTrials<OfData>,
+    files: &Recordings,
+    making: &Making,
+) -> Result<Made, JobError> {
+    let (trials, mut problems) = read_all(files, &parameters.trials, Signal::all())?;
+    let OfData { condition, metrics, perception } = &parameters.stage;
+    // Of each trial a row of the whole, then one of each way to take less, or none at all: all
+    // tables below have the same trials.
+    let rows = trials.par_iter().map(|trial| {
+        let less =
+            Less::ALL.map(|less| zwidth_metrics::trial_metrics(&lessened(trial, less), metrics));
+        std::iter::once(zwidth_metrics::trial_metrics(trial, metrics))
+            .chain(less)
+            .collect::<Result<Vec<_>, _>>()
+            .map_err(|e| format!("{}: {e}", name(&trial.meta)))
+    });
+    let (rows, more) = split(rows.collect());
     problems.extend(more);
     let table = |k: usize| {
         zwidth_metrics::table(&rows.iter().map(|row: &Vec<_>| row[k].clone()).collect::<Vec<_>>())
@@ -263,20 +262,23 @@ fn join_data(
     let note = share.as_ref().map(|Share { taken, of }| {
         format!("Of {of} trials, those of participants evenly spread over the list were taken: {taken} trials.")
     });
-    let join = move |conditions: &[Derived<MetricShift>]| {
-        let shifts = conditions.iter().map(Derived::read).collect::<Result<Vec<_>, _>>()?;
-        let joined = recordings_table(&shifts.concat())?;
-        Ok(note.iter().fold(joined, Table::with_note))
-    };
-    Ok(join_sessions(sessions, join, making))
+    Ok(join_sessions(
+        sessions,
+        move |conditions| {
+            let shifts = conditions.iter().map(Derived::read).collect::<Result<Vec<_>, _>>()?;
+            let joined = recordings_table(&shifts.concat())?;
+            Ok(note.iter().fold(joined, Table::with_note))
+        },
+        making,
+    ))
 }
 
-fn make(of: &OfStudy, (): &(), making: &Making) -> Result<Made, JobError> {
-    let one = |traded: &Traded| {
-        let scene = &traded.scene;
-        traded.trade(scene, &Parameters::reduced(scene, &of.perception), &|| ())
-    };
-    let trades: Vec<Trade> = of.scenes.par_iter().map(one).collect::<Result<_, _>>()?;
+fn make(parameters: &OfStudy, (): &(), making: &Making) -> Result<Made, JobError> {
+    let OfStudy { scenes, perception } = parameters;
+    let trades = scenes.par_iter().map(|traded| {
+        traded.trade(&traded.scene, &Parameters::reduced(&traded.scene, perception), &|| ())
+    });
+    let trades: Vec<Trade> = trades.collect::<Result<_, _>>()?;
     let choices: Vec<TradeChoice> = trades.iter().map(choice).collect();
     Written::begin(making, false)
         .table(settings_table(TradeSetting::TITLE, &settings(&trades))?)?
@@ -284,22 +286,26 @@ fn make(of: &OfStudy, (): &(), making: &Making) -> Result<Made, JobError> {
         .end()
 }
 
-/// One figure per scene.
+/// One figure per scene, and one of fewer recorded data.
 pub(crate) fn figures(data: &StudyData) -> Vec<Drawing> {
-    const KIND: FigureKind = WORK_PRECISION;
-    let found = OfScenes::of(&data.layout);
-    let scenes = scenes(data).into_iter().map(|Traded { scene, .. }| {
-        let inputs = found.clone();
-        Drawing::new(data, KIND, [scene.name.replace('.', "_")], scene.name, inputs, draw)
-    });
-    let less = shifts_of(data).map(|table| {
+    let tables = OfScenes::of(&data.layout);
+    let mut drawings = Vec::new();
+    for Traded { scene, .. } in scenes(data) {
+        // Dots part the words of a figure's id.
+        let subject = [scene.name.replace('.', "_")];
+        let tables = tables.clone();
+        drawings.push(Drawing::new(data, WORK_PRECISION, subject, scene.name, tables, draw));
+    }
+    let (conditions, share) = lessened_conditions(data);
+    if !conditions.is_empty() {
+        let table = Derived::within(&data.layout.derived());
         let sources: BTreeSet<Source> = data.counting().map(|t| t.meta.source).collect();
         let sources: Vec<Source> = sources.into_iter().collect();
-        let all = || data.counting().filter(|t| t.rows <= LONGEST).count();
-        let trials = lessened_conditions(data).1.map_or_else(all, |share| share.taken);
-        Drawing::new(data, LESS, [""; 0], sources, table, draw_less).of(trials)
-    });
-    scenes.chain(less).collect()
+        let all = data.counting().filter(|t| t.rows <= LONGEST).count();
+        let trials = share.map_or(all, |share| share.taken);
+        drawings.push(Drawing::new(data, LESS, [""; 0], sources, table, draw_less).of(trials));
+    }
+    drawings
 }
 
 fn draw_less(sources: &Vec<Source>, table: &Derived<MetricShift>) -> Figured {
@@ -308,8 +314,8 @@ fn draw_less(sources: &Vec<Source>, table: &Derived<MetricShift>) -> Figured {
     Ok((zwidth_figures::less(MetricShift::TITLE, &notes, parts, sources)?, Vec::new()))
 }
 
-fn draw(scene: &String, found: &OfScenes) -> Figured {
-    let settings = found.settings.read()?;
-    let choices = found.choices.read()?;
+fn draw(scene: &String, tables: &OfScenes) -> Figured {
+    let settings = tables.settings.read()?;
+    let choices = tables.choices.read()?;
     Ok((zwidth_figures::work_precision_of(scene, &settings, &choices), Vec::new()))
 }

@@ -61,7 +61,7 @@ pub enum Values {
 }
 
 impl Values {
-    /// No values yet, with room for so many.
+    /// No values yet, with room for this many.
     pub(crate) fn with_room(kind: Type, rows: usize) -> Self {
         match kind {
             Type::Float => Self::Float(Vec::with_capacity(rows)),
@@ -151,12 +151,13 @@ impl Values {
         let rows: usize = parts.iter().map(Self::len).sum();
         let mut parts = parts.into_iter();
         let mut all = parts.next()?;
+        // Once for all parts: each `append` alone could move everything before it.
         all.reserve(rows - all.len());
         parts.for_each(|more| all.append(more));
         Some(all)
     }
 
-    /// Makes room for so many more.
+    /// Makes room for this many more.
     pub fn reserve(&mut self, more: usize) {
         match self {
             Self::Float(v) => v.reserve_exact(more),

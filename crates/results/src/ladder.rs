@@ -210,9 +210,9 @@ impl FromStr for TriedModel {
     fn from_str(text: &str) -> Result<Self, NoLadderText> {
         let without = text.strip_prefix(WITHOUT).and_then(LadderTerm::from_word);
         let others = [Self::Choice, Self::Fullest].into_iter();
-        let found = without.map(Self::Without).into_iter().chain(others);
-        let mut found = found.filter(|model| model.to_string() == text);
-        found.next().ok_or_else(|| NoLadderText(text.to_owned(), "model"))
+        let mut all = without.map(Self::Without).into_iter().chain(others);
+        let model = all.find(|model| model.to_string() == text);
+        model.ok_or_else(|| NoLadderText(text.to_owned(), "model"))
     }
 }
 
@@ -227,7 +227,7 @@ pub enum BorneOut {
     FullestIsBetter,
 }
 
-/// How it is said that a term is not wanted, before the term.
+/// The words before a term without which the model is better.
 const BETTER_WITHOUT: &str = "better without ";
 
 impl fmt::Display for BorneOut {
@@ -246,8 +246,8 @@ impl FromStr for BorneOut {
     fn from_str(text: &str) -> Result<Self, NoLadderText> {
         let without = LadderTerm::ALL.iter().copied().map(Self::BetterWithout);
         let mut all = without.chain([Self::Confirmed, Self::FullestIsBetter]);
-        let found = all.find(|verdict| verdict.to_string() == text);
-        found.ok_or_else(|| NoLadderText(text.to_owned(), "verdict"))
+        let verdict = all.find(|verdict| verdict.to_string() == text);
+        verdict.ok_or_else(|| NoLadderText(text.to_owned(), "verdict"))
     }
 }
 

@@ -49,7 +49,7 @@ pub trait Row: Sized {
 }
 
 /// A column that is read: its name and its values; none of one that need not be there.
-pub(crate) struct Known<'a, V> {
+pub(crate) struct ColumnReader<'a, V> {
     name: &'static str,
     values: Option<&'a Values>,
     /// What was read last where texts stand. Rows of one trial follow each other with the same
@@ -57,7 +57,7 @@ pub(crate) struct Known<'a, V> {
     last: Option<(&'a str, V)>,
 }
 
-impl<'a, V: Value + Clone> Known<'a, V> {
+impl<'a, V: Value + Clone> ColumnReader<'a, V> {
     /// The column of that name, of a type that values `V` are read from.
     ///
     /// # Errors
@@ -67,11 +67,11 @@ impl<'a, V: Value + Clone> Known<'a, V> {
         name: &'static str,
         absent: &[&str],
     ) -> Result<Self, ReadError> {
-        let found = columns.iter().find(|column| column.field.name == name);
-        match found.map(|column| &column.values) {
-            None if !absent.is_empty() => Ok(Known { name, values: None, last: None }),
+        let column = columns.iter().find(|column| column.field.name == name);
+        match column.map(|column| &column.values) {
+            None if !absent.is_empty() => Ok(ColumnReader { name, values: None, last: None }),
             Some(values) if V::reads(values.kind()) => {
-                Ok(Known { name, values: Some(values), last: None })
+                Ok(ColumnReader { name, values: Some(values), last: None })
             }
             _ => Err(ReadError::NoColumn { column: name, kind: V::KIND }),
         }
@@ -106,6 +106,7 @@ pub(crate) fn values<'a, V: Value + PartialEq + 'a>(
     let mut values = Values::with_room(V::KIND, fields.len());
     let mut last: Option<(&V, Scalar)> = None;
     for field in fields {
+        // Texts alone: a repeated one shares its allocation, and other scalars have none.
         let scalar = match last {
             Some((before, scalar)) if V::KIND == Type::Text && before == field => scalar,
             _ => field.scalar(),
@@ -157,7 +158,7 @@ macro_rules! rows {
             fn read(
                 columns: &[$crate::column::Column],
             ) -> Result<Vec<Self>, $crate::row::ReadError> {
-                $(let mut $field = $crate::row::Known::<$kind>::of(
+                $(let mut $field = $crate::row::ColumnReader::<$kind>::of(
                     columns,
                     stringify!($field),
                     &[$(stringify!($absent))?],

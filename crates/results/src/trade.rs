@@ -93,8 +93,8 @@ impl FromStr for WhyNot {
         let of_gates =
             Gate::ALL.iter().flat_map(|gate| [Self::Breaks(*gate), Self::FinerBreaks(*gate)]);
         let mut all = neighbours.into_iter().chain(of_gates);
-        let found = all.find(|why| why.to_string() == text);
-        found.ok_or_else(|| NoReason(text.to_owned()))
+        // Read back by writing: a number in another form, such as `+1`, is no reason.
+        all.find(|why| why.to_string() == text).ok_or_else(|| NoReason(text.to_owned()))
     }
 }
 

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::fmt;
 
-/// Parameters that are named where several differ.
+/// The most parameters that are named if several differ.
 const NAMED: usize = 3;
 
 /// One thing that differs. Hashes are BLAKE3 of contents; `None` where there was, or is, no such
@@ -50,17 +50,19 @@ pub struct Field {
 
 impl fmt::Display for Field {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        let shown = |value: &Option<Value>| value.as_ref().map_or("nothing".to_owned(), shortened);
+        let [recorded, now] = [&self.recorded, &self.now]
+            .map(|value| value.as_ref().map_or("nothing".to_owned(), shorten));
         let name = if self.name.is_empty() { "all of them" } else { &self.name };
-        write!(f, "{name}: {} is now {}", shown(&self.recorded), shown(&self.now))
+        write!(f, "{name}: {recorded} is now {now}")
     }
 }
 
 /// Letters of a value that people are shown.
 const SHOWN: usize = 80;
 
-fn shortened(value: &Value) -> String {
+fn shorten(value: &Value) -> String {
     let text = value.to_string();
+    // By letters: a slice that ends inside one would panic.
     match text.char_indices().nth(SHOWN) {
         Some((end, _)) => format!("{}…", &text[..end]),
         None => text,
@@ -120,21 +122,21 @@ impl fmt::Display for Change {
 /// The names of parameters, each once: one that differs in several items of a list, such as
 /// `[2].analysis.confidence` of the third condition, without the item's number.
 fn names(fields: &[Field]) -> Vec<&str> {
-    let of_items: Vec<&str> = fields.iter().map(|field| without_item(&field.name)).collect();
-    let is_of_several = |name: &&str| of_items.iter().filter(|other| *other == name).count() > 1;
+    // `analysis.confidence` of `[2].analysis.confidence`.
+    let without_item = fields.iter().map(|Field { name, .. }| {
+        let item = name.strip_prefix('[').and_then(|rest| rest.split_once("]."));
+        item.map_or(name.as_str(), |(_, field)| field)
+    });
+    let without_item: Vec<&str> = without_item.collect();
     let mut names = Vec::new();
-    for (field, of_item) in fields.iter().zip(&of_items) {
-        let name = if is_of_several(of_item) { of_item } else { field.name.as_str() };
+    for (field, own) in fields.iter().zip(&without_item) {
+        let items = without_item.iter().filter(|other| *other == own).count();
+        let name = if items > 1 { own } else { field.name.as_str() };
         if !names.contains(&name) {
             names.push(name);
         }
     }
     names
-}
-
-/// `analysis.confidence` of `[2].analysis.confidence`.
-fn without_item(name: &str) -> &str {
-    name.strip_prefix('[').and_then(|rest| rest.split_once("].")).map_or(name, |(_, field)| field)
 }
 
 impl fmt::Display for How {
@@ -157,22 +159,23 @@ pub(crate) fn changes(
     outputs: &BTreeMap<String, String>,
 ) -> Vec<Change> {
     let Some(before) = before else { return vec![Change::NeverMade] };
-    let mut changes = of_what_goes_in(before, now);
+    let mut changes = key_changes(before, now);
     changes.extend(differences(&before.outputs, outputs).map(Change::Output));
     changes
 }
 
-/// The first of these; outputs are asked for only where nothing else differs.
+/// The first of [`changes`]. `outputs` is called only if nothing else differs: it reads every output.
 pub(crate) fn first_change(
     before: &Record,
     now: &Record,
     outputs: impl Fn() -> BTreeMap<String, String>,
 ) -> Option<Change> {
-    let first = of_what_goes_in(before, now).into_iter().next();
+    let first = key_changes(before, now).into_iter().next();
     first.or_else(|| differences(&before.outputs, &outputs()).next().map(Change::Output))
 }
 
-fn of_what_goes_in(before: &Record, now: &Record) -> Vec<Change> {
+/// What differs in the version, the parameters and the inputs.
+fn key_changes(before: &Record, now: &Record) -> Vec<Change> {
     let mut changes = Vec::new();
     if before.version != now.version {
         changes.push(Change::Version { recorded: before.version, now: now.version });
@@ -185,9 +188,8 @@ fn of_what_goes_in(before: &Record, now: &Record) -> Vec<Change> {
     }
     if before.parameters != now.parameters {
         // Whoever can write a record can write anything there: what is no JSON is a text.
-        let value = |text: &str| serde_json::from_str(text).unwrap_or_else(|_| json!(text));
-        let recorded = value(&before.parameters);
-        let now = value(&now.parameters);
+        let [recorded, now] = [&before.parameters, &now.parameters]
+            .map(|text| serde_json::from_str(text).unwrap_or_else(|_| json!(text)));
         compare("", Some(&recorded), Some(&now), &mut fields);
     }
     if !fields.is_empty() {
@@ -198,23 +200,23 @@ fn of_what_goes_in(before: &Record, now: &Record) -> Vec<Change> {
 }
 
 /// Adds the fields below `name` in which two values differ.
-fn compare(name: &str, recorded: Option<&Value>, now: Option<&Value>, found: &mut Vec<Field>) {
+fn compare(name: &str, recorded: Option<&Value>, now: Option<&Value>, fields: &mut Vec<Field>) {
     match (recorded, now) {
         (Some(Value::Object(a)), Some(Value::Object(b))) => {
             let dot = if name.is_empty() { "" } else { "." };
             for key in a.keys().chain(b.keys().filter(|key| !a.contains_key(*key))) {
-                compare(&format!("{name}{dot}{key}"), a.get(key), b.get(key), found);
+                compare(&format!("{name}{dot}{key}"), a.get(key), b.get(key), fields);
             }
         }
         (Some(Value::Array(a)), Some(Value::Array(b))) => {
             for i in 0..a.len().max(b.len()) {
-                compare(&format!("{name}[{i}]"), a.get(i), b.get(i), found);
+                compare(&format!("{name}[{i}]"), a.get(i), b.get(i), fields);
             }
         }
         (recorded, now) if recorded != now => {
             let recorded = recorded.cloned();
             let now = now.cloned();
-            found.push(Field { name: name.to_owned(), recorded, now });
+            fields.push(Field { name: name.to_owned(), recorded, now });
         }
         _ => {}
     }
@@ -227,24 +229,24 @@ fn differences<'a>(
 ) -> impl Iterator<Item = FileChange> + 'a {
     let differ = now.iter().filter(|(path, hash)| before.get(*path) != Some(hash));
     let differ = differ.map(|(path, hash)| {
-        let recorded = before.get(path).and_then(|hash| known(hash));
+        let recorded = before.get(path).and_then(|hash| content(hash));
         let how = match (&recorded, hash.as_str()) {
             (_, "") => How::Missing,
             (_, TO_BE_MADE) => How::ToBeMade,
             (None, _) => How::New,
             (Some(_), _) => How::Changed,
         };
-        let now = known(hash).filter(|_| how != How::ToBeMade);
+        let now = content(hash).filter(|_| how != How::ToBeMade);
         FileChange { path: path.clone(), recorded, now, how }
     });
     let dropped = before.iter().filter(|(path, _)| !now.contains_key(*path)).map(|(path, hash)| {
-        FileChange { path: path.clone(), recorded: known(hash), now: None, how: How::Dropped }
+        FileChange { path: path.clone(), recorded: content(hash), now: None, how: How::Dropped }
     });
     differ.chain(dropped)
 }
 
-/// A missing file's hash is empty.
-fn known(hash: &str) -> Option<String> {
+/// The hash of a file that exists: a missing file's is empty.
+fn content(hash: &str) -> Option<String> {
     (!hash.is_empty()).then(|| hash.to_owned())
 }
 

@@ -49,13 +49,14 @@ pub fn due<'j>(
 /// A file that is not a result of the study; a write that failed.
 pub fn lay_down(sent: Sent, shard: Shard, results: &Results) -> Result<(), StoreError> {
     for (path, bytes) in &sent.files {
-        let refused = |why: String| {
+        let file = Results::named(results.layout(), path).map_err(|why| {
             let what = format!("{path:?} is no result of the study: {why}");
             StoreError::new(results.root(), what, "make this part on this machine")
-        };
-        results.write(&Results::named(results.layout(), path).map_err(refused)?, bytes)?;
+        })?;
+        results.write(&file, bytes)?;
     }
-    let before = Manifest::read(results, shard)?.and_then(|found| found.manifest.ok());
+    // After the files: a manifest must not name what is not there yet.
+    let before = Manifest::read(results, shard)?.and_then(|existing| existing.manifest.ok());
     let mut records = before.map(|manifest| manifest.records).unwrap_or_default();
     records.0.extend(sent.records.0);
     Manifest::new(results.layout(), shard, records).write(results)

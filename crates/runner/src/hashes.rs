@@ -43,24 +43,27 @@ pub struct HashesRead(Arc<HashMap<Written, blake3::Hash>>);
 /// Of each file its path and its hash, hexadecimal.
 impl<P: Into<Arc<Path>>, H: AsRef<str>> FromIterator<(P, H)> for HashesRead {
     fn from_iter<I: IntoIterator<Item = (P, H)>>(files: I) -> Self {
-        let hash = |(path, hash): (P, H)| {
-            Some((Written(path.into()), blake3::Hash::from_hex(hash.as_ref()).ok()?))
-        };
-        let mut known: HashMap<_, _> = files.into_iter().filter_map(hash).collect();
-        known.shrink_to_fit();
-        Self(Arc::new(known))
+        let mut hashes = HashMap::new();
+        for (path, hash) in files {
+            if let Ok(hash) = blake3::Hash::from_hex(hash.as_ref()) {
+                hashes.insert(Written(path.into()), hash);
+            }
+        }
+        // Kept for the whole run, with one entry per recording of the study.
+        hashes.shrink_to_fit();
+        Self(Arc::new(hashes))
     }
 }
 
-/// What is known of a file's content: a third of the memory of a hash as text.
+/// The content of a file, by its hash: a third of the memory of a hash as text.
 #[derive(Clone, Copy)]
-enum Known {
+enum FileState {
     Hash(blake3::Hash),
     Missing,
     ToBeMade,
 }
 
-impl Known {
+impl FileState {
     fn of(text: &str) -> Self {
         match blake3::Hash::from_hex(text) {
             Ok(hash) => Self::Hash(hash),
@@ -81,33 +84,34 @@ impl Known {
 /// Hashes of files, each computed once a run; a missing file's is empty.
 #[derive(Default)]
 pub(crate) struct Hashes {
-    known: HashesRead,
+    read_before: HashesRead,
     /// Those that came since, by the files' paths as they are written.
-    since: Mutex<HashMap<Box<OsStr>, Known>>,
+    since: Mutex<HashMap<Box<OsStr>, FileState>>,
     seen: Arc<Seen>,
 }
 
 impl Hashes {
     /// Begins with the hashes of files that were read already.
-    pub(crate) fn new(known: &HashesRead) -> Self {
-        Self::seen(known, Arc::default())
+    pub(crate) fn new(read_before: &HashesRead) -> Self {
+        Self::seen(read_before, Arc::default())
     }
 
-    /// The same, where it is known what other files were when they were last read.
-    pub(crate) fn seen(known: &HashesRead, seen: Arc<Seen>) -> Self {
-        Self { known: known.clone(), since: Mutex::default(), seen }
+    /// The same, with what other files were when they were last read.
+    pub(crate) fn seen(read_before: &HashesRead, seen: Arc<Seen>) -> Self {
+        Self { read_before: read_before.clone(), since: Mutex::default(), seen }
     }
 
     pub(crate) fn of(&self, root: &Path, paths: &[impl AsRef<Path>]) -> BTreeMap<String, String> {
-        paths.iter().map(AsRef::as_ref).map(|p| (show_path(root, p), self.one(p))).collect()
+        paths.iter().map(AsRef::as_ref).map(|p| (show_path(root, p), self.hash(p))).collect()
     }
 
-    fn one(&self, path: &Path) -> String {
+    fn hash(&self, path: &Path) -> String {
+        // `since` first: the file may have been written after it was read.
         let since = self.lock().get(path.as_os_str()).copied();
-        if let Some(content) =
-            since.or_else(|| self.known.0.get(path.as_os_str()).copied().map(Known::Hash))
-        {
-            return content.text();
+        let state = since
+            .or_else(|| self.read_before.0.get(path.as_os_str()).copied().map(FileState::Hash));
+        if let Some(state) = state {
+            return state.text();
         }
         // Not locked meanwhile: others go on, and at worst two threads find the same hash.
         let hash = self.seen.blake3(path).unwrap_or_default();
@@ -116,7 +120,7 @@ impl Hashes {
     }
 
     pub(crate) fn set(&self, path: &Path, hash: &str) {
-        self.lock().insert(path.as_os_str().into(), Known::of(hash));
+        self.lock().insert(path.as_os_str().into(), FileState::of(hash));
     }
 
     /// The hash of what was just written.
@@ -133,7 +137,8 @@ impl Hashes {
         }
     }
 
-    fn lock(&self) -> std::sync::MutexGuard<'_, HashMap<Box<OsStr>, Known>> {
+    fn lock(&self) -> std::sync::MutexGuard<'_, HashMap<Box<OsStr>, FileState>> {
+        // Poisoned is as good: no entry is ever half written.
         self.since.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
     }
 }

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use zwidth_store::{Lately, hex_blake3};
 
-/// What a job's function can fail with.
+/// The error of a job's function.
 pub type JobError = Box<dyn Error + Send + Sync>;
 
 /// The content of a file that a job made.
@@ -24,7 +24,7 @@ pub enum Output {
 /// Writes the content of a long file.
 pub type WriteLong = Box<dyn FnOnce(&mut (dyn Write + Send)) -> Result<(), JobError> + Send>;
 
-/// What a job made.
+/// The result of a job.
 #[derive(Default)]
 pub struct Made {
     /// The content of each output, in the order of [`Job::outputs`].
@@ -141,22 +141,30 @@ pub fn strip_root(root: &Path, text: &str) -> String {
 }
 
 /// What a job is made from, and the function that does it. A plan has tens of thousands of jobs, so
-/// the text of its parameters and the list of its inputs are there when they are asked for.
+/// the text of the parameters and the list of the inputs are made only when they are needed.
 trait Work: Send + Sync {
     fn parameters(&self) -> Result<String, String>;
     fn files(&self) -> Vec<PathBuf>;
     fn make(&self, making: &Making) -> Result<Made, JobError>;
 }
 
-struct Of<P, I> {
+/// The work of a plain function on its parameters and inputs.
+struct FunctionWork<P, I> {
     parameters: P,
     inputs: I,
     make: fn(&P, &I, &Making) -> Result<Made, JobError>,
 }
 
-impl<P: Serialize + Send + Sync, I: Inputs> Work for Of<P, I> {
+impl<P: Serialize + Send + Sync, I: Inputs> Work for FunctionWork<P, I> {
     fn parameters(&self) -> Result<String, String> {
-        canonical(&self.parameters)
+        let text = serde_json::to_string(&self.parameters).map_err(|e| e.to_string())?;
+        Ok(match text.len() {
+            // Records keep the text: the answers of a large study would fill them.
+            length if length > MOST_PARAMETERS => {
+                format!("\"{length} bytes, BLAKE3 {}\"", hex_blake3(text.as_bytes()))
+            }
+            _ => text,
+        })
     }
 
     fn files(&self) -> Vec<PathBuf> {
@@ -212,7 +220,7 @@ impl Job {
             origins: Vec::new(),
             outputs,
             tolerant: false,
-            work: Box::new(Of { parameters, inputs, make }),
+            work: Box::new(FunctionWork { parameters, inputs, make }),
         }
     }
 
@@ -234,6 +242,7 @@ impl Job {
 
     /// Makes its outputs.
     pub(crate) fn make(&self, making: &Making) -> Result<Made, JobError> {
+        // `parameters` gives an empty text for these, which would be the key of all such jobs.
         if let Err(why) = self.work.parameters() {
             return Err(format!("its parameters cannot be written: {why}").into());
         }
@@ -296,17 +305,6 @@ impl Job {
 
         Self { work: Box::new(Other(self.work, make)), ..self }
     }
-}
-
-/// Parameters as text: JSON, fields in the order of their declaration.
-fn canonical(parameters: &impl Serialize) -> Result<String, String> {
-    let text = serde_json::to_string(parameters).map_err(|e| e.to_string())?;
-    Ok(match text.len() {
-        length if length > MOST_PARAMETERS => {
-            format!("\"{length} bytes, BLAKE3 {}\"", hex_blake3(text.as_bytes()))
-        }
-        _ => text,
-    })
 }
 
 #[cfg(test)]

@@ -23,8 +23,8 @@ pub(crate) struct Manifest {
     pub(crate) records: Records,
 }
 
-/// A manifest that was found.
-pub(crate) struct Found {
+/// A manifest's file.
+pub(crate) struct ManifestFile {
     pub(crate) path: PathBuf,
     /// The shard, by the file's name.
     pub(crate) shard: Shard,
@@ -54,27 +54,31 @@ impl Manifest {
     ///
     /// # Errors
     /// A link on the way to it.
-    pub(crate) fn read(results: &Results, shard: Shard) -> Result<Option<Found>, StoreError> {
+    pub(crate) fn read(
+        results: &Results,
+        shard: Shard,
+    ) -> Result<Option<ManifestFile>, StoreError> {
         let path = file(results.layout(), shard);
-        let Some(read) = results.read(&path, MOST_BYTES)? else { return Ok(None) };
-        let blake3 = read.as_ref().map_or_else(|_| String::new(), |bytes| hex_blake3(bytes));
-        let manifest = match read {
+        let Some(bytes) = results.read(&path, MOST_BYTES)? else { return Ok(None) };
+        let blake3 = bytes.as_ref().map_or_else(|_| String::new(), |bytes| hex_blake3(bytes));
+        let manifest = match bytes {
             Ok(bytes) => parsed(results.layout(), shard, &path, &bytes),
             Err(error) => Err(refusal(results.layout(), shard, &path, &error.what)),
         };
-        Ok(Some(Found { path, shard, blake3, manifest }))
+        Ok(Some(ManifestFile { path, shard, blake3, manifest }))
     }
 
     /// All manifests of a study, by shard.
     ///
     /// # Errors
     /// A link on the way to them; a folder that cannot be listed.
-    pub(crate) fn all(results: &Results) -> Result<Vec<Found>, StoreError> {
+    pub(crate) fn all(results: &Results) -> Result<Vec<ManifestFile>, StoreError> {
         let names = results.list(&folder(results.layout()))?;
         let mut shards: Vec<Shard> = names.iter().filter_map(|path| named(path)).collect();
         shards.sort_by_key(|shard| (shard.of(), shard.number()));
-        let read = shards.into_iter().map(|shard| Self::read(results, shard));
-        read.filter_map(Result::transpose).collect()
+        let files = shards.into_iter().map(|shard| Self::read(results, shard));
+        // One may be merged by another run between listing and reading: then it is none.
+        files.filter_map(Result::transpose).collect()
     }
 }
 
@@ -116,23 +120,23 @@ fn parsed(
     path: &Path,
     bytes: &[u8],
 ) -> Result<Manifest, StoreError> {
-    let refused = |what: String| refusal(layout, shard, path, &what);
-    let damaged = |what: String| refused(format!("its manifest is damaged: {what}"));
+    let damaged =
+        |what: String| refusal(layout, shard, path, &format!("its manifest is damaged: {what}"));
     let text = std::str::from_utf8(bytes).map_err(|e| damaged(e.to_string()))?;
     let manifest: Manifest = serde_json::from_str(text).map_err(|e| damaged(e.to_string()))?;
-    if manifest.shard != shard || manifest.study != layout.study().as_str() {
-        let study = &manifest.study;
-        let of = manifest.shard;
-        return Err(damaged(format!("it says that it is shard {of} of the study {study:?}")));
+    let Manifest { zwidth, study, shard: own, records } = &manifest;
+    if *own != shard || study != layout.study().as_str() {
+        return Err(damaged(format!("it says that it is shard {own} of the study {study:?}")));
     }
-    if manifest.zwidth != PROGRAM {
-        let made = &manifest.zwidth;
-        return Err(refused(format!("zwidth {made:?} made it, and this is zwidth {PROGRAM}")));
+    if zwidth != PROGRAM {
+        let why = format!("zwidth {zwidth:?} made it, and this is zwidth {PROGRAM}");
+        return Err(refusal(layout, shard, path, &why));
     }
-    let wrong = manifest.records.iter().find_map(|(job, record)| {
+    // As with the study's own records: whoever can write a manifest could have any file removed.
+    let elsewhere = records.iter().find_map(|(job, record)| {
         record.names_elsewhere(layout).map(|why| format!("the job {job:?}: {why}"))
     });
-    wrong.map_or(Ok(manifest), |why| Err(damaged(why)))
+    elsewhere.map_or(Ok(manifest), |why| Err(damaged(why)))
 }
 
 /// The error that refuses a shard, and says what to do about it.

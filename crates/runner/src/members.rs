@@ -45,14 +45,15 @@ fn members_by(
             return Err(format!("a record has more than {MOST_MEMBER} bytes"));
         }
         let end = from + bytes.len() as u64;
-        // Of a member longer than a block twice as much each time.
+        // Of a member longer than a block twice as much each time: it is parsed from its beginning
+        // again, and block by block that would take time by the square of its length.
         let more = (file.length() - end).min(block.max(bytes.len()) as u64) as usize;
         bytes.reserve_exact(more);
         bytes.extend_from_slice(&file.range(end, more).map_err(|e| e.to_string())?);
         let mut at = At { bytes: &bytes, next: 0 };
-        let found = std::iter::from_fn(|| at.member(&mut before, from).transpose());
-        let found = found.collect::<Result<Vec<_>, String>>();
-        take(found.map_err(|what| format!("{what} (near byte {})", from + at.next as u64))?)?;
+        let whole = std::iter::from_fn(|| at.member(&mut before, from).transpose());
+        let whole = whole.collect::<Result<Vec<_>, String>>();
+        take(whole.map_err(|what| format!("{what} (near byte {})", from + at.next as u64))?)?;
         let read = at.next;
         if end + more as u64 == file.length() {
             return match before {
@@ -94,13 +95,13 @@ impl<'b> At<'b> {
             *before = Before::Brace;
             return self.member(before, from);
         }
-        let found = match *before {
-            Before::Brace if self.is_next(b'}') => self.sign(b"}")?,
+        let sign = match *before {
+            Before::Brace if self.rest().first() == Some(&b'}') => self.sign(b"}")?,
             Before::Brace => return self.named_value(place, before, from),
             Before::Member => self.sign(b",}")?,
             Before::Object | Before::Nothing => None,
         };
-        match found {
+        match sign {
             Some(b'}') => {
                 *before = Before::Nothing;
                 Ok(None)
@@ -110,6 +111,7 @@ impl<'b> At<'b> {
         }
     }
 
+    /// A name, a colon and a value; if the block does not have all of it, back to `place`.
     fn named_value(
         &mut self,
         place: usize,
@@ -131,12 +133,9 @@ impl<'b> At<'b> {
     /// What follows, without the blanks before it.
     fn rest(&self) -> &'b [u8] {
         let rest = &self.bytes[self.next..];
-        let blank = |byte: &u8| matches!(byte, b' ' | b'\n' | b'\r' | b'\t');
-        &rest[rest.iter().take_while(|byte| blank(byte)).count()..]
-    }
-
-    fn is_next(&self, sign: u8) -> bool {
-        self.rest().first() == Some(&sign)
+        // JSON has these four blanks and no others (RFC 8259, section 2).
+        let blanks = rest.iter().take_while(|byte| matches!(byte, b' ' | b'\n' | b'\r' | b'\t'));
+        &rest[blanks.count()..]
     }
 
     /// One of these signs, if the block does not end before.

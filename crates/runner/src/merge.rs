@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 use zwidth_store::{Seen, StoreError, hex_blake3};
 
-/// What came of a merge.
+/// The outcome of a merge.
 pub struct Merged<'r, 'j> {
     /// The present shards, and which were refused, and why.
     pub survey: Survey<'r>,
@@ -42,7 +42,7 @@ pub fn merge<'r, 'j>(
     seen: &Arc<Seen>,
     progress: &dyn Fn(usize),
 ) -> Result<Merged<'r, 'j>, StoreError> {
-    let _held = own.hold_alone()?;
+    let _lock = own.hold_alone()?;
     let mut survey = survey(jobs, own, others, known, seen, progress)?;
     let steps = survey.steps;
     // Before files are copied that other jobs wait for.
@@ -52,7 +52,7 @@ pub fn merge<'r, 'j>(
     let mut copied = 0;
     for offer in &survey.accepted {
         if !offer.is_own {
-            copied += copy(offer, own, &|| progress(steps))?;
+            copied += copy_files(offer, own, &|| progress(steps))?;
         }
         let records = &offer.manifest.records;
         survey
@@ -73,16 +73,20 @@ pub fn merge<'r, 'j>(
     Ok(Merged { survey, shards, jobs: jobs.len(), copied, shares })
 }
 
-/// Copies the files of a shard; how many.
-fn copy(offer: &Offer, own: &Results, progress: &dyn Fn()) -> Result<usize, StoreError> {
+/// Copies the files of a shard, and says how many they are.
+fn copy_files(offer: &Offer, own: &Results, progress: &dyn Fn()) -> Result<usize, StoreError> {
     let outputs: Vec<(String, String)> = offer.manifest.records.outputs().collect();
     for (path, hash) in &outputs {
-        let failed =
-            |what: String| StoreError::new(&offer.results.root().join(path), what, "merge again");
-        let bytes = content(offer.results, path).map_err(failed)?;
-        if hex_blake3(&bytes) != *hash {
-            return Err(failed("it has changed since the merge began".to_owned()));
-        }
+        // Hashed again: minutes may lie between the survey and the copy.
+        let bytes = content(offer.results, path).and_then(|bytes| {
+            let is_same = hex_blake3(&bytes) == *hash;
+            is_same
+                .then_some(bytes)
+                .ok_or_else(|| "it has changed since the merge began".to_owned())
+        });
+        let bytes = bytes.map_err(|what| {
+            StoreError::new(&offer.results.root().join(path), what, "merge again")
+        })?;
         own.write(&own.root().join(path), &bytes)?;
         progress();
     }

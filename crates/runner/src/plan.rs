@@ -10,11 +10,14 @@ struct Makers<'j>(HashMap<&'j OsStr, usize>);
 
 impl<'j> Makers<'j> {
     fn of(jobs: &'j [Job]) -> Self {
-        // Paths of one plan are written alike, and their bytes are compared sooner than their names.
-        let made = |(i, job): (usize, &'j Job)| {
-            job.outputs.iter().map(move |output| (output.as_os_str(), i))
-        };
-        Self(jobs.iter().enumerate().flat_map(made).collect())
+        let mut makers = HashMap::new();
+        for (i, job) in jobs.iter().enumerate() {
+            for output in &job.outputs {
+                // Paths of one plan are written alike, and bytes are compared faster than names.
+                makers.insert(output.as_os_str(), i);
+            }
+        }
+        Self(makers)
     }
 
     /// The jobs whose outputs this one reads.
@@ -29,8 +32,11 @@ impl<'j> Makers<'j> {
 /// For each job that is wanted, the jobs whose outputs it reads; for the others none.
 pub(crate) fn needs(jobs: &[Job], wanted: &[bool]) -> Vec<BTreeSet<usize>> {
     let makers = Makers::of(jobs);
-    let of = |(i, wanted): (usize, &bool)| wanted.then(|| makers.needed_by(jobs, i));
-    wanted.par_iter().enumerate().map(|job| of(job).unwrap_or_default()).collect()
+    let needs = wanted.par_iter().enumerate().map(|(i, is_wanted)| match is_wanted {
+        true => makers.needed_by(jobs, i),
+        false => BTreeSet::new(),
+    });
+    needs.collect()
 }
 
 /// Groups of indices of jobs that are wanted: a group needs only outputs of earlier groups, and of
@@ -57,8 +63,13 @@ pub(crate) fn with_needs(jobs: &[Job], chosen: impl Fn(&Job) -> bool + Sync) -> 
     let mut added: Vec<usize> = (0..jobs.len()).filter(|i| keep[*i]).collect();
     while !added.is_empty() {
         let needed: Vec<_> = added.into_par_iter().map(|i| makers.needed_by(jobs, i)).collect();
-        let is_new = |i: &usize| !std::mem::replace(&mut keep[*i], true);
-        added = needed.into_iter().flatten().filter(is_new).collect();
+        added = Vec::new();
+        for i in needed.into_iter().flatten() {
+            if !keep[i] {
+                keep[i] = true;
+                added.push(i);
+            }
+        }
     }
     keep
 }

@@ -55,12 +55,12 @@ pub(crate) fn origin(name: &str, record: &Record) -> String {
 pub fn origins(bytes: &[u8]) -> Vec<String> {
     let mut seen = BTreeSet::new();
     let starts = bytes.windows(PREFIX.len()).enumerate().filter(|(_, w)| *w == PREFIX.as_bytes());
-    let found = starts.filter_map(|(at, _)| one(&bytes[at..]));
-    found.filter(|origin| seen.insert(origin.clone())).collect()
+    let all = starts.filter_map(|(at, _)| leading_origin(&bytes[at..]));
+    all.filter(|origin| seen.insert(origin.clone())).collect()
 }
 
 /// The origin that stands at the beginning of `bytes`, if one does.
-fn one(bytes: &[u8]) -> Option<String> {
+fn leading_origin(bytes: &[u8]) -> Option<String> {
     let mut end = PREFIX.len();
     for is_part in [u8::is_ascii_lowercase, u8::is_ascii_digit] {
         end += run_of(bytes.get(end..)?, is_part)?;

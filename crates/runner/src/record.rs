@@ -58,8 +58,9 @@ impl Record {
         let outputs = self.outputs.keys().map(|path| (path, Results::named(layout, path).err()));
         let inputs = self.inputs.keys().chain(self.origins.keys());
         let inputs = inputs.map(|path| (path, relative(path).err()));
-        let found = outputs.chain(inputs).find_map(|(path, why)| Some((path, why?)));
-        found.map(|(path, why)| format!("it names {path:?}, and {why}"))
+        outputs
+            .chain(inputs)
+            .find_map(|(path, why)| Some(format!("it names {path:?}, and {}", why?)))
     }
 
     /// The same with its origin.
@@ -88,6 +89,7 @@ where
         fn visit_map<A: MapAccess<'de>>(self, mut object: A) -> Result<Self::Value, A::Error> {
             let mut all = BTreeMap::new();
             while let Some((key, value)) = object.next_entry::<String, V>()? {
+                // Looked up first: `insert` would take the second and drop the first.
                 if all.contains_key(&key) {
                     return Err(A::Error::custom(format!("{key:?} stands twice")));
                 }

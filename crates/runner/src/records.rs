@@ -27,8 +27,9 @@ pub struct Records(pub(crate) BTreeMap<String, Kept>);
 /// Where a record is.
 #[derive(Debug, Clone)]
 pub(crate) enum Kept {
+    /// In memory.
     Here(Arc<Record>),
-    /// In so many bytes of a file from a place on, as it would be written again.
+    /// In a file, from a byte on and of a length, as it would be written again.
     There(Arc<Content>, u64, usize),
 }
 
@@ -37,7 +38,7 @@ impl Kept {
         Self::Here(Arc::new(record))
     }
 
-    /// None if the file was changed under us: then its job is made again.
+    /// The record; `None` if the file was changed under us: then its job is made again.
     fn read(&self) -> Option<Arc<Record>> {
         match self {
             Self::Here(record) => Some(record.clone()),
@@ -47,7 +48,7 @@ impl Kept {
         }
     }
 
-    /// As it is written; none if the file was changed under us.
+    /// The record as it is written; `None` if the file was changed under us.
     fn text(&self) -> Option<Vec<u8>> {
         match self {
             Self::Here(record) => serde_json::to_vec(record).ok(),
@@ -84,13 +85,13 @@ impl Records {
         let Some(file) = results.open(&path, MOST_RECORDS)? else { return Ok(Default::default()) };
         let read = file
             .map_err(|error| error.what)
-            .and_then(|file| believed(&Arc::new(file), results.layout()));
+            .and_then(|file| read_records(&Arc::new(file), results.layout()));
         Ok(match read {
             Ok((records, ignored)) => {
                 let remedy =
                     "nothing is lost: its results are made again; find out what wrote the record";
-                let remark = |what: String| StoreError::new(&path, what, remedy);
-                (records, ignored.into_iter().map(remark).collect())
+                let ignored = ignored.into_iter();
+                (records, ignored.map(|what| StoreError::new(&path, what, remedy)).collect())
             }
             Err(what) => {
                 let what = format!(
@@ -125,17 +126,21 @@ impl Records {
         // Whoever has removed it meanwhile has it written again from what is known here.
         let Some(Ok(file)) = results.open(&path, MOST_RECORDS)? else { return Ok(self.clone()) };
         let file = Arc::new(file);
-        let there = |(name, from, length)| (name, Kept::There(file.clone(), from, length));
-        Ok(Self(places.into_iter().map(there).collect()))
+        let mut records = BTreeMap::new();
+        for (name, from, length) in places {
+            records.insert(name, Kept::There(file.clone(), from, length));
+        }
+        Ok(Self(records))
     }
 
-    /// Of these records those that are the same as in `before`, from now on as they are in `written`.
+    /// Takes those of these records that have not changed since `before` from `written`, so that they
+    /// need no memory.
     pub(crate) fn settle(&mut self, before: &Self, written: Self) {
-        for (name, there) in written.0 {
+        for (name, in_file) in written.0 {
             if let Some(kept) = self.0.get_mut(&name)
                 && before.0.get(&name).is_some_and(|before| kept.is(before))
             {
-                *kept = there;
+                *kept = in_file;
             }
         }
     }
@@ -161,13 +166,14 @@ impl Records {
     }
 }
 
-/// What is believed of a file of records, and in words what is not.
-fn believed(file: &Arc<Content>, layout: &Layout) -> Result<(Records, Vec<String>), String> {
+/// The records of a file that are believed, and why the others are ignored.
+fn read_records(file: &Arc<Content>, layout: &Layout) -> Result<(Records, Vec<String>), String> {
     let mut all = BTreeMap::new();
     let mut ignored = Vec::new();
-    members(file, |found| {
-        let read: Vec<_> = found.par_iter().map(|found| kept(found, file, layout)).collect();
-        for (Member { name, .. }, read) in found.into_iter().zip(read) {
+    members(file, |members| {
+        let read: Vec<_> =
+            members.par_iter().map(|member| read_record(member, file, layout)).collect();
+        for (Member { name, .. }, read) in members.into_iter().zip(read) {
             match (all.entry(name), read?) {
                 (Entry::Occupied(twice), _) => {
                     return Err(format!("{:?} stands twice", twice.key()));
@@ -188,7 +194,7 @@ fn believed(file: &Arc<Content>, layout: &Layout) -> Result<(Records, Vec<String
 }
 
 /// A record as it is kept, or why it is ignored.
-fn kept(
+fn read_record(
     Member { name, value, from }: &Member,
     file: &Arc<Content>,
     layout: &Layout,
@@ -198,6 +204,7 @@ fn kept(
     if let Some(why) = record.names_elsewhere(layout) {
         return Ok(Err(why));
     }
+    // Only then is its text copied when records are saved; anything else is written anew.
     let is_as_written = serde_json::to_string(&record).is_ok_and(|text| text == *value);
     Ok(Ok(match is_as_written {
         true => Kept::There(file.clone(), *from, value.len()),

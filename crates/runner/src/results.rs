@@ -48,7 +48,8 @@ impl<'a> Results<'a> {
         relative(path)?;
         let study = layout.study().as_str();
         match path.split('/').collect::<Vec<_>>().as_slice() {
-            ["derived" | "reports", of, _, ..] if *of == study => Ok(layout.root().join(path)),
+            // A third part at least: the folders themselves are no results.
+            ["derived" | "reports", name, _, ..] if *name == study => Ok(layout.root().join(path)),
             _ => Err(format!("it is neither below derived/{study} nor below reports/{study}")),
         }
     }
@@ -121,7 +122,7 @@ impl<'a> Results<'a> {
         self.check(path)?;
         Ok(match self.files.read(path, most) {
             Err(error) if error.kind() == ErrorKind::NotFound => None,
-            read => Some(read.map_err(|e| StoreError::io(path, "read", &e))),
+            bytes => Some(bytes.map_err(|e| StoreError::io(path, "read", &e))),
         })
     }
 
@@ -147,9 +148,9 @@ impl<'a> Results<'a> {
     /// # Errors
     /// A folder that cannot be listed.
     pub(crate) fn tables(&self) -> Result<Vec<PathBuf>, StoreError> {
-        let mut found = files_below(self.files, &self.layout.derived())?;
-        found.retain(|path| path.extension().is_some_and(|end| end == "parquet"));
-        Ok(found)
+        let mut files = files_below(self.files, &self.layout.derived())?;
+        files.retain(|path| path.extension().is_some_and(|end| end == "parquet"));
+        Ok(files)
     }
 
     /// The names in a folder of the study's results; empty if there is no such folder.
@@ -161,7 +162,7 @@ impl<'a> Results<'a> {
         match self.files.list(folder) {
             Err(error) if error.kind() == ErrorKind::NotFound => Ok(Vec::new()),
             Err(error) => Err(StoreError::io(folder, "list", &error)),
-            Ok(found) => Ok(found.into_iter().map(|(path, _)| path).collect()),
+            Ok(entries) => Ok(entries.into_iter().map(|(path, _)| path).collect()),
         }
     }
 
@@ -179,11 +180,17 @@ impl<'a> Results<'a> {
     /// # Errors
     /// A run, a merge or a shard goes on.
     pub(crate) fn hold(&self) -> Result<Option<File>, StoreError> {
-        let held = self.hold_alone()?;
-        if held.is_some() {
-            self.sweep();
+        let lock = self.hold_alone()?;
+        if lock.is_some() {
+            for folder in [self.layout.derived(), self.layout.reports()] {
+                if self.check_way(&folder).is_ok() {
+                    let unfinished = unfinished_below(self.files, &folder);
+                    // What cannot be removed is litter still, and the next run's to sweep.
+                    unfinished.iter().for_each(|path| _ = self.remove(path));
+                }
+            }
         }
-        Ok(held)
+        Ok(lock)
     }
 
     /// Keeps runs and merges away until what is returned is dropped, where the disk knows locks; other
@@ -193,7 +200,7 @@ impl<'a> Results<'a> {
     /// # Errors
     /// A run or a merge goes on.
     pub(crate) fn hold_beside_shards(&self) -> Result<Option<File>, StoreError> {
-        self.held(File::try_lock_shared, "a run or a merge of the study goes on here")
+        self.lock(File::try_lock_shared, "a run or a merge of the study goes on here")
     }
 
     /// Keeps runs, merges and shards away until what is returned is dropped, where the disk knows
@@ -202,26 +209,27 @@ impl<'a> Results<'a> {
     /// # Errors
     /// One of them goes on.
     pub(crate) fn hold_alone(&self) -> Result<Option<File>, StoreError> {
-        self.held(File::try_lock, "a run, a merge or a shard of the study goes on here")
+        self.lock(File::try_lock, "a run, a merge or a shard of the study goes on here")
     }
 
-    fn held(
+    fn lock(
         &self,
-        lock: fn(&File) -> Result<(), TryLockError>,
+        try_lock: fn(&File) -> Result<(), TryLockError>,
         who: &str,
     ) -> Result<Option<File>, StoreError> {
-        let Some(held) = self.open_derived() else { return Ok(None) };
-        match lock(&held) {
-            Ok(()) => Ok(Some(held)),
+        let Some(folder) = self.open_derived() else { return Ok(None) };
+        match try_lock(&folder) {
+            Ok(()) => Ok(Some(folder)),
             Err(TryLockError::WouldBlock) => {
                 let remedy = "wait for its end, then try again";
                 Err(StoreError::new(&self.layout.derived(), who, remedy))
             }
+            // A disk that knows no locks: better a run without one than none.
             Err(TryLockError::Error(_)) => Ok(None),
         }
     }
 
-    /// The study's derived folder, made if there is none.
+    /// The study's derived folder, which is created if there is none.
     fn open_derived(&self) -> Option<File> {
         let folder = self.layout.derived();
         self.check_way(&folder).ok()?;
@@ -233,24 +241,18 @@ impl<'a> Results<'a> {
         File::open(&folder).ok()
     }
 
-    fn sweep(&self) {
-        for folder in [self.layout.derived(), self.layout.reports()] {
-            if self.check_way(&folder).is_ok() {
-                // What cannot be removed is litter still, and the next run's to sweep.
-                unfinished_below(self.files, &folder).iter().for_each(|path| _ = self.remove(path));
-            }
-        }
-    }
-
     /// Whether a path is below the study's results, by its text and by every folder on the way.
     fn check(&self, path: &Path) -> Result<(), StoreError> {
-        let refused = |why: String| {
-            StoreError::new(path, format!("not a result of the study: {why}"), DEFECT)
+        let text = match path.strip_prefix(self.root()) {
+            Ok(below_root) => below_root.to_str().ok_or_else(|| "its name is not UTF-8".to_owned()),
+            Err(error) => Err(error.to_string()),
         };
-        let below_root = path.strip_prefix(self.root()).map_err(|e| refused(e.to_string()))?;
-        let text =
-            below_root.to_str().ok_or_else(|| refused("its name is not UTF-8".to_owned()))?;
-        Self::named(self.layout, &text.replace(std::path::MAIN_SEPARATOR, "/")).map_err(refused)?;
+        text.and_then(|text| {
+            Self::named(self.layout, &text.replace(std::path::MAIN_SEPARATOR, "/"))
+        })
+        .map_err(|why| {
+            StoreError::new(path, format!("not a result of the study: {why}"), DEFECT)
+        })?;
         path.parent().map_or(Ok(()), |folder| self.check_way(folder))
     }
 

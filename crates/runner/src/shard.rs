@@ -32,12 +32,12 @@ impl Shard {
         ((1..=of).contains(&number) && of <= MOST_SHARDS).then_some(Self { number, of })
     }
 
-    /// All shards of so many.
+    /// All of `of` shards.
     pub fn all(of: u32) -> impl Iterator<Item = Self> {
         (1..=of).filter_map(move |number| Self::new(number, of))
     }
 
-    /// The shard of so many that a part belongs to.
+    /// Which of `of` shards a part belongs to.
     pub fn of_part(part: &str, of: u32) -> Option<Self> {
         // 64 bits are far more than shards: none gets noticeably more parts than another.
         let hash = u64::from_str_radix(hex_blake3(part.as_bytes()).get(..16)?, 16).ok()?;
@@ -71,8 +71,7 @@ impl FromStr for Shard {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let numbers = text.split_once('/').map(|(n, of)| (n.parse(), of.parse()));
-        let shard = match numbers {
+        let shard = match text.split_once('/').map(|(n, of)| (n.parse(), of.parse())) {
             Some((Ok(number), Ok(of))) => Self::new(number, of),
             _ => None,
         };

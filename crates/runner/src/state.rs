@@ -34,13 +34,13 @@ impl State<'_> {
     pub fn again(&self) -> Again {
         match self.changes.as_slice() {
             [] => Again::No,
-            all if all.iter().all(is_open) => Again::IfInputsDiffer,
+            changes if changes.iter().all(is_open) => Again::IfInputsDiffer,
             _ => Again::Yes,
         }
     }
 }
 
-/// Whether it is only known after an input was made again if anything has changed.
+/// Whether a change is known for certain only once an input was made again.
 fn is_open(change: &Change) -> bool {
     matches!(change, Change::Input(file) if file.how == How::ToBeMade)
 }
@@ -56,7 +56,7 @@ pub fn states<'j>(
     states_by(&Hashes::default(), jobs, root, records, chosen)
 }
 
-/// The same, where some hashes are known already.
+/// The same, with the hashes that are known already.
 pub(crate) fn states_by<'j>(
     hashes: &Hashes,
     jobs: &'j [Job],
@@ -67,17 +67,18 @@ pub(crate) fn states_by<'j>(
     let wanted = with_needs(jobs, chosen);
     let mut states = Vec::new();
     for level in levels(jobs, &wanted) {
-        let work: Vec<&Job> = level.into_iter().map(|i| &jobs[i]).collect();
-        let state = |job: &&'j Job| {
+        let of_level = level.into_par_iter().map(|i| {
+            let job = &jobs[i];
             let now = Record::now(job, root, hashes);
             let before = records.get(&job.name);
             State { job, changes: changes(before.as_deref(), &now, &hashes.of(root, &job.outputs)) }
-        };
-        let found: Vec<State> = work.par_iter().map(state).collect();
-        for state in found.iter().filter(|s| !s.changes.is_empty()) {
+        });
+        let of_level: Vec<State> = of_level.collect();
+        // After the whole level and before the next, whose jobs read these outputs.
+        for state in of_level.iter().filter(|s| !s.changes.is_empty()) {
             hashes.forget(&state.job.outputs);
         }
-        states.extend(found);
+        states.extend(of_level);
     }
     states
 }

@@ -2,7 +2,7 @@
 
 use crate::change::{Change, changes, first_change};
 use crate::hashes::{Hashes, show_path};
-use crate::manifest::{Found, Manifest, refusal};
+use crate::manifest::{Manifest, ManifestFile, refusal};
 use crate::plan::{levels, with_needs};
 use crate::record::Record;
 use crate::shard::ready;
@@ -12,7 +12,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use zwidth_store::{MOST_BYTES, Seen, StoreError, hex_blake3};
 
-/// What there is of a study's parts.
+/// Which parts of a study have been made.
 pub struct Survey<'r> {
     /// The study's own records.
     pub(crate) records: Records,
@@ -25,7 +25,7 @@ pub struct Survey<'r> {
     /// How many shards there are, by each manifest.
     counts: BTreeSet<u32>,
     /// Whether each job has up-to-date results, in the study's own folder or in a shard's.
-    there: Vec<bool>,
+    available: Vec<bool>,
     /// Whether each job has them by the study's own records.
     up_to_date: Vec<bool>,
     /// Jobs that were held against their results, and files that a merge would copy.
@@ -66,15 +66,14 @@ impl Survey<'_> {
     /// as many shards as the manifests say, or one if they do not say.
     pub fn shares<'j>(&self, jobs: &'j [Job], of: Option<u32>) -> Vec<Share<'j>> {
         let of = of.or(self.count()).unwrap_or(1);
-        let shard_of = |job: &Job| Shard::of_part(job.part.as_ref()?, of);
         let mut shares: BTreeMap<Shard, Share> = Shard::all(of)
             .map(|shard| (shard, Share { shard, jobs: 0, missing: Vec::new() }))
             .collect();
-        let ready = ready(jobs, shard_of, &self.up_to_date);
-        for ((job, shard), there) in jobs.iter().zip(ready).zip(&self.there) {
+        let ready = ready(jobs, |job| Shard::of_part(job.part.as_ref()?, of), &self.up_to_date);
+        for ((job, shard), is_available) in jobs.iter().zip(ready).zip(&self.available) {
             let Some(share) = shard.and_then(|shard| shares.get_mut(&shard)) else { continue };
             share.jobs += 1;
-            share.missing.extend((!there).then_some(job.name.as_str()));
+            share.missing.extend((!is_available).then_some(job.name.as_str()));
         }
         shares.into_values().collect()
     }
@@ -101,7 +100,7 @@ pub fn survey<'r>(
     let mut counts = BTreeSet::new();
     let roots = std::iter::once((own, true)).chain(others.iter().map(|results| (results, false)));
     for (results, is_own) in roots {
-        for Found { path, shard, blake3, manifest } in Manifest::all(results)? {
+        for ManifestFile { path, shard, blake3, manifest } in Manifest::all(results)? {
             counts.insert(shard.of());
             match manifest {
                 Ok(manifest) => {
@@ -138,21 +137,24 @@ pub fn survey<'r>(
                 }
             }
         }
+        // The jobs that read these are held against what a merge would bring, not what lies here.
         for (path, hash) in first.iter().flat_map(|record| &record.outputs) {
             hashes.set(&root.join(path), hash);
         }
         progress(steps);
     }
     // One that was refused for a later job offers nothing.
-    let is_there =
-        |i: usize| up_to_date[i] || offered[i].iter().any(|k| offers[*k].refused.is_none());
-    let there = (0..jobs.len()).map(is_there).collect();
+    let available = up_to_date
+        .iter()
+        .zip(&offered)
+        .map(|(up_to_date, by)| *up_to_date || by.iter().any(|k| offers[*k].refused.is_none()));
+    let available = available.collect();
     refused.extend(offers.iter().filter_map(|offer| {
         let why = offer.refused.as_ref()?;
         Some(refusal(offer.results.layout(), offer.manifest.shard, &offer.path, why))
     }));
     offers.retain(|offer| offer.refused.is_none());
-    Ok(Survey { records, accepted: offers, refused, remarks, counts, there, up_to_date, steps })
+    Ok(Survey { records, accepted: offers, refused, remarks, counts, available, up_to_date, steps })
 }
 
 /// A job of a manifest that the study does not have.
@@ -163,7 +165,7 @@ fn unplanned(jobs: &[Job], manifest: &Manifest) -> Option<String> {
     Some(format!("it was made from other inputs: the study has no job {other:?} now"))
 }
 
-/// Why what a shard made of a job is not what a run would make now.
+/// Why a shard's results of a job are not those that a run would make now.
 fn why_not(
     job: &Job,
     now: &Record,
@@ -175,9 +177,9 @@ fn why_not(
     // Its outputs are held against the files below.
     let all = changes(Some(record), now, &record.outputs);
     let of_version = all.iter().find(|change| matches!(change, Change::Version { .. }));
-    // Where a recording changed, what is said of it in the parameters does too.
-    let of_input = || all.iter().find(|change| matches!(change, Change::Input(_)));
-    if let Some(change) = of_version.or_else(of_input).or(all.first()) {
+    // Before parameters: a recording that changed changes what they have of it, too.
+    let of_input = all.iter().find(|change| matches!(change, Change::Input(_)));
+    if let Some(change) = of_version.or(of_input).or(all.first()) {
         let how = match change {
             Change::Version { .. } => "by another version",
             Change::Parameters { .. } => "with other parameters",
@@ -203,6 +205,6 @@ fn why_not(
 /// What a file of a shard's results holds.
 pub(crate) fn content(results: &Results, path: &str) -> Result<Vec<u8>, String> {
     let path = Results::named(results.layout(), path)?;
-    let read = results.read(&path, MOST_BYTES).map_err(|error| error.what)?;
-    read.ok_or("it is missing")?.map_err(|error| error.what)
+    let bytes = results.read(&path, MOST_BYTES).map_err(|error| error.what)?;
+    bytes.ok_or("it is missing")?.map_err(|error| error.what)
 }

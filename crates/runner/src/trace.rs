@@ -56,12 +56,17 @@ pub fn trace<'r>(records: &'r Records, job: &str) -> Option<Trace<'r>> {
         // What was missing when the job was made did not enter it.
         let read = step.record.inputs.iter().chain(&step.record.origins);
         for (path, blake3) in read.filter(|(_, hash)| !hash.is_empty()) {
-            let source = || Source { path: path.clone(), blake3: blake3.clone() };
-            match makers.get(path) {
-                None => _ = sources.insert(source()),
-                Some((_, made)) if made != blake3 => _ = lost.insert(source()),
-                Some((maker, _)) if seen.insert(*maker) => waiting.push_back(*maker),
-                Some(_) => {}
+            let maker = makers.get(path);
+            match maker {
+                Some((maker, output)) if output == blake3 => {
+                    if seen.insert(*maker) {
+                        waiting.push_back(*maker);
+                    }
+                }
+                _ => {
+                    let ends = if maker.is_some() { &mut lost } else { &mut sources };
+                    ends.insert(Source { path: path.clone(), blake3: blake3.clone() });
+                }
             }
         }
         steps.push(step);

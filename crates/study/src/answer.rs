@@ -72,8 +72,8 @@ impl FromStr for AnswerValue {
     type Err = NoAnswer;
 
     fn from_str(text: &str) -> Result<Self, NoAnswer> {
-        let no_answer = || NoAnswer(text.to_owned());
-        Self::new(text.parse().map_err(|_| no_answer())?).map_err(|_| no_answer())
+        let answer = text.parse().ok().and_then(|number| Self::new(number).ok());
+        answer.ok_or_else(|| NoAnswer(text.to_owned()))
     }
 }
 

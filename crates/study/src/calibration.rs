@@ -54,24 +54,20 @@ impl Characteristic {
     }
 
     fn check(&self, actuator: &'static str) -> Result<(), CalibrationError> {
-        let error = |problem: &str| Err(CalibrationError { actuator, problem: problem.to_owned() });
-        let rising = |values: &[f64]| values.windows(2).all(|w| w[1] > w[0]);
-        if self.voltage_v.len() < 2 || self.voltage_v.len() != self.force_n.len() {
-            return error("voltage_v and force_n need the same number of values, at least 2");
-        }
-        // A NaN is not at most anything.
-        if !self.voltage_v.iter().chain(&self.force_n).all(|x| x.abs() <= LARGEST) {
-            return error("a value is not a finite number of at most 1e6");
-        }
-        if !rising(&self.voltage_v) || !rising(&self.force_n) {
-            return error("voltage_v and force_n must rise, else no voltage belongs to a force");
-        }
-        if self.voltage_v[0] < 0.0 || self.force_n[0] != 0.0 {
-            return error(
-                "the first knot is where force begins: a voltage of at least 0 V, and 0 N",
-            );
-        }
-        Ok(())
+        let Self { voltage_v, force_n } = self;
+        let problem = if voltage_v.len() < 2 || voltage_v.len() != force_n.len() {
+            "voltage_v and force_n need the same number of values, at least 2"
+        } else if !voltage_v.iter().chain(force_n).all(|x| x.abs() <= LARGEST) {
+            // Asked so that a NaN is refused: it is not at most anything.
+            "a value is not a finite number of at most 1e6"
+        } else if ![voltage_v, force_n].iter().all(|v| v.windows(2).all(|w| w[1] > w[0])) {
+            "voltage_v and force_n must rise, else no voltage belongs to a force"
+        } else if voltage_v[0] < 0.0 || force_n[0] != 0.0 {
+            "the first knot is where force begins: a voltage of at least 0 V, and 0 N"
+        } else {
+            return Ok(());
+        };
+        Err(CalibrationError { actuator, problem: problem.to_owned() })
     }
 }
 
@@ -120,6 +116,7 @@ fn along(xs: &[f64], ys: &[f64], x: f64) -> f64 {
     let above = xs.iter().take_while(|knot| **knot <= x).count();
     match (above.checked_sub(1), ys.get(above)) {
         (None, _) => ys.first().copied().unwrap_or(0.0),
+        // Flat, not straight on: the actuator gives no more than at its last knot.
         (Some(i), None) => ys[i],
         (Some(i), Some(next)) => ys[i] + (next - ys[i]) * ((x - xs[i]) / (xs[above] - xs[i])),
     }

@@ -57,8 +57,9 @@ pub fn study_changes(then: &Study, now: &Study) -> Vec<StudyChange> {
     let [before, after] = [flat(then), flat(&Study { coordinate, ..now.clone() })];
     let mut changes = differences(&before, &after);
     if !same_kind {
-        let kind = |study: &Study| flat(study).remove("coordinate.kind").unwrap_or_default();
-        changes.push(change("coordinate.kind", kind(then), kind(now)));
+        const KIND: &str = "coordinate.kind";
+        let [then, now] = [then, now].map(|study| flat(study).remove(KIND).unwrap_or_default());
+        changes.push(change(KIND, then, now));
     }
     if changes.is_empty() && then != now {
         // Values are compared as the file writes them: to nine decimals.
@@ -76,47 +77,39 @@ fn differences(
     before: &BTreeMap<String, String>,
     after: &BTreeMap<String, String>,
 ) -> Vec<StudyChange> {
-    let value = |of: &BTreeMap<String, String>, key: &str| {
-        of.get(key).cloned().unwrap_or_else(|| StudyChange::ABSENT.to_owned())
-    };
-    let both = before.keys().chain(after.keys().filter(|key| !before.contains_key(*key)));
-    // Orders stand apart: an element that came or went would change them, too.
-    let mut changes: Vec<StudyChange> = both
-        .filter(|key| !key.ends_with(ORDER) && before.get(*key) != after.get(*key))
-        .map(|key| change(key, value(before, key), value(after, key)))
-        .collect();
+    let mut changes = Vec::new();
+    for key in before.keys().chain(after.keys().filter(|key| !before.contains_key(*key))) {
+        // Orders stand apart: an element that came or went would change them, too.
+        if !key.ends_with(ORDER) && before.get(key) != after.get(key) {
+            let [then, now] = [before, after].map(|values| {
+                values.get(key).cloned().unwrap_or_else(|| StudyChange::ABSENT.to_owned())
+            });
+            changes.push(change(key, then, now));
+        }
+    }
     // An element that came or went is one change, not one for each of its keys.
-    let whole: Vec<String> =
-        changes.iter().filter(|c| is_element(&c.key)).map(|c| format!("{}.", c.key)).collect();
+    let whole = changes.iter().filter(|change| {
+        let element = change.key.split_once('.');
+        element.is_some_and(|(list, id)| LISTS.contains(&list) && !id.contains('.'))
+    });
+    let whole: Vec<String> = whole.map(|change| format!("{}.", change.key)).collect();
     changes.retain(|c| !whole.iter().any(|element| c.key.starts_with(element)));
-    changes.extend(LISTS.into_iter().filter_map(|list| reordered(list, before, after)));
+    for list in LISTS {
+        // Elements that are in both, in another order: sessions are drawn by the place in the list.
+        let [then, now] = [(before, after), (after, before)].map(|(values, others)| {
+            let ids = values.get(&format!("{list}{ORDER}")).map(String::as_str).unwrap_or_default();
+            let both = ids.split(", ").filter(|id| others.contains_key(&format!("{list}.{id}")));
+            both.collect::<Vec<_>>().join(", ")
+        });
+        if then != now {
+            changes.push(change(list, then, now));
+        }
+    }
     changes
-}
-
-/// Elements that are in both, in another order. Orders are drawn by the place in the list.
-fn reordered(
-    list: &str,
-    before: &BTreeMap<String, String>,
-    after: &BTreeMap<String, String>,
-) -> Option<StudyChange> {
-    let key = format!("{list}{ORDER}");
-    let ids = |of: &BTreeMap<String, String>, other: &BTreeMap<String, String>| {
-        let all = of.get(&key).map(String::as_str).unwrap_or_default();
-        let both = all.split(", ").filter(|id| other.contains_key(&format!("{list}.{id}")));
-        both.collect::<Vec<_>>().join(", ")
-    };
-    let then = ids(before, after);
-    let now = ids(after, before);
-    (then != now).then(|| change(list, then, now))
 }
 
 fn change(key: &str, then: String, now: String) -> StudyChange {
     StudyChange { key: key.to_owned(), then, now, affects: affects(key) }
-}
-
-/// Whether a key names an element of a list, and no value of it.
-fn is_element(key: &str) -> bool {
-    key.split_once('.').is_some_and(|(list, id)| LISTS.contains(&list) && !id.contains('.'))
 }
 
 /// What a change of this key affects. A question's order, group and direction belong to the tally;
@@ -136,6 +129,7 @@ fn affects(key: &str) -> Affects {
         ["environments" | "modes", _, "label"]
         | ["questions", _, "group" | "reversed"]
         | ["questions"] => Affects::Nothing,
+        // A key that nobody thought of here is better asked about in vain than overlooked.
         _ => Affects::Recording,
     }
 }
@@ -145,28 +139,28 @@ const ORDER: &str = "#";
 
 /// A study as keys and values. Elements of lists go by their id.
 fn flat(study: &Study) -> BTreeMap<String, String> {
-    let mut found = BTreeMap::new();
-    flatten("", &value_of(study), &mut found);
-    found
+    let mut values = BTreeMap::new();
+    flatten("", &value_of(study), &mut values);
+    values
 }
 
-fn flatten(path: &str, value: &Value, found: &mut BTreeMap<String, String>) {
+fn flatten(path: &str, value: &Value, values: &mut BTreeMap<String, String>) {
     match value {
         Value::Table(table) => {
             for (key, inner) in table {
                 let key = if path.is_empty() { key.clone() } else { format!("{path}.{key}") };
-                flatten(&key, inner, found);
+                flatten(&key, inner, values);
             }
         }
         Value::Array(elements) if LISTS.contains(&path) => {
             let ids: Vec<&str> = elements.iter().filter_map(|e| e.get("id")?.as_str()).collect();
-            found.insert(format!("{path}{ORDER}"), ids.join(", "));
+            values.insert(format!("{path}{ORDER}"), ids.join(", "));
             for (id, element) in ids.iter().zip(elements) {
-                found.insert(format!("{path}.{id}"), StudyChange::PRESENT.to_owned());
-                flatten(&format!("{path}.{id}"), element, found);
+                values.insert(format!("{path}.{id}"), StudyChange::PRESENT.to_owned());
+                flatten(&format!("{path}.{id}"), element, values);
             }
         }
-        value => _ = found.insert(path.to_owned(), value.to_string()),
+        value => _ = values.insert(path.to_owned(), value.to_string()),
     }
 }
 

@@ -56,6 +56,7 @@ impl FromStr for Contrast {
     type Err = IdError;
 
     fn from_str(text: &str) -> Result<Self, IdError> {
+        // Without the sign the second text is empty, which is no id: that is the error.
         let (mode, against) = text.split_once(Self::MINUS).unwrap_or((text, ""));
         Ok(Self { mode: mode.parse()?, against: against.parse()? })
     }

@@ -152,6 +152,7 @@ impl Event {
             | Self::Marker { trial, .. }
             | Self::Excluded { trial, .. } => Some(*trial),
             Self::Note { trial, .. } => *trial,
+            // Listed, so that whoever adds an event decides here.
             Self::LaidDown { .. }
             | Self::SweepRecorded { .. }
             | Self::Unsealed { .. }

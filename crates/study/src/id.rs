@@ -32,18 +32,16 @@ fn refused(text: &str) -> Option<&'static str> {
 /// Why a text cannot be an id that files and folders are named after.
 fn refused_as_name(text: &str) -> Option<&'static str> {
     refused(text).or_else(|| {
-        is_device(text).then_some("Windows keeps this name for a device; choose another")
+        // With whatever extension: `aux.parquet` cannot be written there either.
+        let text = text.to_ascii_uppercase();
+        let port = text.strip_prefix("COM").or(text.strip_prefix("LPT")).map(str::as_bytes);
+        let is_device = ["CON", "PRN", "AUX", "NUL"].contains(&text.as_str())
+            || matches!(port, Some([b'1'..=b'9']));
+        is_device.then_some("Windows keeps this name for a device; choose another")
     })
 }
 
-/// Whether Windows keeps the name for a device, with whatever extension.
-fn is_device(text: &str) -> bool {
-    let text = text.to_ascii_uppercase();
-    let port = text.strip_prefix("COM").or(text.strip_prefix("LPT")).map(str::as_bytes);
-    ["CON", "PRN", "AUX", "NUL"].contains(&text.as_str()) || matches!(port, Some([b'1'..=b'9']))
-}
-
-/// Columns that trial files have anyhow, or had, and folders they lie in.
+/// Columns that trial files have anyhow, or had, and folders that they lie in.
 const COLUMNS: [&str; 23] = [
     "t_s",
     "t_device_s",
@@ -94,8 +92,8 @@ fn shared(text: &str) -> Arc<str> {
         static LAST: RefCell<VecDeque<Arc<str>>> = const { RefCell::new(VecDeque::new()) };
     }
     LAST.with_borrow_mut(|last| {
-        let known = last.iter().position(|known| **known == *text);
-        let id = known.and_then(|at| last.remove(at)).unwrap_or_else(|| text.into());
+        let at = last.iter().position(|id| **id == *text);
+        let id = at.and_then(|at| last.remove(at)).unwrap_or_else(|| text.into());
         last.truncate(REMEMBERED - 1);
         last.push_front(id.clone());
         id

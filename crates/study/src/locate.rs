@@ -17,9 +17,10 @@ pub fn line_of(text: &str, path: &str) -> usize {
             DeValue::Array(a) => step.parse::<usize>().ok().and_then(|i| a.get(i)),
             _ => None,
         };
-        let Some(found) = next else { break };
-        offset = found.span().start;
-        here = found.get_ref().clone();
+        // A key that is missing has no line: that of the table in which it is missed.
+        let Some(next) = next else { break };
+        offset = next.span().start;
+        here = next.get_ref().clone();
     }
     line_at(text, offset)
 }
@@ -33,15 +34,13 @@ pub(crate) fn line_at(text: &str, offset: usize) -> usize {
 /// and line.
 pub fn toml_error(text: &str, error: &toml::de::Error) -> StudyError {
     let line = error.span().map_or(1, |span| line_at(text, span.start));
+    // The reader tells a place and no key: the line has it.
     let source = text.lines().nth(line - 1).unwrap_or_default();
     let key = source.split('=').next().unwrap_or_default().trim();
     let key = if key.is_empty() { "(file)" } else { key };
-    StudyError { line, key: key.to_owned(), problem: one_line(error.message()) }
-}
-
-/// The reader's message in one line: some of them say on a second one what was expected.
-fn one_line(message: &str) -> String {
-    message.lines().map(str::trim).collect::<Vec<_>>().join(", ")
+    // Some of the reader's messages say on a second line what was expected.
+    let problem = error.message().lines().map(str::trim).collect::<Vec<_>>().join(", ");
+    StudyError { line, key: key.to_owned(), problem }
 }
 
 #[cfg(test)]

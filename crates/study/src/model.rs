@@ -195,15 +195,14 @@ impl Mode {
         max_v.is_some_and(|v| v > 0.0)
     }
 
-    /// Its law: the one named, else the first that uses the actuators that have a voltage; `None`
-    /// if there is no such law.
+    /// Its law: the one named, else the first that uses the actuators that have a voltage, and no
+    /// other; `None` if there is no such law.
     pub fn law(&self) -> Option<ModeLaw> {
-        self.law.or_else(|| ModeLaw::ALL.into_iter().find(|law| self.suits(*law)))
-    }
-
-    /// Whether a law uses the actuators that have a voltage, and no other.
-    fn suits(&self, law: ModeLaw) -> bool {
-        ActuatorKind::ALL.iter().all(|drive| law.uses(*drive) == self.has(*drive))
+        self.law.or_else(|| {
+            ModeLaw::ALL.into_iter().find(|law| {
+                ActuatorKind::ALL.iter().all(|drive| law.uses(*drive) == self.has(*drive))
+            })
+        })
     }
 }
 

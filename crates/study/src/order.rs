@@ -27,18 +27,15 @@ const IN_A_ROW: usize = 2;
 /// The first row is 0, 1, n − 1, 2, n − 2, …; the next adds 1 (mod n) to each entry; an odd n also
 /// takes the mirror image of each row (Williams 1949).
 pub fn williams(n: usize) -> Vec<Vec<usize>> {
+    // Entry `i` of the first row: n, which is 0 (mod n), then 1, n − 1, 2, n − 2, ….
+    let first = (0..n).map(|i| if i % 2 == 1 { i.div_ceil(2) } else { n - i / 2 });
     let mut rows: Vec<Vec<usize>> =
-        (0..n).map(|add| (0..n).map(|i| (zigzag(n, i) + add) % n).collect()).collect();
+        (0..n).map(|add| first.clone().map(|entry| (entry + add) % n).collect()).collect();
     if n % 2 == 1 && n > 1 {
         let mirrored: Vec<_> = rows.iter().map(|row| row.iter().rev().copied().collect()).collect();
         rows.extend(mirrored);
     }
     rows
-}
-
-/// Entry `i` of the first row: n, which is 0 (mod n), then 1, n − 1, 2, n − 2, ….
-fn zigzag(n: usize, i: usize) -> usize {
-    if i % 2 == 1 { i.div_ceil(2) } else { n - i / 2 }
 }
 
 /// Everything that determines the order of a session besides the seed.
@@ -157,7 +154,14 @@ pub fn draw_modes(rules: &Rules, seed: u64) -> Order {
     let blocks = in_turn.map(|environment| Block {
         environment,
         modes: match scheme {
-            OrderScheme::Williams => by_rows(&rows[environment], person, repeats),
+            OrderScheme::Williams => {
+                let rows = &rows[environment];
+                // Each repeat is one row, and the participant says where to begin. Without modes there
+                // are no rows, and no remainder by their number.
+                let turns =
+                    (0..repeats as usize).map(|repeat| (person + repeat) % rows.len().max(1));
+                turns.filter_map(|turn| rows.get(turn)).flatten().copied().collect()
+            }
             OrderScheme::Constrained => constrained(&mut own, modes, repeats as usize),
         },
     });
@@ -190,7 +194,7 @@ fn are_rows(n: usize, modes: &[usize]) -> bool {
     in_turn
         && firsts.any(|as_first| {
             let named: Vec<_> = square.iter().map(|row| renamed(row, as_first, first)).collect();
-            rows.iter().all(|row| named.iter().any(|of| of == row))
+            rows.iter().all(|row| named.iter().any(|other| other == row))
         })
 }
 
@@ -227,13 +231,6 @@ fn squares(rng: &mut ChaCha8Rng, n: usize) -> Vec<Vec<usize>> {
     rows
 }
 
-/// A block by rows: each repeat is one row, and the participant says where to begin.
-fn by_rows(rows: &[Vec<usize>], person: usize, repeats: u32) -> Vec<usize> {
-    // Without modes there are no rows, and no remainder by their number.
-    let turns = (0..repeats as usize).map(|repeat| (person + repeat) % rows.len().max(1));
-    turns.filter_map(|turn| rows.get(turn)).flatten().copied().collect()
-}
-
 /// Each mode `repeats` times, none more than [`IN_A_ROW`] times in a row.
 fn constrained(rng: &mut ChaCha8Rng, modes: usize, repeats: usize) -> Vec<usize> {
     let mut left = vec![repeats; modes];
@@ -262,13 +259,15 @@ fn constrained(rng: &mut ChaCha8Rng, modes: usize, repeats: usize) -> Vec<usize>
 /// each mode fit into the gaps between all others.
 fn can_follow(order: &[usize], left: &[usize], mode: usize) -> bool {
     let run = 1 + order.iter().rev().take_while(|m| **m == mode).count();
-    let remaining = |m: usize| left[m] - usize::from(m == mode);
-    let total: usize = (0..left.len()).map(remaining).sum();
+    // Less the one that is placed: only a mode with trials left is asked for.
+    let total = left.iter().sum::<usize>() - 1;
     run <= IN_A_ROW
-        && (0..left.len()).all(|m| {
-            let gaps = total - remaining(m);
+        && left.iter().enumerate().all(|(m, left)| {
+            let remaining = left - usize::from(m == mode);
+            let gaps = total - remaining;
+            // The mode itself has only what its run leaves before the first gap.
             let here = if m == mode { IN_A_ROW.saturating_sub(run) } else { IN_A_ROW };
-            remaining(m) <= here + IN_A_ROW * gaps
+            remaining <= here + IN_A_ROW * gaps
         })
 }
 
@@ -303,11 +302,11 @@ enum Stream {
 /// Number of bytes of the cipher's key.
 const KEY_BYTES: usize = 32;
 
-fn stream(seed: u64, of: Stream, number: u64) -> ChaCha8Rng {
+fn stream(seed: u64, purpose: Stream, number: u64) -> ChaCha8Rng {
     let mut key = [0; KEY_BYTES];
     key[..8].copy_from_slice(&seed.to_le_bytes());
     // By their order in the list: another order of it would draw other sessions.
-    key[8] = of as u8;
+    key[8] = purpose as u8;
     let mut rng = ChaCha8Rng::from_seed(key);
     rng.set_stream(number);
     rng

@@ -70,42 +70,29 @@ impl Perception {
 
     /// What [`Perception::bound`] takes for a unit, and whose finding that is.
     pub fn source(&self, unit: &str) -> Option<String> {
-        let known = Self::default();
-        let of = |value: f64, usual: f64, source: &str| match value.to_bits() == usual.to_bits() {
-            true => source.to_owned(),
-            false => "study.toml".to_owned(),
-        };
-        let percent = |share: f64| format!("{} %", (1e4 * share).round() / 100.0);
-        let angle = || {
-            let degrees = (1e4 * self.angle_rad.to_degrees()).round() / 1e4;
-            let source = of(self.angle_rad, known.angle_rad, "of the wrist, Tan et al. 1994");
-            format!("{degrees}° ({source})")
-        };
-        Some(match unit {
-            "rad" => angle(),
-            "m" => format!("the lever's way over {}", angle()),
-            "N" | "J" => {
-                let source = of(self.force_share, known.force_share, "Pang, Tan & Durlach 1991");
-                let least = match unit {
-                    "N" => format!(", at least {} N", self.force_floor_n),
-                    _ => String::new(),
-                };
-                format!("{} of the force ({source}){least}", percent(self.force_share))
-            }
-            "N/rad" => {
-                let source =
-                    of(self.compliance_share, known.compliance_share, "Tan, Pang & Durlach 1992");
-                format!("{} of the stiffness ({source})", percent(self.compliance_share))
-            }
+        let usual = Self::default();
+        let (value, usual, paper) = match unit {
+            "rad" | "m" => (self.angle_rad, usual.angle_rad, "of the wrist, Tan et al. 1994"),
+            "N" | "J" => (self.force_share, usual.force_share, "Pang, Tan & Durlach 1991"),
+            "N/rad" => (self.compliance_share, usual.compliance_share, "Tan, Pang & Durlach 1992"),
             "N·s/rad" => {
-                let source = of(
-                    self.viscosity_share,
-                    known.viscosity_share,
-                    "Jones, Hunter & Lafontaine 1997",
-                );
-                format!("{} of the viscosity ({source})", percent(self.viscosity_share))
+                (self.viscosity_share, usual.viscosity_share, "Jones, Hunter & Lafontaine 1997")
             }
             _ => return None,
+        };
+        // To the last bit: a study that gives the usual value itself means the same finding.
+        let source = if value.to_bits() == usual.to_bits() { paper } else { "study.toml" };
+        let percent = (1e4 * value).round() / 100.0;
+        let degrees = (1e4 * value.to_degrees()).round() / 1e4;
+        Some(match unit {
+            "rad" => format!("{degrees}° ({source})"),
+            "m" => format!("the lever's way over {degrees}° ({source})"),
+            "N" => {
+                format!("{percent} % of the force ({source}), at least {} N", self.force_floor_n)
+            }
+            "J" => format!("{percent} % of the force ({source})"),
+            "N/rad" => format!("{percent} % of the stiffness ({source})"),
+            _ => format!("{percent} % of the viscosity ({source})"),
         })
     }
 

@@ -14,7 +14,7 @@ impl Voltages {
     pub const OFF: Self = Self { motor_v: 0.0, brake_v: 0.0 };
 }
 
-/// A study has at most so many channels of its own, and a device gives as many.
+/// The most channels of its own that a study has, and that a device gives.
 pub const MOST_CHANNELS: usize = 8;
 
 /// The values of a device's own channels, in its order.
@@ -37,6 +37,7 @@ impl Extra {
 
     /// The values.
     pub fn values(&self) -> &[f64] {
+        // `n` is never more; the bound shows that the slice cannot panic.
         &self.values[..usize::from(self.n).min(MOST_CHANNELS)]
     }
 }
@@ -46,6 +47,7 @@ impl Extra {
 pub struct Flags(pub u16);
 
 impl Flags {
+    // Recordings hold these numbers: a bit never changes its meaning.
     /// The demanded force is above what the actuator in charge can give.
     pub const SATURATED: Self = Self(1);
     /// The force value is older than two of its own periods.

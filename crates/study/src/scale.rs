@@ -225,6 +225,7 @@ impl NumberScale {
         let at = match self.labels.len() {
             0 => None,
             all if all == last + 1 => Some(place),
+            // At equal distances: two words stand at the ends, three at the ends and the middle.
             ends => (0..ends).find(|at| at * last == place * (ends - 1)),
         };
         at.and_then(|at| self.labels.get(at)).map(String::as_str)

@@ -97,11 +97,11 @@ impl Seal {
     /// # Errors
     /// [`SealError::OtherOrder`] with both commitments.
     pub fn verify(&self, commitment: &str) -> Result<(), SealError> {
-        let found = self.commitment();
-        if found == commitment {
+        let own = self.commitment();
+        if own == commitment {
             return Ok(());
         }
-        Err(SealError::OtherOrder { committed: commitment.to_owned(), found })
+        Err(SealError::OtherOrder { committed: commitment.to_owned(), found: own })
     }
 
     /// The trials as a sealed session shows them: codes in place of modes, and in place of repeats
@@ -109,6 +109,7 @@ impl Seal {
     #[must_use]
     pub fn masked(&self, trials: &[PlannedTrial]) -> Vec<PlannedTrial> {
         let mut places = Counter::default();
+        // Counted without the mode: a repeat of the mode would tell which codes are alike.
         let masked = trials.iter().map(|t| PlannedTrial {
             mode: self.code(t.trial),
             repeat: places.next((t.kind, t.environment.clone(), None)),
@@ -128,6 +129,7 @@ impl Seal {
         let mut repeats = Counter::default();
         let mut opened = Vec::with_capacity(trials.len());
         for t in trials {
+            // By its code too: the seal of another session has an order for the same numbers.
             let Some(mode) = modes.get(&t.trial).filter(|_| t.mode == self.code(t.trial)) else {
                 return Err(SealError::OtherTrial { trial: t.trial, code: t.mode.clone() });
             };

@@ -51,8 +51,8 @@ impl Setup {
 
     /// The scale of the question of that id; the usual one of a question that is not asked.
     pub fn scale(&self, question: &QuestionId) -> AnswerScale {
-        let found = self.questions.iter().find(|q| q.id == *question);
-        found.map(|q| q.scale.clone()).unwrap_or_default()
+        let question = self.questions.iter().find(|q| q.id == *question);
+        question.map(|q| q.scale.clone()).unwrap_or_default()
     }
 
     /// The work space of a lever, rad; `None` for a slide, or if it is not known.

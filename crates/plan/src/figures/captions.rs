@@ -5,7 +5,6 @@ use std::path::PathBuf;
 use zwidth_figures::{CAPTION_FORMATS, NamedCaption, captions_text};
 use zwidth_runner::{Job, JobError, Made, Making, ORIGIN};
 use zwidth_store::{MOST_BYTES, StoreError, StudyData, read_regular};
-use zwidth_tables::Format;
 
 /// What its files are called.
 const STEM: &str = "captions";
@@ -15,9 +14,9 @@ pub(crate) fn job(data: &StudyData, figures: &[Drawing]) -> Job {
     let names: Vec<String> = figures.iter().map(|figure| figure.caption.stem()).collect();
     let files: Vec<PathBuf> = figures.iter().map(Drawing::words).collect();
     let folder = data.layout.reports().join("figures");
-    let output = |format: &Format| folder.join(format!("{STEM}.{}", format.extension()));
-    let outputs = CAPTION_FORMATS.iter().map(output).collect();
-    Job::new(STAGE, STEM, names, files, outputs, make).tolerant()
+    let outputs = CAPTION_FORMATS.map(|f| folder.join(format!("{STEM}.{}", f.extension())));
+    // Tolerant: a figure that fails should cost the document one caption, not all.
+    Job::new(STAGE, STEM, names, files, outputs.to_vec(), make).tolerant()
 }
 
 /// A figure that could not be made has no caption.
@@ -28,9 +27,9 @@ fn make(names: &Vec<String>, files: &Vec<PathBuf>, making: &Making) -> Result<Ma
         captions.push(NamedCaption::of(name, &String::from_utf8(bytes)?));
     }
     let origin = making.from.get(ORIGIN);
-    let text = |format: &Format| {
+    let texts = CAPTION_FORMATS.map(|format| {
         let comment = origin.and_then(|origin| format.comment(origin)).unwrap_or_default();
-        (captions_text(*format, &captions) + &comment).into_bytes()
-    };
-    Ok(Made::of(CAPTION_FORMATS.iter().map(text).collect()))
+        (captions_text(format, &captions) + &comment).into_bytes()
+    });
+    Ok(Made::of(texts.to_vec()))
 }

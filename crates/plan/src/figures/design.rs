@@ -53,9 +53,14 @@ struct Range {
 }
 
 pub(crate) fn all(data: &StudyData) -> Vec<Drawing> {
-    let placed = data.study.environments.iter().map(|e| Placement::of(&data.study, e));
-    let placed = placed.filter(|placement| zwidth_figures::environment(placement).is_some());
-    let mut drawings: Vec<Drawing> = placed.map(|placement| environment(data, placement)).collect();
+    let mut drawings = Vec::new();
+    for environment in &data.study.environments {
+        let placement = Placement::of(&data.study, environment);
+        if zwidth_figures::environment(&placement).is_some() {
+            let id = placement.environment.id.to_string();
+            drawings.push(Drawing::new(data, ENVIRONMENT, [id], placement, (), draw_environment));
+        }
+    }
     if has_actuators(data) {
         let Forces { basis, sources, calibration } = forces(data);
         let range = Range { about: About::of(&data.study), basis, sources };
@@ -63,11 +68,6 @@ pub(crate) fn all(data: &StudyData) -> Vec<Drawing> {
         drawings.push(Drawing::new(data, kind, [""; 0], range, calibration, draw_range));
     }
     drawings
-}
-
-fn environment(data: &StudyData, placement: Placement) -> Drawing {
-    let id = placement.environment.id.to_string();
-    Drawing::new(data, ENVIRONMENT, [id], placement, (), draw_environment)
 }
 
 fn draw_environment(placement: &Placement, (): &()) -> Figured {

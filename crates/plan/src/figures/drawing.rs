@@ -8,7 +8,7 @@ use std::sync::Arc;
 use zwidth_draw::{DEFAULT_DPI, Figure, draw};
 use zwidth_figures::{Caption, FigureKind};
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, ORIGIN, Stage};
-use zwidth_store::{Layout, StudyData};
+use zwidth_store::StudyData;
 
 pub(crate) const STAGE: Stage = Stage { name: "figures", version: zwidth_figures::VERSION };
 
@@ -36,7 +36,7 @@ impl<P: Serialize, I> Serialize for Described<P, I> {
     }
 }
 
-/// Several owners of one: a job, and who asks for its figure in another form.
+/// A value with two owners: the job of a figure, and the function that describes it alone.
 struct Shared<T>(Arc<T>);
 
 impl<T: Serialize> Serialize for Shared<T> {
@@ -52,7 +52,7 @@ impl<T: Inputs> Inputs for Shared<T> {
 }
 
 impl Drawing {
-    /// The figure of a kind, of a subject.
+    /// A figure of a kind and a subject.
     pub(crate) fn new<P, I>(
         data: &StudyData,
         kind: FigureKind,
@@ -67,17 +67,19 @@ impl Drawing {
     {
         let caption = Caption::new(kind, subject);
         let stem = caption.stem();
-        let outputs = files_of(&data.layout, &stem);
-        let of = Arc::new(Described { parameters, describe });
+        let folder = data.layout.reports().join("figures");
+        let outputs = EXTENSIONS.map(|e| folder.join(format!("{stem}.{e}"))).to_vec();
+        let described = Arc::new(Described { parameters, describe });
         let inputs = Arc::new(inputs);
-        let own = (Shared(of.clone()), Shared(inputs.clone()));
-        let inputs_of_job = (own.1, font::files(data));
-        let job = Job::new(STAGE, format!("figure {stem}"), own.0, inputs_of_job, outputs, make);
-        let describe = Box::new(move || (of.describe)(&of.parameters, &inputs));
+        // The font is an input of every figure: all are drawn again with another one.
+        let job_inputs = (Shared(inputs.clone()), font::files(data));
+        let name = format!("figure {stem}");
+        let job = Job::new(STAGE, name, Shared(described.clone()), job_inputs, outputs, make);
+        let describe = Box::new(move || (described.describe)(&described.parameters, &inputs));
         Self { caption, job, describe }
     }
 
-    /// The same, drawn from so many trials, sweeps or answers.
+    /// The same, drawn from `n` trials, sweeps or answers.
     pub(crate) fn of(mut self, n: usize) -> Self {
         self.caption.n = Some(n);
         self
@@ -85,6 +87,7 @@ impl Drawing {
 
     /// Its caption's file.
     pub(crate) fn words(&self) -> PathBuf {
+        // Outputs stand in the order of `EXTENSIONS`.
         self.job.outputs[4].clone()
     }
 
@@ -95,19 +98,15 @@ impl Drawing {
 }
 
 /// Files of a figure: SVG, PDF, PNG, its data, and its caption.
-fn files_of(layout: &Layout, stem: &str) -> Vec<PathBuf> {
-    let folder = layout.reports().join("figures");
-    let extensions = ["svg", "pdf", "png", "parquet", "txt"];
-    extensions.iter().map(|e| folder.join(format!("{stem}.{e}"))).collect()
-}
+const EXTENSIONS: [&str; 5] = ["svg", "pdf", "png", "parquet", "txt"];
 
 /// A figure in every form, with its data and its caption.
 fn make<P, I>(
-    Shared(of): &Shared<Described<P, I>>,
+    Shared(described): &Shared<Described<P, I>>,
     (Shared(inputs), font): &(Shared<I>, Vec<PathBuf>),
     making: &Making,
 ) -> Result<Made, JobError> {
-    let (figure, problems) = (of.describe)(&of.parameters, inputs)?;
+    let (figure, problems) = (described.describe)(&described.parameters, inputs)?;
     let [svg_file, _, _, data_file, _] = making.outputs else {
         return Err("a figure has five files".into());
     };
@@ -117,11 +116,13 @@ fn make<P, I>(
     let caption = zwidth_figures::caption_text(&figure) + &origin.unwrap_or_default();
     let provenance = Some(serde_json::to_string(making.from)?);
     let drawing = draw(&Figure { provenance, font: font::read(font)?, ..figure })?;
-    let others = || -> Result<_, JobError> {
-        let table = table.to_parquet(making.from, data_file)?;
-        Ok((drawing.svg()?.into_bytes(), drawing.pdf()?, table))
-    };
-    let (image, others) = rayon::join(|| drawing.png(DEFAULT_DPI), others);
+    let (image, others) = rayon::join(
+        || drawing.png(DEFAULT_DPI),
+        || -> Result<_, JobError> {
+            let table = table.to_parquet(making.from, data_file)?;
+            Ok((drawing.svg()?.into_bytes(), drawing.pdf()?, table))
+        },
+    );
     let (svg, pdf, table) = others?;
     Ok(Made { problems, ..Made::of(vec![svg, pdf, image?, table, caption.into_bytes()]) })
 }

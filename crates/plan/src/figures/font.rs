@@ -16,13 +16,13 @@ pub(crate) fn read(files: &[PathBuf]) -> Result<Option<Font>, JobError> {
     if files.is_empty() {
         return Ok(None);
     }
-    let file = |path: &PathBuf| -> Result<FontFile, StoreError> {
+    let mut fonts = Vec::new();
+    for path in files {
         let bytes = read_regular(path, Font::MOST_BYTES)
             .map_err(|error| StoreError::io(path, "read", &error))?;
-        Ok(FontFile { name: path.display().to_string(), bytes: Arc::new(bytes) })
-    };
-    let files: Vec<FontFile> = files.iter().map(file).collect::<Result<_, _>>()?;
-    Ok(Some(Font::new(&files)?))
+        fonts.push(FontFile { name: path.display().to_string(), bytes: Arc::new(bytes) });
+    }
+    Ok(Some(Font::new(&fonts)?))
 }
 
 /// The font in which a study has its figures set; `None` for the program's own.

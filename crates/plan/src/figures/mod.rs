@@ -12,9 +12,10 @@ use crate::likert::figures as likert_figures;
 use crate::replay::figures as replay_figures;
 use crate::shared::conditions::{Repeats, Session, sessions};
 use crate::shared::handle::Derived;
-use crate::shared::trials::{Known, MOST_DRAWN, Recordings, describe_trials, files, read_drawn};
+use crate::shared::trials::{MOST_DRAWN, Recordings, TrialLabel, files, label_trials, read_drawn};
 use crate::{average, compare, freemotion, ladder, scenes, trade};
 use serde::Serialize;
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use zwidth_characterise::Fit;
 use zwidth_draw::Figure;
@@ -29,10 +30,11 @@ use zwidth_study::{Alignment, Environment, ModeId, OwnFigures};
 use zwidth_tables::Table;
 
 /// Every figure that a run makes.
-pub(crate) fn made(data: &StudyData) -> Vec<Drawing> {
-    let sessions = sessions(data);
+pub(crate) fn of_run(data: &StudyData) -> Vec<Drawing> {
+    let mut sessions = sessions(data);
     let n = sessions.len();
-    of(data, sessions.into_iter().filter(|s| data.study.figures.has_own(&s.ids(), n)).collect())
+    sessions.retain(|session| data.study.figures.has_own(&session.ids(), n));
+    of_sessions(data, sessions)
 }
 
 /// How many sessions have figures that are made on demand alone.
@@ -43,7 +45,7 @@ pub(crate) fn without_own(data: &StudyData) -> usize {
 
 /// Every figure that can be made, on demand or by a run.
 fn all(data: &StudyData) -> Vec<Drawing> {
-    of(data, sessions(data))
+    of_sessions(data, sessions(data))
 }
 
 /// The job of a figure that is made on demand.
@@ -52,7 +54,7 @@ pub fn on_demand(data: &StudyData, stem: &str) -> Option<Job> {
 }
 
 /// Every figure of these sessions and of the study as a whole.
-fn of(data: &StudyData, sessions: Vec<Session>) -> Vec<Drawing> {
+fn of_sessions(data: &StudyData, sessions: Vec<Session>) -> Vec<Drawing> {
     let mut drawings = compare::verdict_figures(data);
     for session in &sessions {
         let mut environments: Vec<&Environment> =
@@ -69,11 +71,12 @@ fn of(data: &StudyData, sessions: Vec<Session>) -> Vec<Drawing> {
         }
     }
     drawings.extend(characterise::actuators(data).into_iter().map(|(actuator, sweeps)| {
-        let of = (actuator.to_string(), data.study.analysis.confidence);
-        let found = Characterisation::of(&data.layout, actuator);
+        let parameters = (actuator.to_string(), data.study.analysis.confidence);
+        let tables = Characterisation::of(&data.layout, actuator);
         let subject = [actuator.to_string()];
         let n = sweeps.len();
-        Drawing::new(data, CHARACTERISTIC, subject, of, (sweeps, found), characteristic).of(n)
+        let inputs = (sweeps, tables);
+        Drawing::new(data, CHARACTERISTIC, subject, parameters, inputs, characteristic).of(n)
     }));
     drawings.extend(freemotion::planes(data).map(|table| {
         Drawing::new(data, FREE_MOTION, [""; 0], About::of(&data.study), table, free_motion)
@@ -106,41 +109,38 @@ pub fn describe(data: &StudyData, stem: &str) -> Option<Result<(Figure, Vec<Stri
 /// choice for a kind of figure that the study lacks is not a mistake.
 pub fn chosen_in_vain(data: &StudyData) -> Vec<String> {
     let study = &data.study;
-    let chosen: Vec<&str> =
-        study.figures.choices().map(|(id, _)| id).filter(|id| id.contains('.')).collect();
-    let names: Vec<String> = match chosen.is_empty() {
-        true => Vec::new(),
-        false => captions(data).into_iter().map(|(name, _)| name).collect(),
-    };
-    let vain = chosen.into_iter().filter(|id| !names.iter().any(|name| is_of(name, id)));
-    let vain = vain
-        .map(|id| format!("the choice figures.{id} of study.toml: the study has no such figure"));
-    let of_loops = study.figures.choices().map(|(id, _)| id).filter(|id| is_of(id, "loops"));
-    let of_loops = of_loops.map(|id| {
-        format!(
+    let ids: Vec<&str> = study.figures.choices().map(|(id, _)| id).collect();
+    let mut remarks = Vec::new();
+    // All figures are planned for this: only if a choice names one.
+    if ids.iter().any(|id| id.contains('.')) {
+        let captions = captions(data);
+        for id in ids.iter().filter(|id| id.contains('.')) {
+            if !captions.iter().any(|(name, _)| is_below(name, id)) {
+                remarks.push(format!(
+                    "the choice figures.{id} of study.toml: the study has no such figure"
+                ));
+            }
+        }
+    }
+    for id in ids.iter().filter(|id| is_below(id, "loops")) {
+        remarks.push(format!(
             "the choice figures.{id} of study.toml: force against position is averaged at the angle, whatever is chosen; \
              remove it"
-        )
-    });
-    vain.chain(of_loops)
-        .chain(sessions_in_vain(data))
-        .chain(compare::asked_in_vain(study))
-        .collect()
+        ));
+    }
+    if let OwnFigures::Of(requested) = &study.figures.own {
+        let existing: Vec<[String; 2]> = sessions(data).iter().map(Session::ids).collect();
+        for ids in requested.iter().filter(|ids| !existing.contains(ids)) {
+            let ids = ids.join(".");
+            remarks.push(format!("figures.sessions of study.toml: {ids} has no trial that counts"));
+        }
+    }
+    remarks.extend(compare::asked_in_vain(study));
+    remarks
 }
 
-/// The sessions that are to have figures of their own, and have no trial that counts.
-fn sessions_in_vain(data: &StudyData) -> Vec<String> {
-    let OwnFigures::Of(named) = &data.study.figures.own else { return Vec::new() };
-    let known: Vec<[String; 2]> = sessions(data).iter().map(Session::ids).collect();
-    let vain = named.iter().filter(|ids| !known.contains(ids));
-    vain.map(|ids| {
-        format!("figures.sessions of study.toml: {} has no trial that counts", ids.join("."))
-    })
-    .collect()
-}
-
-/// Whether a figure is the one of an id, or one of those whose id begins with it.
-fn is_of(name: &str, id: &str) -> bool {
+/// Whether a figure has an id, or one that continues it after a dot.
+fn is_below(name: &str, id: &str) -> bool {
     name.strip_prefix(id).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
 }
 
@@ -150,15 +150,15 @@ struct Recorded {
     about: About,
     environment: Environment,
     who: String,
-    trials: Vec<Known>,
+    trials: Vec<TrialLabel>,
     /// Of means against time.
     alignment: Alignment,
     /// The modes that were averaged, in the order of their tables.
     averaged: Vec<ModeId>,
-    /// What decides where the repeats stand behind means aligned by landmarks, and the stage that
-    /// says so.
+    /// What decides where the repeats stand behind means aligned by landmarks, and the version of the
+    /// stage that computes it.
     average: (zwidth_average::Parameters, u32),
-    /// What is asked of the trials, by which they are to be read with care.
+    /// The checks by which trials are to be read with care.
     asked: Asked,
 }
 
@@ -193,7 +193,7 @@ fn recorded(
         about: About::of(&data.study),
         environment: environment.clone(),
         who: session.who(),
-        trials: describe_trials(trials),
+        trials: label_trials(trials),
         alignment,
         averaged: conditions.iter().map(|r| r.mode.id.clone()).collect(),
         average: (parameters, zwidth_average::VERSION),
@@ -227,29 +227,31 @@ struct Read<'r> {
     loaded: Loaded<'r>,
     /// What had to be left out.
     problems: Vec<String>,
-    /// What was found in trials that are in the figure all the same.
-    found: Vec<Found>,
+    /// Findings in trials that are in the figure all the same.
+    findings: Vec<Found>,
     /// How many trials are drawn with fewer samples than they have.
     thinned: usize,
 }
 
-/// The figure with what is to be said of the trials in it.
-fn noted(figure: Figure, reads: &[&Read]) -> Figure {
-    let found: Vec<Found> = reads.iter().flat_map(|read| read.found.clone()).collect();
+/// The figure with notes on the trials in it.
+fn with_notes(figure: Figure, reads: &[&Read]) -> Figure {
+    let findings: Vec<Found> = reads.iter().flat_map(|read| read.findings.clone()).collect();
     let thinned = reads.iter().map(|read| read.thinned).sum();
-    with_care(with_thinned(figure, thinned, MOST_DRAWN), &found)
+    with_care(with_thinned(figure, thinned, MOST_DRAWN), &findings)
 }
 
-/// What is to be read with care. A trial that cannot be read is told where it is left out.
-fn found(files: &Files, recorded: &Recorded) -> Result<Vec<Found>, StoreError> {
+/// The findings of trials that are to be read with care. A trial that cannot be read is reported where
+/// it is left out.
+fn check_trials(files: &Files, recorded: &Recorded) -> Result<Vec<Found>, StoreError> {
     let mut all = Vec::new();
-    for (file, known) in files.trials.iter().zip(&recorded.trials) {
-        let found = match check_trial(file, &recorded.asked) {
+    for (file, label) in files.trials.iter().zip(&recorded.trials) {
+        let findings = match check_trial(file, &recorded.asked) {
+            // Nothing is wrong with the file itself: the job fails, and the next run makes it again.
             Err(error) if error.by_system => return Err(error),
-            found => found.unwrap_or_default(),
+            findings => findings.unwrap_or_default(),
         };
-        all.extend(found.into_iter().map(|e| Found {
-            trial: known.trial,
+        all.extend(findings.into_iter().map(|e| Found {
+            trial: label.trial,
             column: e.column.unwrap_or_default(),
             what: e.what,
         }));
@@ -263,23 +265,39 @@ fn load<'r>(recorded: &'r Recorded, files: &Files) -> Result<Read<'r>, JobError>
     let (drawn, problems) = read_drawn(&files.trials, &recorded.trials, signals)?;
     let thinned = drawn.iter().filter(|(trial, all)| trial.samples.len() < *all).count();
     let trials = drawn.into_iter().map(|(trial, _)| trial).collect();
-    let found = found(files, recorded)?;
-    let read = |paths: &[PathBuf], columns: Vec<String>| -> Result<_, JobError> {
-        let columns: Vec<&str> = columns.iter().map(String::as_str).collect();
-        let of_modes = recorded.averaged.iter().zip(paths);
-        let table = |path| Table::columns_from_parquet(path, &columns);
-        of_modes.map(|(mode, path)| Ok((mode.clone(), table(path)?))).collect()
-    };
+    let findings = check_trials(files, recorded)?;
     let averages = Averages {
-        over_time: read(&files.averages, zwidth_figures::average_columns())?,
-        over_position: read(&files.loops, zwidth_figures::loop_columns())?,
+        over_time: read_means(
+            &recorded.averaged,
+            &files.averages,
+            &zwidth_figures::average_columns(),
+        )?,
+        over_position: read_means(
+            &recorded.averaged,
+            &files.loops,
+            &zwidth_figures::loop_columns(),
+        )?,
     };
     let Recorded { about, environment, who, alignment, average: (parameters, _), .. } = recorded;
     let about = (about, environment, who.as_str(), *alignment, &parameters.analysis);
     let loaded = Loaded::new(about, trials, averages, |trials| {
         zwidth_average::times_s(trials, parameters, *alignment).ok()
     })?;
-    Ok(Read { loaded, problems, found, thinned })
+    Ok(Read { loaded, problems, findings, thinned })
+}
+
+/// The columns of each mode's means.
+fn read_means(
+    modes: &[ModeId],
+    paths: &[PathBuf],
+    columns: &[String],
+) -> Result<BTreeMap<ModeId, Table>, JobError> {
+    let columns: Vec<&str> = columns.iter().map(String::as_str).collect();
+    let mut means = BTreeMap::new();
+    for (mode, path) in modes.iter().zip(paths) {
+        means.insert(mode.clone(), Table::columns_from_parquet(path, &columns)?);
+    }
+    Ok(means)
 }
 
 /// The figure of one environment, on axes that hold those `beside` it too.
@@ -292,15 +310,20 @@ fn modes<'a>(
     let [participant, session_id] = session.ids();
     let subject = [participant, session_id, environment.id.to_string()];
     let alignment = data.study.figures.alignment(&Caption::new(MODES, subject.clone()).stem());
-    let of = |environment| {
-        let trials = session.of(environment);
-        let conditions = conditions(data, session, environment);
-        recorded(data, session, environment, alignment, &trials, &conditions)
-    };
-    let others = beside.iter().map(|other| without_means(of(other)));
-    let (recorded, files) = [of(environment)].into_iter().chain(others).unzip();
+    let (mut all_recorded, mut all_files) = (Vec::new(), Vec::new());
+    for other in [environment].iter().chain(beside) {
+        let trials = session.of(other);
+        let conditions = conditions(data, session, other);
+        let mut part = recorded(data, session, other, alignment, &trials, &conditions);
+        // The others only widen the axes, and means lie within their trials.
+        if other.id != environment.id {
+            part = without_means(part);
+        }
+        all_recorded.push(part.0);
+        all_files.push(part.1);
+    }
     let n = session.of(environment).len();
-    Drawing::new(data, MODES, subject, recorded, files, draw_modes).of(n)
+    Drawing::new(data, MODES, subject, all_recorded, all_files, draw_modes).of(n)
 }
 
 fn draw_modes(recorded: &Vec<Recorded>, files: &Vec<Files>) -> Figured {
@@ -309,10 +332,10 @@ fn draw_modes(recorded: &Vec<Recorded>, files: &Vec<Files>) -> Figured {
     let (scene, beside) = scenes.split_first().ok_or("there is no environment")?;
     // The others only widen the axes.
     let own: Vec<&Read> = all.iter().take(1).collect();
-    Ok((noted(zwidth_figures::modes(scene, beside)?, &own), problems))
+    Ok((with_notes(zwidth_figures::modes(scene, beside)?, &own), problems))
 }
 
-/// Reads several environments of one session; what had to be left out.
+/// Reads several environments of one session, and says what had to be left out.
 fn load_all<'r>(
     recorded: &'r [Recorded],
     files: &[Files],
@@ -335,24 +358,18 @@ fn repeats<'a>(
     let mut conditions = conditions(data, session, environment);
     // One recording is whole in the figure of the modes.
     conditions.retain(|repeats| repeats.trials.len() > 1);
-    conditions.into_iter().map(|r| repeats_of(data, session, environment, r)).collect()
-}
-
-fn repeats_of<'a>(
-    data: &'a StudyData,
-    session: &Session<'a>,
-    environment: &'a Environment,
-    repeats: Repeats<'a>,
-) -> Drawing {
-    let [participant, session_id] = session.ids();
-    let mode = repeats.mode.id.to_string();
-    let subject = [participant, session_id, environment.id.to_string(), mode];
-    let trials = &repeats.trials;
-    let only = std::slice::from_ref(&repeats);
-    // Of no mean: every repeat stands at its own time.
-    let of = recorded(data, session, environment, Alignment::Onset, trials, only);
-    let (recorded, files) = without_means(of);
-    Drawing::new(data, REPEATS, subject, recorded, files, draw_repeats).of(trials.len())
+    let drawings = conditions.iter().map(|repeats| {
+        let [participant, session_id] = session.ids();
+        let mode = repeats.mode.id.to_string();
+        let subject = [participant, session_id, environment.id.to_string(), mode];
+        let trials = &repeats.trials;
+        let only = std::slice::from_ref(repeats);
+        // Of no mean: every repeat stands at its own time.
+        let (recorded, files) =
+            without_means(recorded(data, session, environment, Alignment::Onset, trials, only));
+        Drawing::new(data, REPEATS, subject, recorded, files, draw_repeats).of(trials.len())
+    });
+    drawings.collect()
 }
 
 fn draw_repeats(recorded: &Recorded, files: &Files) -> Figured {
@@ -362,7 +379,7 @@ fn draw_repeats(recorded: &Recorded, files: &Files) -> Figured {
     let Some(first) = scene.modes.first() else {
         return Err(format!("no trial could be read: {}", problems.join("; ")).into());
     };
-    Ok((noted(zwidth_figures::repeats(&scene, first), &[&read]), problems))
+    Ok((with_notes(zwidth_figures::repeats(&scene, first), &[&read]), problems))
 }
 
 fn loops<'a>(
@@ -370,17 +387,19 @@ fn loops<'a>(
     session: &Session<'a>,
     environments: &[&'a Environment],
 ) -> Drawing {
-    let of_environments = environments.iter().map(|environment| {
+    let (mut all_recorded, mut all_files) = (Vec::new(), Vec::new());
+    let mut n = 0;
+    for environment in environments {
         let trials = session.of(environment);
+        n += trials.len();
         let conditions = conditions(data, session, environment);
-        // Nothing stands against time.
         let (recorded, files) =
             recorded(data, session, environment, Alignment::Onset, &trials, &conditions);
-        (recorded, Files { averages: Vec::new(), ..files })
-    });
-    let (recorded, files): (Vec<_>, Vec<_>) = of_environments.unzip();
-    let n = recorded.iter().map(|of: &Recorded| of.trials.len()).sum();
-    Drawing::new(data, LOOPS, session.ids(), recorded, files, draw_loops).of(n)
+        all_recorded.push(recorded);
+        // Nothing stands against time.
+        all_files.push(Files { averages: Vec::new(), ..files });
+    }
+    Drawing::new(data, LOOPS, session.ids(), all_recorded, all_files, draw_loops).of(n)
 }
 
 fn draw_loops(recorded: &Vec<Recorded>, files: &Vec<Files>) -> Figured {
@@ -388,17 +407,17 @@ fn draw_loops(recorded: &Vec<Recorded>, files: &Vec<Files>) -> Figured {
     let scenes: Vec<_> = all.iter().map(|read| read.loaded.scene()).collect();
     let reads: Vec<&Read> = all.iter().collect();
     let about = &recorded.first().ok_or("there is no environment")?.about;
-    Ok((noted(zwidth_figures::loops(about, &scenes)?, &reads), problems))
+    Ok((with_notes(zwidth_figures::loops(about, &scenes)?, &reads), problems))
 }
 
 fn characteristic(
     (actuator, level): &(String, f64),
-    (sweeps, found): &(Vec<PathBuf>, Characterisation),
+    (files, tables): &(Vec<PathBuf>, Characterisation),
 ) -> Figured {
-    let (read, problems) = characterise::read_sweeps(sweeps)?;
-    let Fit { models, parameters, curve, .. } = &found.read()?;
-    let found = Characterised { models, parameters, curve, level: *level };
-    Ok((zwidth_figures::characteristic(actuator, &read, found), problems))
+    let (sweeps, problems) = characterise::read_sweeps(files)?;
+    let Fit { models, parameters, curve, .. } = &tables.read()?;
+    let characterised = Characterised { models, parameters, curve, level: *level };
+    Ok((zwidth_figures::characteristic(actuator, &sweeps, characterised), problems))
 }
 
 fn free_motion(about: &About, fits: &Derived<FreePlane>) -> Figured {

@@ -12,8 +12,24 @@ use zwidth_store::StudyData;
 use zwidth_study::{SceneDrawing, SceneFigure, Setup};
 
 pub(crate) fn all(data: &StudyData) -> Vec<Drawing> {
-    let mut drawings = of_model(data);
-    drawings.extend(of_device(data));
+    let mut drawings = Vec::new();
+    let runs = data.study.scenes.iter().find(|figure| figure.draw == SceneDrawing::Runs);
+    if let Some((figure, file)) = runs.and_then(|figure| Some((figure, figure.files.first()?))) {
+        for (kind, _) in OF_MODEL {
+            let one = One { kind, of: figure.clone() };
+            let path = data.layout.raw().join(file);
+            drawings.push(Drawing::new(data, kind, [""; 0], one, path, draw_model));
+        }
+    }
+    if has_actuators(data) {
+        for (kind, draw) in OF_DEVICE {
+            let one = One { kind, of: Setup::of(&data.study).without_questions() };
+            // A schematic of a part that the device lacks cannot be drawn.
+            if draw(&one.of).is_some() {
+                drawings.push(Drawing::new(data, kind, [""; 0], one, (), draw_device));
+            }
+        }
+    }
     drawings
 }
 
@@ -24,40 +40,16 @@ struct One<T> {
     of: T,
 }
 
-fn of_model(data: &StudyData) -> Vec<Drawing> {
-    let runs = data.study.scenes.iter().find(|figure| figure.draw == SceneDrawing::Runs);
-    let Some((figure, file)) = runs.and_then(|figure| Some((figure, figure.files.first()?))) else {
-        return Vec::new();
-    };
-    let drawing = |kind: FigureKind| {
-        let one = One { kind, of: figure.clone() };
-        Drawing::new(data, kind, [""; 0], one, data.layout.raw().join(file), draw_model)
-    };
-    OF_MODEL.iter().map(|(kind, _)| drawing(*kind)).collect()
-}
-
 fn draw_model(One { kind, of }: &One<SceneFigure>, path: &PathBuf) -> Figured {
     let file = of.files.first().ok_or("the figure has no scene")?;
     let solver = of.solver.as_deref().unwrap_or(DEFAULT_SOLVER);
     let model = Modelled::new(read_scene(path, file)?, file, solver, of.step_s)
         .map_err(|error| format!("{file}: {error}"))?;
-    let (_, draw) = OF_MODEL.iter().find(|(of, _)| of == kind).ok_or("no such schematic")?;
+    let (_, draw) = OF_MODEL.iter().find(|(own, _)| own == kind).ok_or("no such schematic")?;
     Ok((draw(&model), Vec::new()))
 }
 
-fn of_device(data: &StudyData) -> Vec<Drawing> {
-    if !has_actuators(data) {
-        return Vec::new();
-    }
-    let drawn = |(kind, draw): &(FigureKind, zwidth_figures::OfDevice)| {
-        let one = One { kind: *kind, of: Setup::of(&data.study).without_questions() };
-        draw(&one.of)?;
-        Some(Drawing::new(data, *kind, [""; 0], one, (), draw_device))
-    };
-    OF_DEVICE.iter().filter_map(drawn).collect()
-}
-
 fn draw_device(One { kind, of }: &One<Setup>, (): &()) -> Figured {
-    let (_, draw) = OF_DEVICE.iter().find(|(of, _)| of == kind).ok_or("no such schematic")?;
+    let (_, draw) = OF_DEVICE.iter().find(|(own, _)| own == kind).ok_or("no such schematic")?;
     Ok((draw(of).ok_or("the device cannot be drawn")?, Vec::new()))
 }

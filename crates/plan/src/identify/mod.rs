@@ -56,7 +56,7 @@ const fn parameter(
 const STARTS: [[f64; P]; 2] =
     [[0.05, 0.1, 0.1, 1e-4, 0.01, 0.01], [0.3, 0.3, 0.2, 1e-3, 0.05, 0.05]];
 
-/// What the stage finds: the parameters, their profiles, the threshold's bracket, by eye against
+/// The tables of the stage: the parameters, their profiles, the threshold's bracket, by eye against
 /// fitted on trials held out, the errors trial by trial, and the parameters' covariance.
 struct Identification {
     estimates: Derived<PlantEstimate>,
@@ -112,8 +112,8 @@ pub(crate) fn plant_of(layout: &Layout) -> PathBuf {
 
 /// The parameters and their covariance, where a trial can be replayed.
 pub(crate) fn known_plant(data: &StudyData) -> Option<[PathBuf; 2]> {
-    let found = Identification::of(&data.layout);
-    let files = [found.estimates.path(), found.covariances.path()].map(Path::to_owned);
+    let tables = Identification::of(&data.layout);
+    let files = [tables.estimates.path(), tables.covariances.path()].map(Path::to_owned);
     replayable(data).next().map(|_| files)
 }
 
@@ -127,6 +127,7 @@ pub(crate) fn plant_with_spread(
     let names = [PlantParameter::Mass, PlantParameter::Damping, PlantParameter::Friction];
     let estimates: Vec<PlantEstimate> = estimates.to_rows()?;
     let own = estimates.iter().filter(|row| names.contains(&row.parameter));
+    // The fewest degrees of freedom give the widest intervals: one number stands for all three.
     let Some(df) = own.filter_map(|row| row.df).reduce(f64::min) else { return Ok(None) };
     let pairs: Vec<PlantCovariance> = covariances.to_rows()?;
     let mut covariance = [[0.0; 3]; 3];
@@ -134,9 +135,9 @@ pub(crate) fn plant_with_spread(
         for (k, value) in row.iter_mut().enumerate() {
             // Each pair stands once, in the order of the names.
             let pair = (names[j.min(k)], names[j.max(k)]);
-            let found = pairs.iter().find(|row| (row.parameter, row.other) == pair);
-            let Some(found) = found else { return Ok(None) };
-            *value = found.covariance;
+            let row = pairs.iter().find(|row| (row.parameter, row.other) == pair);
+            let Some(row) = row else { return Ok(None) };
+            *value = row.covariance;
         }
     }
     let Parameters { mass_kg, damping_ns_per_rad, friction_n, .. } = fitted;
@@ -174,70 +175,71 @@ struct Fit {
 
 /// The trials that the plant is fitted to, of all that it could be; and how many these are.
 pub(crate) fn taken(data: &StudyData) -> (Vec<&TrialEntry>, usize) {
-    let all: Vec<_> = replayable(data).collect();
-    let there = all.len();
-    let rows: Vec<_> = all.iter().map(|trial| (&trial.meta.participant, trial.rows)).collect();
+    let mut trials: Vec<_> = replayable(data).collect();
+    let all = trials.len();
+    let rows: Vec<_> = trials.iter().map(|trial| (&trial.meta.participant, trial.rows)).collect();
     let people = spread(&rows);
-    let taken = all.into_iter().filter(|trial| people.contains(&trial.meta.participant));
-    (taken.collect(), there)
+    trials.retain(|trial| people.contains(&trial.meta.participant));
+    (trials, all)
 }
 
 pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
-    let (trials, there) = taken(data);
+    let (trials, all) = taken(data);
     if trials.is_empty() {
         return Vec::new();
     }
     let study = &data.study;
-    let rendered = |trial: &&TrialEntry| {
-        let meta = &trial.meta;
+    let renderings = trials.iter().filter_map(|TrialEntry { meta, .. }| {
         let condition = study.environment(&meta.environment).zip(study.mode(&meta.mode));
         condition.map(|(environment, mode)| rendering(data, meta, environment, mode))
-    };
+    });
     let fit = Fit {
-        renderings: trials.iter().filter_map(rendered).collect(),
-        of_trials: (trials.len() < there).then_some(there),
+        renderings: renderings.collect(),
+        of_trials: (trials.len() < all).then_some(all),
         level: study.analysis.confidence,
         let_go_n: study.control.let_go_n,
         plant: PLANT,
         starts: STARTS,
         replay_version: zwidth_replay::VERSION,
     };
-    let of = OfTrials::new(fit, &trials);
-    vec![Job::new(STAGE, "identify", of, files(&trials), tables(data), make)]
+    let parameters = OfTrials::new(fit, &trials);
+    vec![Job::new(STAGE, "identify", parameters, files(&trials), tables(data), make)]
 }
 
-fn make(of: &OfTrials<Fit>, files: &Recordings, making: &Making) -> Result<Made, JobError> {
-    let fit = &of.stage;
+fn make(parameters: &OfTrials<Fit>, files: &Recordings, making: &Making) -> Result<Made, JobError> {
+    let fit = &parameters.stage;
     // One by one: what the fit needs of a trial is a third of its samples.
-    let one = |i: usize| {
-        let (trial, problem) = read_all(&files[i..=i], &of.trials[i..=i], Signal::all())?;
+    let read = (0..files.len()).into_par_iter().map(|i| {
+        let (trial, problem) = read_all(&files[i..=i], &parameters.trials[i..=i], Signal::all())?;
         // Those that cannot be read keep the others with their own renderings.
-        let Some((trial, how)) = trial.into_iter().next().zip(fit.renderings.get(i)) else {
+        let Some((trial, rendering)) = trial.into_iter().next().zip(fit.renderings.get(i)) else {
             return Ok((Bracket::default(), Ok(None), problem));
         };
-        Ok((Bracket::of(switching(&trial, how)), fitted_trial(trial, how), problem))
-    };
-    let read: Result<Vec<_>, StoreError> = (0..files.len()).into_par_iter().map(one).collect();
+        let bracket = Bracket::of(switching(&trial, rendering));
+        Ok((bracket, prepare_trial(trial, rendering), problem))
+    });
+    // Collected in the order of the trials, whichever thread read them: sums depend on it.
+    let read: Result<Vec<_>, StoreError> = read.collect();
     let mut bracket = Bracket::default();
-    let mut fitted = Vec::new();
+    let mut prepared = Vec::new();
     let mut problems = Vec::new();
-    for (of_trial, found, problem) in read? {
-        bracket = bracket.and(of_trial);
-        fitted.push(found);
+    for (own_bracket, trial, problem) in read? {
+        bracket = bracket.and(own_bracket);
+        prepared.push(trial);
         problems.extend(problem);
     }
-    let (fitted, more) = split(fitted);
+    let (prepared, more) = split(prepared);
     problems.extend(more);
-    let fitted: Vec<Fitted> = fitted.into_iter().flatten().collect();
+    let prepared: Vec<Prepared> = prepared.into_iter().flatten().collect();
     let threshold = zwidth_identify::threshold(&bracket, fit.let_go_n);
-    let found = identified(&fitted, fit)?;
+    let results = identify_plant(&prepared, fit)?;
     let mut tables = vec![
-        found.estimates,
-        Table::of_rows(&found.profiles)?,
+        results.estimates,
+        Table::of_rows(&results.profiles)?,
         Table::of_rows(threshold.as_slice())?,
-        Table::of_rows(&found.held_out)?,
-        Table::of_rows(&found.trials)?,
-        Table::of_rows(&found.covariances)?,
+        Table::of_rows(&results.held_out)?,
+        Table::of_rows(&results.trials)?,
+        Table::of_rows(&results.covariances)?,
     ];
     if let Some(all) = fit.of_trials {
         let note = format!(
@@ -247,46 +249,43 @@ fn make(of: &OfTrials<Fit>, files: &Recordings, making: &Making) -> Result<Made,
         );
         tables = tables.into_iter().map(|table| table.with_note(note.clone())).collect();
     }
-    let made = tables.into_iter().try_fold(Written::begin(making, false), Written::table)?.end()?;
-    Ok(Made { problems, ..made })
+    let written = tables.into_iter().try_fold(Written::begin(making, false), Written::table)?;
+    Ok(Made { problems, ..written.end()? })
 }
 
 /// A trial that can be fitted and replayed.
-struct Fitted {
+struct Prepared {
     meta: TrialMeta,
     balance: Balance,
     judged: Judged,
 }
 
-/// A trial made ready, if it can be fitted and replayed; one to which that does not apply is no
-/// problem.
-fn fitted_trial(trial: Trial, how: &Rendering) -> Result<Option<Fitted>, String> {
-    let both = || {
-        let judged = Judged::new(Drive::new(&trial, how)?);
-        Ok((Balance::new(&trial, how)?, judged))
-    };
-    match both() {
-        Ok((balance, judged)) => Ok(Some(Fitted { meta: trial.meta, balance, judged })),
+/// Prepares a trial to be fitted and replayed; `None` for a trial of which neither can be expected,
+/// which is no problem.
+fn prepare_trial(trial: Trial, rendering: &Rendering) -> Result<Option<Prepared>, String> {
+    let judged = Drive::new(&trial, rendering).map(Judged::new);
+    match judged.and_then(|judged| Ok((Balance::new(&trial, rendering)?, judged))) {
+        Ok((balance, judged)) => Ok(Some(Prepared { meta: trial.meta, balance, judged })),
         Err(ReplayError::WhyNot(_)) => Ok(None),
         Err(error) => Err(format!("{}: {error}", name(&trial.meta))),
     }
 }
 
-/// What the controller saw and did; `None` where that was not recorded, or the mode does not have
-/// both motor and brake.
-fn switching<'t>(trial: &'t Trial, how: &Rendering) -> Option<Switching<'t>> {
-    let column = |signal| trial.samples.get(signal);
-    (how.motor_max_v > 0.0 && how.brake_max_v > 0.0).then_some(())?;
+/// What the controller saw and did; `None` if that was not recorded, or the mode does not have both
+/// motor and brake.
+fn switching<'t>(trial: &'t Trial, rendering: &Rendering) -> Option<Switching<'t>> {
+    (rendering.motor_max_v > 0.0 && rendering.brake_max_v > 0.0).then_some(())?;
+    let samples = &trial.samples;
     Some(Switching {
-        theta_dot_rad_s: column(Signal::ThetaDot)?,
-        force_n: column(Signal::ForceEx)?,
-        motor_v: column(Signal::VoltageMotor)?,
-        brake_v: column(Signal::VoltageBrake)?,
+        theta_dot_rad_s: samples.get(Signal::ThetaDot)?,
+        force_n: samples.get(Signal::ForceEx)?,
+        motor_v: samples.get(Signal::VoltageMotor)?,
+        brake_v: samples.get(Signal::VoltageBrake)?,
     })
 }
 
-/// What was found of the plant.
-struct Found {
+/// The results of a fit of the plant.
+struct Results {
     /// The parameters, with notes.
     estimates: Table,
     profiles: Vec<PlantProfile>,
@@ -297,27 +296,30 @@ struct Found {
 
 /// The plant that fits some trials best. If there is too little to fit, there are no rows and a note
 /// that says why.
-fn identified(trials: &[Fitted], fit: &Fit) -> Result<Found, JobError> {
+fn identify_plant(trials: &[Prepared], fit: &Fit) -> Result<Results, JobError> {
     let recordings: Vec<Recording> = trials
         .iter()
         .map(|t| Recording { meta: &t.meta, observed: t.balance.measured_ns() })
         .collect();
     let task = Task { parameters: &fit.plant, starts: &fit.starts, level: fit.level };
-    let explain = |i: usize, points: &[[f64; P]]| {
-        let plants: Vec<Parameters> = points.iter().map(plant).collect();
-        trials[i].balance.needed_ns(&plants).into_iter().map(Some).collect()
-    };
-    match zwidth_identify::identify(&recordings, &task, explain, |i, p| {
-        trials[i].judged.rmse_rad(&plant(p))
-    }) {
-        Ok(found) => Ok(Found {
-            estimates: zwidth_identify::estimates_table(&found)?,
-            profiles: zwidth_identify::profiles(&found.estimates),
-            held_out: zwidth_identify::held_out(&found.trials),
-            covariances: zwidth_identify::covariances(&found),
-            trials: found.trials,
+    let fitted = zwidth_identify::identify(
+        &recordings,
+        &task,
+        |i, points| {
+            let plants: Vec<Parameters> = points.iter().map(plant).collect();
+            trials[i].balance.needed_ns(&plants).into_iter().map(Some).collect()
+        },
+        |i, point| trials[i].judged.rmse_rad(&plant(point)),
+    );
+    match fitted {
+        Ok(fitted) => Ok(Results {
+            estimates: zwidth_identify::estimates_table(&fitted)?,
+            profiles: zwidth_identify::profiles(&fitted.estimates),
+            held_out: zwidth_identify::held_out(&fitted.trials),
+            covariances: zwidth_identify::covariances(&fitted),
+            trials: fitted.trials,
         }),
-        Err(why @ IdentifyError::TooFew { .. }) => Ok(Found {
+        Err(why @ IdentifyError::TooFew { .. }) => Ok(Results {
             estimates: zwidth_identify::nothing_fitted(&why.to_string())?,
             profiles: Vec::new(),
             held_out: zwidth_identify::held_out(&[]),

@@ -11,7 +11,7 @@ use std::sync::Arc;
 use zwidth_likert::{Blinding, Guess, Scheme};
 use zwidth_results::{AnswerTally, BlindingIndex, GivenAnswer};
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, Stage};
-use zwidth_store::{Answer, LeftOutAnswer, StudyData, TrialEntry};
+use zwidth_store::{Answer, LeftOutAnswer, StudyData};
 use zwidth_study::{
     AnswerValue, EnvironmentId, Kind, ModeId, ParticipantId, Question, SessionId, Status, Study,
     TrialMeta,
@@ -20,10 +20,10 @@ use zwidth_tables::TableError;
 
 const STAGE: Stage = Stage { name: "likert", version: zwidth_likert::VERSION };
 
-/// Everything that a tally depends on: the answers are joined from several files, and are
-/// not a file themselves.
+/// Everything that a tally depends on. The answers are joined from several files, and are not a file
+/// themselves.
 #[derive(Serialize)]
-struct Asked {
+struct TallyParameters {
     scheme: Scheme,
     answers: Vec<Answer>,
     left_out: Vec<LeftOutAnswer>,
@@ -42,9 +42,9 @@ pub(crate) fn tally(data: &StudyData) -> Option<Derived<AnswerTally>> {
     ratings(data).next().map(|_| Derived::within(&data.layout.derived()))
 }
 
-/// The blinding index, if it was answered which mode it was.
+/// The blinding index, if a participant guessed a mode.
 pub(crate) fn blinding(data: &StudyData) -> Option<Derived<BlindingIndex>> {
-    guessed(data).map(|_| Derived::within(&data.layout.derived()))
+    guesses(data).map(|_| Derived::within(&data.layout.derived()))
 }
 
 /// The tables of the stage that people read.
@@ -72,101 +72,83 @@ pub(crate) fn read_counting(
     Ok(all)
 }
 
-/// Files an answer can stand in: trials, session records, event logs.
-fn origins(data: &StudyData) -> Vec<Arc<Path>> {
-    let trials = data.trials.iter().map(|t| t.path.clone());
-    let logs =
-        data.sessions.iter().flat_map(|s| [&s.path, &s.events_path]).map(|p| p.as_path().into());
-    trials.chain(logs).collect()
-}
-
-/// The trials that count after which it was asked which mode it was, if one was answered. What was
-/// offered, and under which numbers, is told by the session's own copy of the study.
-fn guessed(data: &StudyData) -> Option<Blinding> {
+/// The guesses of modes after trials that count, if there is one. The session's own copy of the study
+/// tells which modes were offered, and under which numbers.
+fn guesses(data: &StudyData) -> Option<Blinding> {
+    // There is one at most: a study.toml with two is refused.
     let question = data.study.questions.iter().find(|question| !question.is_rating())?;
-    let mut asked: BTreeMap<Key, (ModeId, Option<AnswerValue>)> = BTreeMap::new();
-    let studies = studies(data);
-    let is_asked = |meta: &TrialMeta| {
-        let of = study_of(data, &studies, (&meta.participant, &meta.session));
-        asks(of, &meta.environment, question)
+    let studies: BTreeMap<(&ParticipantId, &SessionId), &Study> = data
+        .sessions
+        .iter()
+        .filter_map(|log| {
+            Some(((&log.record.participant, &log.record.session), log.study.as_deref()?))
+        })
+        .collect();
+    let is_guessed = |meta: &TrialMeta| {
+        let study = studies.get(&(&meta.participant, &meta.session)).copied();
+        has_question(study.unwrap_or(&data.study), &meta.environment, question)
     };
-    for entry in data.counting().filter(|entry| is_asked(&entry.meta)) {
+    // By participant, session and trial. Trials first, so that an answer replaces their `None`.
+    let mut answers: BTreeMap<(ParticipantId, SessionId, u32), (ModeId, Option<AnswerValue>)> =
+        BTreeMap::new();
+    for entry in data.counting().filter(|entry| is_guessed(&entry.meta)) {
         let TrialMeta { participant, session, trial, mode, .. } = entry.meta.clone();
-        asked.insert((participant, session, trial), (mode, None));
+        answers.insert((participant, session, trial), (mode, None));
     }
     for answer in data.answers.iter().filter(|answer| answer.question == question.id) {
         let Answer { participant, session, trial, condition, value, .. } = answer.clone();
-        asked.insert((participant, session, trial), (condition.mode, Some(value)));
+        answers.insert((participant, session, trial), (condition.mode, Some(value)));
     }
-    let is_sealed = |entry: &&TrialEntry| {
+    let guesses = answers.into_iter().filter_map(|((participant, session, _), (mode, answer))| {
+        let study = studies.get(&(&participant, &session)).copied().unwrap_or(&data.study);
+        // A mode that the session's own study lacks was not among its answers.
+        let place = study.modes.iter().position(|m| m.id == mode)?;
+        let number = u8::try_from(place + 1).ok()?;
+        let choices = u8::try_from(study.modes.len()).ok()?;
+        Some(Guess { participant, mode, number, choices, answer })
+    });
+    let guesses: Vec<Guess> = guesses.collect();
+    let is_answered = guesses.iter().any(|guess| guess.answer.is_some());
+    let sealed = data.trials.iter().filter(|entry| {
         let is_left_out = entry.superseded_by.is_some() || entry.excluded.is_some();
         let TrialMeta { kind, status, .. } = entry.meta;
         let is_whole = (kind, status) == (Kind::Trial, Status::Complete);
-        entry.sealed.is_some() && is_whole && !is_left_out && is_asked(&entry.meta)
-    };
-    let guess =
-        |((participant, session, _), (mode, answer)): (Key, (ModeId, Option<AnswerValue>))| {
-            let of = study_of(data, &studies, (&participant, &session));
-            // A mode that the session's own study lacks was not among its answers.
-            let place = of.modes.iter().position(|m| m.id == mode)?;
-            let number = u8::try_from(place + 1).ok()?;
-            let choices = u8::try_from(of.modes.len()).ok()?;
-            Some(Guess { participant, mode, number, choices, answer })
-        };
-    let sealed = data.trials.iter().filter(is_sealed).count();
-    let guesses: Vec<Guess> = asked.into_iter().filter_map(guess).collect();
-    let is_answered = guesses.iter().any(|guess| guess.answer.is_some());
+        entry.sealed.is_some() && is_whole && !is_left_out && is_guessed(&entry.meta)
+    });
+    let sealed = sealed.count();
     let modes = data.study.modes.iter().map(|mode| mode.id.clone()).collect();
     let level = data.study.analysis.confidence;
     is_answered.then_some(Blinding { modes, guesses, sealed, level })
 }
 
-/// Participant, session, trial.
-type Key = (ParticipantId, SessionId, u32);
-
-type Studies<'d> = BTreeMap<(&'d ParticipantId, &'d SessionId), &'d Study>;
-
-/// The copies of the study that sessions have.
-fn studies(data: &StudyData) -> Studies<'_> {
-    let own = data.sessions.iter().filter_map(|log| {
-        Some(((&log.record.participant, &log.record.session), log.study.as_deref()?))
-    });
-    own.collect()
-}
-
-/// The study as it was for a session.
-fn study_of<'d>(
-    data: &'d StudyData,
-    studies: &Studies<'d>,
-    of: (&ParticipantId, &SessionId),
-) -> &'d Study {
-    studies.get(&of).copied().unwrap_or(&data.study)
-}
-
-/// Whether a question for the mode is asked after an environment's trials.
-fn asks(study: &Study, environment: &EnvironmentId, question: &Question) -> bool {
+/// Whether a study asks the question for the mode after an environment's trials.
+fn has_question(study: &Study, environment: &EnvironmentId, question: &Question) -> bool {
     study.environment(environment).is_some_and(|e| {
-        e.questions().any(|id| {
-            *id == question.id && study.question(id).is_some_and(|known| !known.is_rating())
-        })
+        e.questions()
+            .any(|id| *id == question.id && study.question(id).is_some_and(|own| !own.is_rating()))
     })
 }
 
 pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
-    let job = |long: Derived<GivenAnswer>| {
-        let scheme = Scheme::of(&data.study);
-        let answers = data.answers.clone();
-        let left_out = data.answers_left_out.clone();
-        let asked = Asked { scheme, answers, left_out, blinding: guessed(data) };
-        let outputs = [tally(data).files(), long.files(), blinding(data).files()].concat();
-        let job = Job::new(STAGE, "likert tallies", asked, (), outputs, make);
-        job.told_by(origins(data))
+    let Some(long) = long(data) else { return Vec::new() };
+    let parameters = TallyParameters {
+        scheme: Scheme::of(&data.study),
+        answers: data.answers.clone(),
+        left_out: data.answers_left_out.clone(),
+        blinding: guesses(data),
     };
-    long(data).map(job).into_iter().collect()
+    let outputs = [tally(data).files(), long.files(), blinding(data).files()].concat();
+    // Files an answer can stand in: trials, session records, event logs. No inputs: the job is made
+    // again when an answer changes, and not when anything else in these files does.
+    let trials = data.trials.iter().map(|t| t.path.clone());
+    let logs =
+        data.sessions.iter().flat_map(|s| [&s.path, &s.events_path]).map(|p| p.as_path().into());
+    let origins: Vec<Arc<Path>> = trials.chain(logs).collect();
+    vec![Job::new(STAGE, "likert tallies", parameters, (), outputs, make).told_by(origins)]
 }
 
-fn make(asked: &Asked, (): &(), making: &Making) -> Result<Made, JobError> {
-    let Asked { scheme, answers, left_out, blinding } = asked;
+fn make(parameters: &TallyParameters, (): &(), making: &Making) -> Result<Made, JobError> {
+    let TallyParameters { scheme, answers, left_out, blinding } = parameters;
     // Answers of simulated sessions are marked where they are printed.
     let mut written = Written::begin(making, false);
     if answers.iter().any(|answer| scheme.rates(answer)) {

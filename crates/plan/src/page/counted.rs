@@ -8,11 +8,11 @@ use serde::Serialize;
 use std::collections::BTreeSet;
 use zwidth_results::{CountedTrial, NoteKind, TrialRemark};
 use zwidth_runner::{Job, JobError, Made, Making, Stage};
-use zwidth_store::{DOUBTS, Findings, LOST, StudyData, TrialEntry};
+use zwidth_store::{DOUBTS, Findings, LOST, StudyData};
 use zwidth_study::TrialMeta;
 use zwidth_tables::Table;
 
-/// Its version is raised when the table would be another one of the same data.
+/// Its version is raised when the same data would give another table.
 const STAGE: Stage = Stage { name: "trials", version: 1 };
 
 /// A trial of the table.
@@ -22,21 +22,22 @@ struct Row {
     /// From the folder that holds the data, with `/` on every system.
     path: String,
     why_not: Option<String>,
-    /// Whether something was found in it without its samples being read.
+    /// Whether there is a finding about it that needs none of its samples.
     is_doubted: bool,
 }
 
-pub(crate) fn job(data: &StudyData, found: &Findings) -> Job {
+pub(crate) fn job(data: &StudyData, findings: &Findings) -> Job {
     let doubted: BTreeSet<_> =
-        found.with_care.iter().map(|finding| finding.path.as_path()).collect();
-    let row = |trial: &TrialEntry| Row {
+        findings.with_care.iter().map(|finding| finding.path.as_path()).collect();
+    let rows = data.trials.iter().map(|trial| Row {
         meta: trial.meta.clone(),
         path: data.layout.shown(&trial.path).to_string_lossy().replace('\\', "/"),
         why_not: trial.why_not(),
         is_doubted: doubted.contains(&*trial.path)
             || [LOST, DOUBTS].iter().any(|key| trial.said.file.contains_key(*key)),
-    };
-    let rows: Vec<Row> = data.trials.iter().map(row).collect();
+    });
+    let rows: Vec<Row> = rows.collect();
+    // Where the rows come from. No inputs: of all that these files hold, only the rows matter.
     let logs = data.sessions.iter().flat_map(|s| [&s.path, &s.events_path]);
     let origins: Vec<_> = data
         .trials
@@ -58,7 +59,7 @@ fn make(
     let remarks = summary::remarks(remarks)?;
     let with_care = remarks.iter().filter(|remark| remark.kind == NoteKind::Care);
     let doubted: BTreeSet<&str> = with_care.map(|remark| remark.path.as_str()).collect();
-    let counted = |row: &Row| {
+    let counted = rows.iter().map(|row| {
         let TrialMeta { participant, session, trial, repeat, .. } = row.meta.clone();
         let TrialMeta { environment, mode, kind, status, source, .. } = row.meta.clone();
         let is_doubted = row.is_doubted || doubted.contains(row.path.as_str());
@@ -77,7 +78,7 @@ fn make(
             why_not: row.why_not.clone(),
             read_with_care: row.why_not.is_none() && is_doubted,
         }
-    };
-    let all: Vec<CountedTrial> = rows.iter().map(counted).collect();
-    write_tables(&[Table::of_rows(&all)?], making, Vec::new())
+    });
+    let counted: Vec<CountedTrial> = counted.collect();
+    write_tables(&[Table::of_rows(&counted)?], making, Vec::new())
 }

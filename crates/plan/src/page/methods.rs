@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use zwidth_report::Recorded;
 use zwidth_store::StudyData;
 
-/// What was recorded for a study and is made of it.
+/// What was recorded for a study, and which results a run makes of it.
 pub fn recorded(data: &StudyData) -> Recorded {
     let answers = &data.answers;
     let with_samples =
@@ -16,10 +16,12 @@ pub fn recorded(data: &StudyData) -> Recorded {
     let mut trials: Vec<_> = with_samples.chain(with_answers).collect();
     trials.sort();
     trials.dedup();
+    // Sorted, so that trials of one session follow each other.
     let mut sessions: Vec<_> = trials.iter().map(|(p, s, _)| (*p, *s)).collect();
     sessions.dedup();
     let mut sources = BTreeMap::new();
-    // By the footers, wherever there is one.
+    // By the footers of trials that have a file; a record is asked for the others alone, so that none
+    // is counted twice.
     for trial in &data.trials {
         *sources.entry(trial.meta.source).or_default() += 1;
     }
@@ -31,11 +33,12 @@ pub fn recorded(data: &StudyData) -> Recorded {
         *sources.entry(sweep.source).or_default() += 1;
     }
     let imported = data.trials.iter().filter_map(|trial| trial.said.file.get("made_by_import"));
-    let made_by_import = imported.flat_map(|made| made.split("; ")).map(str::to_owned).collect();
-    let named = data.study.compare.bounds.keys().map(ToString::to_string);
-    let named =
-        named.chain([data.study.compare.primary.to_string()]).chain(compare::compared(data));
-    let words = named.filter_map(|name| {
+    let made_by_import =
+        imported.flat_map(|columns| columns.split("; ")).map(str::to_owned).collect();
+    let bounded = data.study.compare.bounds.keys().map(ToString::to_string);
+    let metrics =
+        bounded.chain([data.study.compare.primary.to_string()]).chain(compare::compared(data));
+    let words = metrics.filter_map(|name| {
         let words = zwidth_metrics::in_words(&name)?.to_owned();
         Some((name, words))
     });
@@ -50,7 +53,7 @@ pub fn recorded(data: &StudyData) -> Recorded {
         compared: compare::compared(data),
         answers: likert::tally(data).is_some(),
         guesses: likert::blinding(data).is_some(),
-        // Without the lever's length the table of replays says of each trial that it could not be.
+        // Without the lever's length the table of replays has nothing but reasons why not.
         replayed: replay::of_study(data).is_some() && data.study.device.lever_m.is_some(),
         identified: identify::known_plant(data).is_some(),
         plan: of_plan(data, &compare::compared(data)),

@@ -27,7 +27,7 @@ use zwidth_results::{CourseSample, CourseSeries, GivenAnswer, PlantRun, TrialEve
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, ORIGIN, Output, Stage, WriteLong};
 use zwidth_store::{Findings, Layout, Signal, StudyData, Trial};
 use zwidth_study::{EnvironmentId, ModeId};
-use zwidth_tables::{Table, TableError};
+use zwidth_tables::Table;
 
 /// Its version is raised when the page would be written differently from the same data.
 const STAGE: Stage = Stage { name: "page", version: 21 };
@@ -46,23 +46,51 @@ const SIGNALS: [Signal; 7] = [
     Signal::StateBits,
 ];
 
+/// The page's names of these signals, in their order.
+const SIGNAL_NAMES: [&str; 7] = [
+    "t_s",
+    "theta_rad",
+    "theta_dot_rad_s",
+    "force_ex_n",
+    "torque_ex_nm",
+    "force_cmd_n",
+    "state_bits",
+];
+
 /// The page's file.
 pub fn file(layout: &Layout) -> PathBuf {
     layout.reports().join("index.html")
 }
 
-pub(crate) fn jobs(data: &StudyData, found: &Findings, figures: &[Drawing]) -> Vec<Job> {
+pub(crate) fn jobs(data: &StudyData, findings: &Findings, figures: &[Drawing]) -> Vec<Job> {
     let mut jobs = Vec::new();
     for session in sessions(data) {
         for environment in &data.study.environments {
             let courses = courses::file(data, &session, environment);
             let conditions =
                 data.study.modes.iter().filter_map(|mode| session.repeats(environment, mode));
-            jobs.extend(conditions.map(|repeats| of_condition(data, &repeats, courses.clone())));
+            jobs.extend(conditions.map(|repeats| condition_job(data, &repeats, courses.clone())));
         }
     }
-    jobs.extend(of_turned(data));
-    jobs.push(index(data, found, figures));
+    jobs.extend(sliders_job(data));
+    let (summary, files) = summary::inputs(data, findings, figures);
+    let compare = &data.study.compare;
+    let index = Index {
+        summary,
+        study: data.layout.study().to_string(),
+        turned: runs::turned(data).map(|(session, _)| session.ids()),
+        torque: summary::has_torque_alone(data),
+        estimating: Estimating {
+            level: compare.level,
+            alpha: compare.alpha,
+            families: compare.families,
+            perception: data.study.perception.clone(),
+        },
+        version: env!("CARGO_PKG_VERSION"),
+    };
+    let files = IndexFiles { summary: files, answers: likert::answers(data) };
+    let output = vec![file(&data.layout)];
+    jobs.push(Job::new(STAGE, JOB, index, files, output, make_index).tolerant());
     jobs
 }
 
@@ -74,30 +102,34 @@ struct Turned {
 }
 
 /// The script of the model's runs over its parameters, if there are any.
-fn of_turned(data: &StudyData) -> Option<Job> {
+fn sliders_job(data: &StudyData) -> Option<Job> {
     let (session, turned) = runs::turned(data)?;
     let environments = turned.iter().map(|turned| turned.environment.id.clone()).collect();
     let files: Vec<_> = turned.into_iter().map(|turned| turned.file).collect();
     let inputs = (files, identify::plant_of(&data.layout));
-    let of = Turned { environments, by_eye: Parameters::BY_EYE };
+    let parameters = Turned { environments, by_eye: Parameters::BY_EYE };
     let output = data.layout.reports().join(format!("report-data/{TURNED}.js"));
     let name = format!("sliders {}", session.who());
-    Some(Job::new(STAGE, name, of, inputs, vec![output], make_turned))
+    Some(Job::new(STAGE, name, parameters, inputs, vec![output], make_sliders))
 }
 
-fn make_turned(
-    of: &Turned,
+fn make_sliders(
+    Turned { environments, by_eye }: &Turned,
     (files, plant): &(Vec<Derived<PlantRun>>, PathBuf),
     making: &Making,
 ) -> Result<Made, JobError> {
-    let turn = |of: &Parameters| [of.mass_kg, of.damping_ns_per_rad, of.friction_n];
     let fitted = identify::fitted(&*read_shared(plant, making)?)?;
-    let environments = of.environments.iter().zip(files);
-    let runs: Vec<(&str, Vec<PlantRun>)> = environments
-        .map(|(environment, file)| Ok((environment.as_str(), file.read()?)))
-        .collect::<Result<_, TableError>>()?;
-    let script = turned_script(&runs, turn(&of.by_eye), fitted.as_ref().map(turn))?;
+    let mut runs: Vec<(&str, Vec<PlantRun>)> = Vec::new();
+    for (environment, file) in environments.iter().zip(files) {
+        runs.push((environment.as_str(), file.read()?));
+    }
+    let script = turned_script(&runs, knobs(by_eye), fitted.as_ref().map(knobs))?;
     Ok(Made::of(vec![with_origin(script, making).into_bytes()]))
+}
+
+/// The parameters that have sliders.
+fn knobs(plant: &Parameters) -> [f64; 3] {
+    [plant.mass_kg, plant.damping_ns_per_rad, plant.friction_n]
 }
 
 /// A script with where it comes from.
@@ -116,7 +148,7 @@ struct Condition {
 /// The files of one condition.
 struct Files {
     trials: Recordings,
-    /// What happened in them and the other trials of their session, and when.
+    /// The events in them and in the other trials of their session.
     events: Derived<TrialEvent>,
     averages: Vec<PathBuf>,
     /// The models' runs of a typical trial of each mode, where one could be replayed.
@@ -125,12 +157,12 @@ struct Files {
 
 impl Inputs for Files {
     fn files(&self) -> Vec<PathBuf> {
-        let one = self.events.files().into_iter().chain(self.courses.files());
-        self.trials.files().into_iter().chain(self.averages.iter().cloned()).chain(one).collect()
+        [self.trials.files(), self.averages.clone(), self.events.files(), self.courses.files()]
+            .concat()
     }
 }
 
-fn of_condition(
+fn condition_job(
     data: &StudyData,
     repeats: &Repeats,
     courses: Option<Derived<CourseSample>>,
@@ -142,112 +174,103 @@ fn of_condition(
         courses,
     };
     let condition = Condition { key: repeats.key.clone(), mode: repeats.mode.id.clone() };
-    let of = OfTrials::new(condition, &repeats.trials);
-    let output = data.layout.reports().join(format!("report-data/{}.js", repeats.key));
-    Job::new(STAGE, format!("samples {}", repeats.who), of, files, vec![output], make_condition)
-        .tolerant()
+    let parameters = OfTrials::new(condition, &repeats.trials);
+    let output = vec![data.layout.reports().join(format!("report-data/{}.js", repeats.key))];
+    let name = format!("samples {}", repeats.who);
+    Job::new(STAGE, name, parameters, files, output, make_condition).tolerant()
 }
 
 fn make_condition(
-    of: &OfTrials<Condition>,
+    parameters: &OfTrials<Condition>,
     files: &Files,
     making: &Making,
 ) -> Result<Made, JobError> {
-    let (trials, problems) = read_drawn(&files.trials, &of.trials, SIGNALS.into_iter())?;
+    let OfTrials { stage: Condition { key, mode }, trials: labels } = parameters;
+    let (trials, problems) = read_drawn(&files.trials, labels, SIGNALS.into_iter())?;
     let events = files.events.read_if_made()?.unwrap_or_default();
     let courses: Vec<Course> = trials.iter().map(|drawn| course(drawn, &events)).collect();
     let mut means = Vec::new();
+    // The files stand in the order of `Alignment::ALL`.
     for (name, file) in ["onset", "landmarks"].into_iter().zip(&files.averages) {
-        let table = summary::read(&Some(file.clone()))?;
-        means.extend(table.filter(|t| t.height() > 0).map(|t| (name, mean_columns(&t))));
+        if file.exists() {
+            let table = Table::from_parquet(file)?;
+            means.extend((table.height() > 0).then(|| (name, mean_columns(&table))));
+        }
     }
-    let courses_of = files.courses.as_ref().map(Derived::read_if_made).transpose()?.flatten();
-    let mut replays = replays(&courses_of.unwrap_or_default(), &of.stage.mode);
-    replays.iter_mut().for_each(|(_, number, columns)| in_time_of(&trials, *number, columns));
-    let script = condition_script(&of.stage.key, &courses, &means, &replays)?;
+    let samples = files.courses.as_ref().map(Derived::read_if_made).transpose()?.flatten();
+    let mut replays = replays(&samples.unwrap_or_default(), mode);
+    for (_, number, columns) in &mut replays {
+        in_time_of(&trials, *number, columns);
+    }
+    let script = condition_script(key, &courses, &means, &replays)?;
     let text = with_origin(script, making);
     Ok(Made { problems, ..Made::of(vec![text.into_bytes()]) })
 }
 
-/// What is shown of a trial's samples, and what happened in it.
+/// A trial's samples and events for the page.
 fn course((trial, recorded): &(Trial, usize), events: &[TrialEvent]) -> Course {
-    let samples = &trial.samples;
-    let columns = SIGNALS
-        .into_iter()
-        .filter_map(|signal| Some((name(signal)?, samples.get(signal)?.to_vec())))
-        .collect();
+    let mut columns = Vec::new();
+    for (signal, name) in SIGNALS.into_iter().zip(SIGNAL_NAMES) {
+        columns.extend(trial.samples.get(signal).map(|values| (name, values.to_vec())));
+    }
     let own = events.iter().filter(|event| event.trial == trial.meta.trial);
     Course {
         trial: trial.meta.trial,
         repeat: trial.meta.repeat,
         recorded: *recorded,
         columns,
-        events: own.map(|of| Event { kind: of.event.as_str(), t_s: of.t_s }).collect(),
+        events: own.map(|own| Event { kind: own.event.as_str(), t_s: own.t_s }).collect(),
     }
 }
 
-/// What the page calls a signal.
-fn name(signal: Signal) -> Option<&'static str> {
-    Some(match signal {
-        Signal::Time => "t_s",
-        Signal::Theta => "theta_rad",
-        Signal::ThetaDot => "theta_dot_rad_s",
-        Signal::ForceEx => "force_ex_n",
-        Signal::TorqueEx => "torque_ex_nm",
-        Signal::ForceCmd => "force_cmd_n",
-        Signal::StateBits => "state_bits",
-        _ => return None,
-    })
-}
-
-/// The columns of a table by the page's names; null stays null.
-fn columns(table: &Table, named: &[(&'static str, &str)], rows: &[usize]) -> Columns {
-    let column = |(name, column): &(&'static str, &str)| {
-        let values = table.floats(column).ok()?;
-        Some((*name, rows.iter().map(|row| values[*row].unwrap_or(f64::NAN)).collect()))
-    };
-    named.iter().filter_map(column).collect()
-}
-
+/// The columns of a table of means by the page's names.
 fn mean_columns(table: &Table) -> Columns {
-    let named = [
+    let mut columns = Columns::new();
+    for (name, column) in [
         ("t_s", "t_s"),
         ("theta_rad", "theta_mean_rad"),
         ("theta_dot_rad_s", "theta_dot_mean_rad_s"),
         ("force_ex_n", "force_ex_mean_n"),
         ("torque_ex_nm", "torque_ex_mean_nm"),
         ("force_cmd_n", "force_cmd_mean_n"),
-    ];
-    columns(table, &named, &(0..table.height()).collect::<Vec<_>>())
+    ] {
+        // A signal that was not recorded has no column. Not a number stands for null.
+        if let Ok(values) = table.floats(column) {
+            columns.push((name, values.iter().map(|value| value.unwrap_or(f64::NAN)).collect()));
+        }
+    }
+    columns
 }
+
+/// A value of a sample.
+type Value = fn(&CourseSample) -> f64;
 
 /// The models' runs of the mode's typical trial, and which trial that is.
 fn replays(courses: &[CourseSample], mode: &ModeId) -> Vec<(&'static str, u32, Columns)> {
-    let mut found = Vec::new();
+    let mut replays = Vec::new();
     for series in [CourseSeries::ByEye, CourseSeries::Fitted] {
-        let of: Vec<&CourseSample> =
+        let own: Vec<&CourseSample> =
             courses.iter().filter(|row| row.mode == *mode && row.series == series).collect();
-        let Some(first) = of.first() else { continue };
-        let column =
-            |name, get: fn(&CourseSample) -> f64| (name, of.iter().map(|row| get(row)).collect());
-        let columns = vec![
-            column("t_s", |row| row.t_s),
-            column("theta_rad", |row| row.theta_rad),
-            column("theta_dot_rad_s", |row| row.theta_dot_rad_s),
-            column("force_ex_n", |row| row.force_ex_n),
-            column("force_cmd_n", |row| row.feedback_n.unwrap_or(f64::NAN)),
+        let Some(first) = own.first() else { continue };
+        let columns: [(_, Value); 5] = [
+            ("t_s", |row| row.t_s),
+            ("theta_rad", |row| row.theta_rad),
+            ("theta_dot_rad_s", |row| row.theta_dot_rad_s),
+            ("force_ex_n", |row| row.force_ex_n),
+            ("force_cmd_n", |row| row.feedback_n.unwrap_or(f64::NAN)),
         ];
-        found.push((series.as_str(), first.trial, columns));
+        let columns = columns.map(|(name, get)| (name, own.iter().map(|row| get(row)).collect()));
+        replays.push((series.as_str(), first.trial, Vec::from(columns)));
     }
-    found
+    replays
 }
 
-/// A model's time counts from its trial's first sample, the trial's own from the trial's start:
-/// moved to that.
+/// Moves a model's times, which count from its trial's first sample, to the trial's own, which count
+/// from the trial's start.
 fn in_time_of(trials: &[(Trial, usize)], number: u32, columns: &mut Columns) {
-    let of = trials.iter().find(|(trial, _)| trial.meta.trial == number);
+    let own = trials.iter().find(|(trial, _)| trial.meta.trial == number);
     let begins_s =
-        of.and_then(|(t, _)| t.samples.get(Signal::Time)?.first().copied()).unwrap_or(0.0);
+        own.and_then(|(t, _)| t.samples.get(Signal::Time)?.first().copied()).unwrap_or(0.0);
     let times = columns.iter_mut().filter(|(name, _)| *name == "t_s").flat_map(|(_, t_s)| t_s);
     times.for_each(|t_s| *t_s += begins_s);
 }
@@ -266,24 +289,6 @@ struct Index {
     version: &'static str,
 }
 
-fn index(data: &StudyData, found: &Findings, figures: &[Drawing]) -> Job {
-    let (summary, files) = summary::asked(data, found, figures);
-    let study = data.layout.study().to_string();
-    let turned = runs::turned(data).map(|(session, _)| session.ids());
-    let torque = summary::has_torque_alone(data);
-    let compare = &data.study.compare;
-    let estimating = Estimating {
-        level: compare.level,
-        alpha: compare.alpha,
-        families: compare.families,
-        perception: data.study.perception.clone(),
-    };
-    let version = env!("CARGO_PKG_VERSION");
-    let of = Index { summary, study, turned, torque, estimating, version };
-    let files = IndexFiles { summary: files, answers: likert::answers(data) };
-    Job::new(STAGE, JOB, of, files, vec![file(&data.layout)], make_index).tolerant()
-}
-
 /// The files of the page.
 struct IndexFiles {
     summary: summary::Files,
@@ -298,34 +303,35 @@ impl Inputs for IndexFiles {
     }
 }
 
-fn make_index(of: &Index, files: &IndexFiles, making: &Making) -> Result<Made, JobError> {
+fn make_index(index: &Index, files: &IndexFiles, making: &Making) -> Result<Made, JobError> {
     let summary::Gathered { summary, compared, metrics } =
-        summary::gather(&of.summary, &files.summary, making)?;
+        summary::gather(&index.summary, &files.summary, making)?;
     let answers = files.answers.as_ref().filter(|answers| answers.path().exists());
     let answers = answers.map(likert::read_counting).transpose()?.unwrap_or_default();
-    let planned = &of.summary.planned;
+    let planned = &index.summary.planned;
     let contents = metrics.map(|metrics| {
-        let compared = compared.by_metric(of.summary.is_primary_by_default);
+        let compared = compared.by_metric(index.summary.is_primary_by_default);
         let contents = Contents::of(
-            of.study.as_str(),
+            index.study.as_str(),
             &summary.title,
             planned,
-            &of.estimating,
+            &index.estimating,
             &metrics,
             &compared,
             &answers,
         );
-        let contents = contents.with_turned(of.turned.clone(), planned.coordinate);
-        if of.torque { contents.with_torque() } else { contents }
+        let contents = contents.with_turned(index.turned.clone(), planned.coordinate);
+        if index.torque { contents.with_torque() } else { contents }
     });
     let html = page_html(&Page {
         summary: &summary,
         planned,
-        study: &of.study,
+        study: &index.study,
         contents: contents.as_ref(),
         origin: making.from.get(ORIGIN).map(String::as_str),
-        version: of.version,
+        version: index.version,
     });
+    // In parts: a page has the metrics of every trial of a study.
     let write: WriteLong = Box::new(move |out| Ok(html.write(contents.as_ref(), out)?));
     Ok(Made { outputs: vec![Output::Long(write)], ..Made::default() })
 }

@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use std::io::ErrorKind;
 use std::path::PathBuf;
 use zwidth_compare::Preregistered;
-use zwidth_store::{Layout, SessionLog, StoreError, StudyData, hex_blake3, read_regular};
+use zwidth_store::{Layout, StoreError, StudyData, hex_blake3, read_regular};
 use zwidth_study::{Affects, Kind, Study, StudyChange, study_changes};
 
 /// Where a study keeps the plan that was deposited before its data were taken.
@@ -51,9 +51,10 @@ struct Deposited<'a, P> {
 /// # Errors
 /// A plan that is not an object, or has a number that is not finite.
 pub fn plan_text(plan: &impl Serialize) -> serde_json::Result<String> {
-    let text =
-        |blake3| serde_json::to_string_pretty(&Deposited { plan, blake3 }).map(|text| text + "\n");
-    text(&hex_blake3(text("")?.as_bytes()))
+    // Of the text with an empty hash, because a text cannot hold its own: `checked` empties it again.
+    let text = serde_json::to_string_pretty(&Deposited { plan, blake3: "" })? + "\n";
+    let blake3 = &*hex_blake3(text.as_bytes());
+    Ok(serde_json::to_string_pretty(&Deposited { plan, blake3 })? + "\n")
 }
 
 /// What is wrong with a study's plan as a file: damaged, edited, or of another study. Nothing if it is
@@ -63,6 +64,9 @@ pub fn plan_finding(layout: &Layout) -> Option<StoreError> {
     let remedy = "restore the copy that was deposited; without one, move the file elsewhere";
     Some(StoreError::new(&plan_file(layout), fault, remedy))
 }
+
+/// What is wrong with a file that is no plan.
+const NO_PLAN: &str = "the file holds no plan as `zwidth power --plan` writes it";
 
 /// A plan that is whole and of this study.
 struct Plan {
@@ -88,25 +92,25 @@ fn read_plan(layout: &Layout) -> Option<Result<Plan, (String, String)>> {
     })
 }
 
-/// What a plan's file holds.
+/// What a plan's file holds, once it is found to be whole and of this study.
 ///
 /// # Errors
 /// It is no plan, not as it was written, or of another study: why, in words.
 fn checked(bytes: &[u8], study: &str) -> Result<Value, String> {
-    let no_plan = || "the file holds no plan as `zwidth power --plan` writes it".to_owned();
-    let text = str::from_utf8(bytes).map_err(|_| no_plan())?;
-    let content: Value = serde_json::from_str(text).map_err(|_| no_plan())?;
+    let text = str::from_utf8(bytes).map_err(|_| NO_PLAN)?;
+    let content: Value = serde_json::from_str(text).map_err(|_| NO_PLAN)?;
     if !content["analysis"].is_object() {
-        return Err(no_plan());
+        return Err(NO_PLAN.to_owned());
     }
     match content["study"].as_str() {
         Some(name) if name == study => {}
         Some(name) => {
             return Err(format!("it is the plan of the study '{name}', and not of '{study}'"));
         }
-        None => return Err(no_plan()),
+        None => return Err(NO_PLAN.to_owned()),
     }
-    // Plans of earlier versions have neither a hash of their own nor the study's text.
+    // Plans of earlier versions have neither a hash of their own nor the study's text. The hash is of
+    // the file with nothing in its place, as it was when the hash was computed.
     let is_edited = content.get("blake3").is_some_and(|own| {
         own.as_str().is_none_or(|own| hex_blake3(text.replacen(own, "", 1).as_bytes()) != own)
     });
@@ -137,29 +141,28 @@ pub(crate) fn preregistered(data: &StudyData, compared: &[String]) -> Option<Pre
             return Some(Preregistered { blake3, deviations, ..Preregistered::default() });
         }
     };
-    let number = |key: &str| content[key].as_u64();
+    let participants = content["participants"].as_u64();
+    let trials_before = content["trials_before"].as_u64();
     let planned = content["study_toml"].as_str().and_then(|toml| Study::from_toml(toml).ok());
     let of_analysis = of_analysis(&content["analysis"], &analysis(&data.study));
     let mut deviations: Vec<String> = match &of_analysis {
         Some(changes) => changes.iter().map(in_words).collect(),
-        None => vec!["the file holds no plan as `zwidth power --plan` writes it".to_owned()],
+        None => vec![NO_PLAN.to_owned()],
     };
     let of_analysis = of_analysis.unwrap_or_default();
     deviations.extend(of_study_toml(&content, planned.as_ref(), data, &of_analysis));
     deviations.extend(of_metric(&content, data, compared));
-    deviations.extend(of_participants(number("participants"), data));
+    deviations.extend(of_participants(participants, data));
     deviations.extend(of_trials(data));
+    // A plan of an earlier version has no study of its own: its sessions are held against today's.
     deviations.extend(of_sessions(planned.as_ref().unwrap_or(&data.study), data));
-    let no_hash = "The plan has no hash of its own: only the copy that was deposited can show whether \
-                   it was edited.";
-    let remarks = content["blake3"].is_null().then(|| no_hash.to_owned()).into_iter().collect();
-    Some(Preregistered {
-        blake3,
-        deviations,
-        remarks,
-        participants: number("participants"),
-        trials_before: number("trials_before"),
-    })
+    let mut remarks = Vec::new();
+    if content["blake3"].is_null() {
+        let no_hash = "The plan has no hash of its own: only the copy that was deposited can show whether \
+                       it was edited.";
+        remarks.push(no_hash.to_owned());
+    }
+    Some(Preregistered { blake3, deviations, remarks, participants, trials_before })
 }
 
 /// Something that is otherwise than planned.
@@ -176,18 +179,19 @@ fn in_words(Deviation { key, then, now }: &Deviation) -> String {
 /// What of the analysis is otherwise than planned; `None` where there is no plan of one.
 fn of_analysis(planned: &Value, actual: &Value) -> Option<Vec<Deviation>> {
     let planned = planned.as_object()?;
-    let actual = actual.as_object().into_iter().flatten();
-    let both = actual.map(|(key, now)| (key, planned.get(key).unwrap_or(&Value::Null), now));
-    let changed = both.filter(|(_, then, now)| then != now).map(|(key, then, now)| Deviation {
-        key: key.clone(),
-        then: then.to_string(),
-        now: now.to_string(),
-    });
-    Some(changed.collect())
+    let mut deviations = Vec::new();
+    for (key, now) in actual.as_object().into_iter().flatten() {
+        let then = planned.get(key).unwrap_or(&Value::Null);
+        if then != now {
+            let (key, then, now) = (key.clone(), then.to_string(), now.to_string());
+            deviations.push(Deviation { key, then, now });
+        }
+    }
+    Some(deviations)
 }
 
 /// What of study.toml is otherwise than when the plan was made, each in words. `planned` is the study
-/// as it was then, where the plan has it; `listed` are the deviations that are already known.
+/// as it was then, if the plan has it; `listed` are the deviations that are already listed.
 fn of_study_toml(
     content: &Value,
     planned: Option<&Study>,
@@ -206,16 +210,15 @@ fn of_study_toml(
     if changes.is_empty() {
         return vec![format!("{another}, although they differ in comments and form alone")];
     }
-    let changes = changes.into_iter().filter(|change| !is_listed(change, listed));
-    let deviation = |StudyChange { key, then, now, .. }: StudyChange| Deviation {
-        key: key.to_string(),
-        then: then.to_string(),
-        now: now.to_string(),
-    };
-    changes.map(|change| in_words(&deviation(change))).collect()
+    let mut sentences = Vec::new();
+    for change in changes.iter().filter(|change| !is_listed(change, listed)) {
+        let StudyChange { key, then, now, .. } = change;
+        sentences.push(format!("{key} was {then}, is {now}"));
+    }
+    sentences
 }
 
-/// Whether a change of `compare.alpha` is already told as one of `alpha`, and one of
+/// Whether a change of `compare.alpha` is already listed as one of `alpha`, and one of
 /// `compare.bounds.duration_s` as one of `bounds`.
 fn is_listed(change: &StudyChange, listed: &[Deviation]) -> bool {
     let mut parts = change.key.split('.');
@@ -233,8 +236,8 @@ fn of_metric(content: &Value, data: &StudyData, compared: &[String]) -> Vec<Stri
         format!("the power was computed for {planned}, and the primary metric is {primary}")
     });
     let has_trials = data.counting().next().is_some();
-    let is_there = compared.iter().any(|metric| metric == primary);
-    let missing = (has_trials && !is_there)
+    let is_compared = compared.iter().any(|metric| metric == primary);
+    let missing = (has_trials && !is_compared)
         .then(|| format!("the primary metric, {primary}, could not be compared"));
     other.into_iter().chain(missing).collect()
 }
@@ -258,26 +261,35 @@ fn of_trials(data: &StudyData) -> Option<String> {
     }
 }
 
-/// Sessions that were recorded in another way than planned. Of imported ones neither is known.
+/// Sessions that were recorded in another way than planned. An imported session has neither a study
+/// nor an order of its own, and counts as planned.
 fn of_sessions(planned: &Study, data: &StudyData) -> Vec<String> {
-    let sessions = |is_such: &dyn Fn(&&SessionLog) -> bool| {
-        let n = data.sessions.iter().filter(is_such).count();
-        (n > 0).then(|| format!("{n} of {} sessions", data.sessions.len()))
-    };
+    let all = data.sessions.len();
+    let mut deviations = Vec::new();
     // What was recorded may depend on it; a label or a figure that changed since changes nothing there.
-    let by_another = sessions(&|log| {
-        let own = log.study.as_deref();
-        own.is_some_and(|own| {
+    let by_another_study = data.sessions.iter().filter(|log| {
+        log.study.as_deref().is_some_and(|own| {
             let changes = study_changes(own, planned);
             changes.iter().any(|change| change.affects == Affects::Recording)
         })
-    })
-    .map(|sessions| format!("{sessions} were recorded by another study.toml than the plan's"));
+    });
+    let n = by_another_study.count();
+    if n > 0 {
+        deviations.push(format!(
+            "{n} of {all} sessions were recorded by another study.toml than the plan's"
+        ));
+    }
     let scheme = planned.design.order;
-    let in_another_order =
-        sessions(&|log| log.record.order.is_some_and(|order| order.scheme != scheme))
-            .map(|sessions| format!("the modes' order was drawn by another scheme in {sessions}"));
-    by_another.into_iter().chain(in_another_order).collect()
+    let in_another_order = data
+        .sessions
+        .iter()
+        .filter(|log| log.record.order.is_some_and(|order| order.scheme != scheme));
+    let n = in_another_order.count();
+    if n > 0 {
+        deviations
+            .push(format!("the modes' order was drawn by another scheme in {n} of {all} sessions"));
+    }
+    deviations
 }
 
 #[cfg(test)]

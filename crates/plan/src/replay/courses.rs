@@ -3,7 +3,7 @@
 
 use crate::replay::STAGE;
 use crate::replay::replayable::{is_replayable, rendering};
-use crate::shared::conditions::{Repeats, Session, sessions};
+use crate::shared::conditions::{Session, sessions};
 use crate::shared::handle::Derived;
 use crate::shared::making::{derived, read_shared, write_tables};
 use crate::shared::trials::{OfTrials, Recordings, files, read_all};
@@ -12,7 +12,7 @@ use serde::Serialize;
 use std::path::PathBuf;
 use zwidth_replay::{Parameters, Rendering};
 use zwidth_results::CourseSample;
-use zwidth_runner::{Job, JobError, Made, Making};
+use zwidth_runner::{Inputs as _, Job, JobError, Made, Making};
 use zwidth_store::{Signal, StudyData, Trial};
 use zwidth_study::{Environment, ModeId};
 use zwidth_tables::Table;
@@ -39,22 +39,24 @@ pub(crate) struct Typical {
 /// The trials of an environment, their conditions' tables of replays, and the identified plant.
 pub(crate) type Files = (Recordings, Vec<PathBuf>, PathBuf);
 
-/// What is asked of typical trials of an environment, and the files that it takes.
-pub(crate) fn asked(
+/// Parameters and files of the results on typical trials of an environment.
+pub(crate) fn typical_inputs(
     data: &StudyData,
     session: &Session,
     environment: &Environment,
 ) -> (OfTrials<Typical>, Files) {
-    let of_modes = data.study.modes.iter().filter_map(|m| session.repeats(environment, m));
-    let conditions: Vec<Repeats> = of_modes.collect();
     let mut trials = session.of(environment);
     trials.retain(|t| is_replayable(data, t));
-    let rendered = conditions.iter().filter_map(|r| {
-        let meta = &r.trials.first()?.meta;
-        Some((r.mode.id.clone(), rendering(data, meta, environment, r.mode)))
-    });
-    let typical = Typical { modes: rendered.collect(), plant: Parameters::BY_EYE };
-    let replays = conditions.iter().map(|r| replay::of_condition(&data.layout, r)).collect();
+    let mut modes = Vec::new();
+    let mut replays = Vec::new();
+    for mode in &data.study.modes {
+        let Some(repeats) = session.repeats(environment, mode) else { continue };
+        replays.push(replay::of_condition(&data.layout, &repeats));
+        if let Some(first) = repeats.trials.first() {
+            modes.push((mode.id.clone(), rendering(data, &first.meta, environment, mode)));
+        }
+    }
+    let typical = Typical { modes, plant: Parameters::BY_EYE };
     let files = (files(&trials), replays, identify::plant_of(&data.layout));
     (OfTrials::new(typical, &trials), files)
 }
@@ -65,11 +67,11 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
     for session in sessions(data) {
         for environment in &data.study.environments {
             let Some(output) = file(data, &session, environment) else { continue };
-            let (of, inputs) = asked(data, &session, environment);
+            let (parameters, inputs) = typical_inputs(data, &session, environment);
             let name = format!("courses {} {}", session.who(), environment.id);
             let part = format!("{}.{}", session.ids().join("."), environment.id);
-            let output = vec![output.path().to_owned()];
-            jobs.push(Job::new(STAGE, name, of, inputs, output, make).of_part(part));
+            let job = Job::new(STAGE, name, parameters, inputs, output.files(), make);
+            jobs.push(job.of_part(part));
         }
     }
     jobs
@@ -77,16 +79,18 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
 
 /// The typical trial of each mode that has one, and how it was rendered.
 pub(crate) fn typical_trials<'a>(
-    of: &'a OfTrials<Typical>,
+    parameters: &'a OfTrials<Typical>,
     files: &Recordings,
     replays: &[PathBuf],
 ) -> Result<Vec<(Trial, &'a Rendering)>, JobError> {
+    let OfTrials { stage: typical, trials: labels } = parameters;
     let replays = replay::join_rows(replays)?;
     let mut trials = Vec::new();
-    for (mode, rendering) in &of.stage.modes {
+    for (mode, rendering) in &typical.modes {
         let Some(number) = zwidth_replay::typical(&replays, mode) else { continue };
-        let Some(at) = of.trials.iter().position(|known| known.trial == number) else { continue };
-        let (read, problems) = read_all(&files[at..=at], &of.trials[at..=at], Signal::all())?;
+        let Some(at) = labels.iter().position(|label| label.trial == number) else { continue };
+        // This trial alone: of the others the table of replays has all that is needed.
+        let (read, problems) = read_all(&files[at..=at], &labels[at..=at], Signal::all())?;
         let trial = read.into_iter().next().ok_or_else(|| problems.join("; "))?;
         trials.push((trial, rendering));
     }
@@ -94,13 +98,13 @@ pub(crate) fn typical_trials<'a>(
 }
 
 fn make(
-    of: &OfTrials<Typical>,
+    parameters: &OfTrials<Typical>,
     (files, replays, plant): &Files,
     making: &Making,
 ) -> Result<Made, JobError> {
     let fitted = identify::fitted(&*read_shared(plant, making)?)?;
-    let trials = typical_trials(of, files, replays)?;
-    let by_eye = &of.stage.plant;
+    let trials = typical_trials(parameters, files, replays)?;
+    let by_eye = &parameters.stage.plant;
     let fitted = fitted.as_ref();
     let courses = zwidth_replay::courses(&trials, by_eye, fitted)?;
     if courses.is_empty() {

@@ -20,16 +20,17 @@ struct Against {
 }
 
 pub(crate) fn of(data: &StudyData, session: &Session) -> Vec<Drawing> {
-    let of_environment = |environment: &Environment| {
-        let courses = courses::file(data, session, environment)?;
+    let mut drawings = Vec::new();
+    for environment in &data.study.environments {
+        let Some(courses) = courses::file(data, session, environment) else { continue };
         let [participant, session_id] = session.ids();
         let subject = [participant, session_id, environment.id.to_string()];
         let about = About::of(&data.study);
         let environment = environment.clone();
         let against = Against { about, environment, who: session.who() };
-        Some(Drawing::new(data, REPLAY, subject, against, courses, draw))
-    };
-    data.study.environments.iter().filter_map(of_environment).collect()
+        drawings.push(Drawing::new(data, REPLAY, subject, against, courses, draw));
+    }
+    drawings
 }
 
 fn draw(Against { about, environment, who }: &Against, courses: &Derived<CourseSample>) -> Figured {

@@ -15,7 +15,7 @@ use crate::replay::replayable::{rendering, replayable};
 use crate::shared::conditions::{Repeats, repeats};
 use crate::shared::handle::Derived;
 use crate::shared::making::{derived, join_sessions, read_shared, split, write_tables};
-use crate::shared::trials::{Known, OfTrials, Recordings, files, name, read_all};
+use crate::shared::trials::{OfTrials, Recordings, TrialLabel, files, name, read_all};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -45,21 +45,12 @@ fn auto_of_condition(layout: &Layout, repeats: &Repeats) -> PathBuf {
 
 /// The replays, and their agreement, if anything was rendered.
 pub(crate) fn of_study(data: &StudyData) -> Option<[PathBuf; 2]> {
-    let names = ["replay.parquet", "replay.agreement.parquet"];
-    let is_any = replayable(data).next().is_some();
-    is_any.then(|| names.map(|name| derived(&data.layout, name)))
+    replayable(data).next()?;
+    Some(["replay.parquet", "replay.agreement.parquet"].map(|name| derived(&data.layout, name)))
 }
 
-/// The replays of a condition by each model.
-fn files_of(data: &StudyData, repeats: &Repeats) -> Vec<PathBuf> {
-    let fitted = || fitted_of_condition(&data.layout, repeats);
-    let fitted = identify::known_plant(data).is_some().then(fitted);
-    let auto = ladder::of_replay(data, repeats).map(|_| auto_of_condition(&data.layout, repeats));
-    [of_condition(&data.layout, repeats)].into_iter().chain(fitted).chain(auto).collect()
-}
-
-/// Rows that the table of replays has of a trial, at most: the model by eye and the fitted one three
-/// ways each, and so the one that a ladder chose.
+/// Rows that the table of replays has of a trial, at most: three for the model by eye, three for the
+/// fitted one, and three for the one that a ladder chose.
 pub(crate) fn rows_of_a_trial(data: &StudyData) -> usize {
     let models = 2 + usize::from(ladder::of_study(data).is_some());
     models * Causality::ALL.len()
@@ -68,12 +59,6 @@ pub(crate) fn rows_of_a_trial(data: &StudyData) -> usize {
 /// Conditions whose environment is more than a questionnaire.
 pub(crate) fn rendered(data: &StudyData) -> impl Iterator<Item = Repeats<'_>> {
     repeats(data).into_iter().filter(|r| r.environment.scene != Scene::None)
-}
-
-/// The same; none where not one trial can be replayed.
-fn replayed(data: &StudyData) -> impl Iterator<Item = Repeats<'_>> {
-    let is_any = replayable(data).next().is_some();
-    rendered(data).filter(move |_| is_any)
 }
 
 /// What the replays of a condition depend on besides its trials.
@@ -92,96 +77,107 @@ struct Chosen {
 }
 
 pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
+    let Some([replays, agreement]) = of_study(data) else { return Vec::new() };
     let analysis = data.study.analysis;
     let modelled = |repeats: &Repeats| {
+        // How a condition is rendered is the same in all trials of a session.
         let rendering = repeats
             .trials
             .first()
             .map(|trial| rendering(data, &trial.meta, repeats.environment, repeats.mode));
         OfTrials::new(Modelled { rendering, analysis, plant: Parameters::BY_EYE }, &repeats.trials)
     };
-    let by_eye = |repeats: &Repeats| {
-        let output = of_condition(&data.layout, repeats);
+    let conditions: Vec<Repeats> = rendered(data).collect();
+    let mut jobs = Vec::new();
+    // Model by model: those by eye wait for no other job, and are planned first.
+    for repeats in &conditions {
+        let output = vec![of_condition(&data.layout, repeats)];
         let name = format!("replay {}", repeats.who);
-        Job::new(STAGE, name, modelled(repeats), files(&repeats.trials), vec![output], make_by_eye)
-            .of_part(&repeats.key)
-    };
-    let plant = identify::tables(data).into_iter().next();
-    let fitted = |repeats: &Repeats| {
-        let output = fitted_of_condition(&data.layout, repeats);
-        let inputs = (files(&repeats.trials), plant.clone()?);
-        let name = format!("replay {} fitted", repeats.who);
-        let job = Job::new(STAGE, name, modelled(repeats), inputs, vec![output], make_fitted);
-        Some(job.of_part(&repeats.key))
-    };
-    let auto = |repeats: &Repeats| {
-        let output = auto_of_condition(&data.layout, repeats);
-        let inputs = (files(&repeats.trials), ladder::of_replay(data, repeats)?);
+        let files = files(&repeats.trials);
+        let job = Job::new(STAGE, name, modelled(repeats), files, output, make_by_eye);
+        jobs.push(job.of_part(&repeats.key));
+    }
+    if let Some(plant) = identify::tables(data).first() {
+        for repeats in &conditions {
+            let output = vec![fitted_of_condition(&data.layout, repeats)];
+            let name = format!("replay {} fitted", repeats.who);
+            let inputs = (files(&repeats.trials), plant.clone());
+            let job = Job::new(STAGE, name, modelled(repeats), inputs, output, make_fitted);
+            jobs.push(job.of_part(&repeats.key));
+        }
+    }
+    for repeats in &conditions {
+        let Some(models) = ladder::of_replay(data, repeats) else { continue };
+        let output = vec![auto_of_condition(&data.layout, repeats)];
         let name = format!("replay {} auto", repeats.who);
+        let inputs = (files(&repeats.trials), models);
         let OfTrials { trials, stage: modelled } = modelled(repeats);
-        let of = OfTrials { trials, stage: Chosen { modelled, auto: Auto::of(&data.study) } };
-        Some(Job::new(STAGE, name, of, inputs, vec![output], make_auto).of_part(&repeats.key))
-    };
-    let conditions: Vec<Repeats> = replayed(data).collect();
-    let sessions: Vec<Vec<PathBuf>> = conditions
-        .chunk_by(Repeats::is_of_session_of)
-        .map(|of| of.iter().flat_map(|repeats| files_of(data, repeats)).collect())
-        .collect();
+        let stage = Chosen { modelled, auto: Auto::of(&data.study) };
+        let job = Job::new(STAGE, name, OfTrials { trials, stage }, inputs, output, make_auto);
+        jobs.push(job.of_part(&repeats.key));
+    }
+    let mut sessions = Vec::new();
+    for session in conditions.chunk_by(Repeats::is_of_session_of) {
+        let mut tables = Vec::new();
+        for repeats in session {
+            tables.push(of_condition(&data.layout, repeats));
+            if identify::known_plant(data).is_some() {
+                tables.push(fitted_of_condition(&data.layout, repeats));
+            }
+            if ladder::of_replay(data, repeats).is_some() {
+                tables.push(auto_of_condition(&data.layout, repeats));
+            }
+        }
+        sessions.push(tables);
+    }
+    let whole = vec![replays.clone()];
+    jobs.push(Job::new(STAGE, "replay of the study", (), sessions, whole, make_study));
+    let (name, replays) = ("agreement of model and recordings", Derived::at(replays));
     let level = analysis.confidence;
-    let of_study = of_study(data).map(|[replays, agreement]| {
-        let whole = "replay of the study";
-        let agree = "agreement of model and recordings";
-        [
-            Job::new(STAGE, whole, (), sessions, vec![replays.clone()], make_study),
-            Job::new(STAGE, agree, level, Derived::at(replays), vec![agreement], make_agreement),
-        ]
-    });
-    let each = conditions.iter().map(by_eye).chain(conditions.iter().filter_map(fitted));
-    each.chain(conditions.iter().filter_map(auto)).chain(of_study.into_iter().flatten()).collect()
+    jobs.push(Job::new(STAGE, name, level, replays, vec![agreement], make_agreement));
+    jobs
 }
 
 fn make_by_eye(
-    of: &OfTrials<Modelled>,
+    parameters: &OfTrials<Modelled>,
     files: &Recordings,
     making: &Making,
 ) -> Result<Made, JobError> {
-    let model = |trial: &Trial, rendering: &Rendering, analysis: &Analysis| {
-        Ok(zwidth_replay::replay(trial, rendering, analysis, ModelPlant::ByEye, &of.stage.plant)?)
-    };
-    let (rows, problems) = replays(&of.stage, &of.trials, files, &model)?;
+    let OfTrials { stage: modelled, trials: labels } = parameters;
+    let (rows, problems) = replay_all(modelled, labels, files, &|trial, rendering, analysis| {
+        let plant = &modelled.plant;
+        Ok(zwidth_replay::replay(trial, rendering, analysis, ModelPlant::ByEye, plant)?)
+    })?;
     write_tables(&[Table::of_rows(&zwidth_replay::rows(&rows))?], making, problems)
 }
 
 /// Without rows if nothing was fitted. The job by eye reports trials that cannot be replayed.
 fn make_fitted(
-    of: &OfTrials<Modelled>,
+    parameters: &OfTrials<Modelled>,
     (files, plant): &(Recordings, PathBuf),
     making: &Making,
 ) -> Result<Made, JobError> {
-    let plant = identify::fitted(&*read_shared(plant, making)?)?;
-    let rows = match plant {
-        Some(plant) => {
-            let model = |trial: &Trial, rendering: &Rendering, analysis: &Analysis| {
-                Ok(zwidth_replay::replay(trial, rendering, analysis, ModelPlant::Fitted, &plant)?)
-            };
-            replays(&of.stage, &of.trials, files, &model)?.0
-        }
-        None => Vec::new(),
-    };
+    let OfTrials { stage: modelled, trials: labels } = parameters;
+    let mut rows = Vec::new();
+    if let Some(plant) = identify::fitted(&*read_shared(plant, making)?)? {
+        (rows, _) = replay_all(modelled, labels, files, &|trial, rendering, analysis| {
+            Ok(zwidth_replay::replay(trial, rendering, analysis, ModelPlant::Fitted, &plant)?)
+        })?;
+    }
     write_tables(&[Table::of_rows(&zwidth_replay::rows(&rows))?], making, Vec::new())
 }
 
 /// By the model that the ladder chose. The job by eye reports trials that cannot be replayed.
 fn make_auto(
-    of: &OfTrials<Chosen>,
-    (files, chosen): &(Recordings, Derived<HeldOutModel>),
+    parameters: &OfTrials<Chosen>,
+    (files, models): &(Recordings, Derived<HeldOutModel>),
     making: &Making,
 ) -> Result<Made, JobError> {
-    let chosen = chosen.read()?;
-    let model = |trial: &Trial, rendering: &Rendering, analysis: &Analysis| {
-        of.stage.auto.replay(trial, rendering, analysis, &chosen)
-    };
-    let (rows, _) = replays(&of.stage.modelled, &of.trials, files, &model)?;
+    let OfTrials { stage: Chosen { modelled, auto }, trials: labels } = parameters;
+    let models = models.read()?;
+    let (rows, _) = replay_all(modelled, labels, files, &|trial, rendering, analysis| {
+        auto.replay(trial, rendering, analysis, &models)
+    })?;
     write_tables(&[Table::of_rows(&zwidth_replay::rows(&rows))?], making, Vec::new())
 }
 
@@ -190,19 +186,19 @@ type Model<'a> =
     &'a (dyn Fn(&Trial, &Rendering, &Analysis) -> Result<Vec<TrialReplay>, JobError> + Sync);
 
 /// The trials of a condition through a model, and what is wrong with those that are left out.
-fn replays(
+fn replay_all(
     modelled: &Modelled,
-    known: &[Known],
+    labels: &[TrialLabel],
     files: &Recordings,
     model: Model,
 ) -> Result<(Vec<TrialReplay>, Vec<String>), JobError> {
-    let (trials, mut problems) = read_all(files, known, Signal::all())?;
+    let (trials, mut problems) = read_all(files, labels, Signal::all())?;
     let rendering = modelled.rendering.as_ref().ok_or("there is no trial")?;
-    let rows = |trial: &Trial| -> Result<Vec<TrialReplay>, String> {
+    let rows = trials.par_iter().map(|trial| {
         let rows = model(trial, rendering, &modelled.analysis);
         rows.map_err(|e| format!("{}: {e}", name(&trial.meta)))
-    };
-    let (rows, more) = split(trials.par_iter().map(rows).collect());
+    });
+    let (rows, more) = split(rows.collect());
     problems.extend(more);
     Ok((rows.concat(), problems))
 }
@@ -222,8 +218,8 @@ fn join_tables(tables: &[PathBuf]) -> Result<Table, JobError> {
 
 /// The replays of several conditions, in the order of their trials.
 pub(crate) fn join_rows(tables: &[PathBuf]) -> Result<Vec<ReplayedTrial>, TableError> {
-    let read = |path: &PathBuf| Derived::<ReplayedTrial>::at(path.clone()).read();
-    let rows = tables.par_iter().map(read).collect::<Result<Vec<_>, _>>()?;
+    let rows = tables.par_iter().map(|path| Derived::<ReplayedTrial>::at(path.clone()).read());
+    let rows = rows.collect::<Result<Vec<_>, _>>()?;
     Ok(zwidth_replay::in_order(rows.into_iter().flatten().collect()))
 }
 

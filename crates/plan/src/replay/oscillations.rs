@@ -3,7 +3,8 @@
 
 use crate::identify;
 use crate::replay::replayable::rendering;
-use crate::shared::trials::{files, name, read_all};
+use crate::shared::making::split;
+use crate::shared::trials::{files, label_trials, name, read_all};
 use rayon::prelude::*;
 use zwidth_replay::{Oscillation, Parameters};
 use zwidth_runner::JobError;
@@ -11,7 +12,7 @@ use zwidth_store::{Signal, StudyData, TrialEntry};
 use zwidth_study::TrialMeta;
 use zwidth_tables::Table;
 
-/// What became of the trials that were asked about.
+/// The oscillations of trials.
 #[derive(Debug)]
 pub struct Oscillations {
     /// One row per trial.
@@ -23,7 +24,7 @@ pub struct Oscillations {
     pub problems: Vec<String>,
 }
 
-/// Asks of each trial that counts and is wanted whether its oscillation is the device's own.
+/// Whether the oscillation of each wanted trial that counts is the device's own.
 ///
 /// # Errors
 /// A table of fitted parameters that cannot be read; a recording that the system does not give.
@@ -32,14 +33,15 @@ pub fn oscillations(
     wanted: &(dyn Fn(&TrialMeta) -> bool + Sync),
     progress: &(dyn Fn() + Sync),
 ) -> Result<Oscillations, JobError> {
+    // Before the first run there is no fitted plant.
     let fitted = identify::tables(data).into_iter().next().filter(|path| path.exists());
     let fitted = fitted.map(|path| Table::from_parquet(&path)).transpose()?;
     let fitted = fitted.map(|table| identify::fitted(&table)).transpose()?.flatten();
     let plant = fitted.unwrap_or(Parameters::BY_EYE);
     let entries: Vec<&TrialEntry> = data.counting().filter(|t| wanted(&t.meta)).collect();
-    let known = crate::shared::trials::describe_trials(&entries);
-    let (trials, mut problems) = read_all(&files(&entries), &known, Signal::all())?;
-    let one = |trial: &zwidth_store::Trial| {
+    let labels = label_trials(&entries);
+    let (trials, mut problems) = read_all(&files(&entries), &labels, Signal::all())?;
+    let oscillations = trials.par_iter().map(|trial| {
         progress();
         let (Some(environment), Some(mode)) =
             (data.study.environment(&trial.meta.environment), data.study.mode(&trial.meta.mode))
@@ -48,10 +50,10 @@ pub fn oscillations(
         };
         let rendering = rendering(data, &trial.meta, environment, mode);
         zwidth_replay::oscillation(trial, &data.study, &rendering, &plant)
-            .map(|found| (trial.meta.clone(), found))
+            .map(|oscillation| (trial.meta.clone(), oscillation))
             .map_err(|error| format!("{}: {error}", name(&trial.meta)))
-    };
-    let (trials, more) = crate::shared::making::split(trials.par_iter().map(one).collect());
+    });
+    let (trials, more) = split(oscillations.collect());
     problems.extend(more);
     Ok(Oscillations { trials, is_fitted: fitted.is_some(), problems })
 }

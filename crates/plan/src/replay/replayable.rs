@@ -13,14 +13,16 @@ pub(crate) fn is_replayable(data: &StudyData, trial: &TrialEntry) -> bool {
 
 /// The trials that count and are replayable.
 pub(crate) fn replayable(data: &StudyData) -> impl Iterator<Item = &TrialEntry> {
+    // The set is made once: trials are many, and looking a session up compares names.
     let calibrated = data.sessions.iter().map(|session| &session.record);
     let calibrated: BTreeSet<_> = calibrated
         .filter(|record| record.calibration.is_some())
         .map(|record| (&record.participant, &record.session))
         .collect();
-    let is_calibrated =
-        move |meta: &TrialMeta| calibrated.contains(&(&meta.participant, &meta.session));
-    data.counting().filter(move |trial| is_recorded(data, trial) && is_calibrated(&trial.meta))
+    data.counting().filter(move |trial| {
+        let TrialMeta { participant, session, .. } = &trial.meta;
+        is_recorded(data, trial) && calibrated.contains(&(participant, session))
+    })
 }
 
 /// Whether a trial has a spring, and its recording what a run of the model needs.

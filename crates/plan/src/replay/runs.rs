@@ -4,7 +4,7 @@
 
 use crate::identify;
 use crate::replay::STAGE;
-use crate::replay::courses::{self, Files, Typical, asked, typical_trials};
+use crate::replay::courses::{self, Files, Typical, typical_inputs, typical_trials};
 use crate::shared::conditions::{Session, sessions};
 use crate::shared::handle::Derived;
 use crate::shared::making::{derived, read_shared, write_tables};
@@ -15,7 +15,7 @@ use zwidth_store::StudyData;
 use zwidth_study::Environment;
 use zwidth_tables::Table;
 
-/// One environment of the session whose trials are turned.
+/// One environment of the session whose model has sliders on the page.
 pub(crate) struct Turned<'a> {
     pub(crate) environment: &'a Environment,
     pub(crate) file: Derived<PlantRun>,
@@ -41,20 +41,20 @@ pub(crate) fn turned(data: &StudyData) -> Option<(Session<'_>, Vec<Turned<'_>>)>
 pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
     let Some((session, turned)) = turned(data) else { return Vec::new() };
     let jobs = turned.into_iter().map(|Turned { environment, file }| {
-        let (of, inputs) = asked(data, &session, environment);
+        let (parameters, inputs) = typical_inputs(data, &session, environment);
         let name = format!("runs {} {}", session.who(), environment.id);
-        Job::new(STAGE, name, of, inputs, file.files(), make)
+        Job::new(STAGE, name, parameters, inputs, file.files(), make)
     });
     jobs.collect()
 }
 
 fn make(
-    of: &OfTrials<Typical>,
+    parameters: &OfTrials<Typical>,
     (files, replays, plant): &Files,
     making: &Making,
 ) -> Result<Made, JobError> {
     let fitted = identify::fitted(&*read_shared(plant, making)?)?;
-    let trials = typical_trials(of, files, replays)?;
-    let runs = zwidth_replay::runs(&trials, &of.stage.plant, fitted.as_ref())?;
+    let trials = typical_trials(parameters, files, replays)?;
+    let runs = zwidth_replay::runs(&trials, &parameters.stage.plant, fitted.as_ref())?;
     write_tables(&[Table::of_rows(&runs)?], making, Vec::new())
 }

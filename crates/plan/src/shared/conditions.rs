@@ -26,6 +26,7 @@ pub(crate) struct Repeats<'a> {
 impl Repeats<'_> {
     /// Whether other repeats are of the same session.
     pub(crate) fn is_of_session_of(&self, other: &Self) -> bool {
+        // Repeats without a trial are not made: see `Session::repeats`.
         self.trials[0].meta.is_of_session_of(&other.trials[0].meta)
     }
 }
@@ -67,33 +68,36 @@ pub(crate) fn sessions(data: &StudyData) -> Vec<Session<'_>> {
     let mut sessions: BTreeMap<_, Vec<&TrialEntry>> = BTreeMap::new();
     let counting: Vec<&TrialEntry> = data.counting().collect();
     for trials in counting.chunk_by(|a, b| a.meta.is_of_session_of(&b.meta)) {
-        let of = (&trials[0].meta.participant, &trials[0].meta.session);
-        sessions.entry(of).or_default().extend(trials);
+        let ids = (&trials[0].meta.participant, &trials[0].meta.session);
+        // One look-up for all trials of a session that stand together: a study may have thousands.
+        sessions.entry(ids).or_default().extend(trials);
     }
-    let session = |((participant, session), trials)| Session { participant, session, trials };
-    sessions.into_iter().map(session).collect()
+    sessions
+        .into_iter()
+        .map(|((participant, session), trials)| Session { participant, session, trials })
+        .collect()
 }
 
 /// The conditions of every session that have trials, in the study's order.
 pub(crate) fn repeats(data: &StudyData) -> Vec<Repeats<'_>> {
-    let mut found = Vec::new();
+    let mut conditions = Vec::new();
     for session in sessions(data) {
         for environment in &data.study.environments {
             let modes = data.study.modes.iter();
-            found.extend(modes.filter_map(|mode| session.repeats(environment, mode)));
+            conditions.extend(modes.filter_map(|mode| session.repeats(environment, mode)));
         }
     }
-    found
+    conditions
 }
 
-/// So many samples stand for a large study where a result gains little from more and costs as much
-/// for each: 1,000 trials of 4 s at 1 kHz. A plant has six parameters, and its error shrinks with
-/// the root of the trials.
+/// The samples that stand for a large study where each more costs as much and a result gains little:
+/// 1,000 trials of 4 s at 1 kHz. A plant has six parameters, and its error shrinks with the root of
+/// the number of trials.
 const MOST_SAMPLES: usize = 4_000_000;
 
-/// Whose trials stand for all, of trials with so many samples each: everybody's, or in a large study
-/// those of so many participants, evenly spread over the list, as keep within the most samples; one
-/// participant's at least.
+/// The participants whose trials stand for all, given each trial's participant and samples: everybody,
+/// or in a large study as many, evenly spread over the list, as keep within `MOST_SAMPLES`; at least
+/// one.
 pub(crate) fn spread<'p>(trials: &[(&'p ParticipantId, usize)]) -> BTreeSet<&'p ParticipantId> {
     spread_within(trials, MOST_SAMPLES)
 }
@@ -108,16 +112,16 @@ pub(crate) fn spread_within<'p>(
         return people;
     }
     let people: Vec<_> = people.into_iter().collect();
+    // As if everybody had as many samples.
     let kept = (people.len() * most / all).max(1);
     (0..kept).map(|k| people[k * people.len() / kept]).collect()
 }
 
-/// Whether there are any.
+/// Whether any trial that counts has a condition of the study.
 pub(crate) fn is_any(data: &StudyData) -> bool {
-    let is_known = |meta: &TrialMeta| {
+    data.counting().any(|TrialEntry { meta, .. }| {
         data.study.environment(&meta.environment).is_some() && data.study.mode(&meta.mode).is_some()
-    };
-    data.counting().any(|trial| is_known(&trial.meta))
+    })
 }
 
 /// The calibration in force in a trial's session.

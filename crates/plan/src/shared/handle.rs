@@ -10,9 +10,11 @@ use zwidth_tables::{Table, TableError};
 /// A derived table of rows `R`.
 pub(crate) struct Derived<R> {
     path: PathBuf,
+    // `fn() -> R` instead of `R`: a handle goes to other threads whatever its rows hold.
     rows: PhantomData<fn() -> R>,
 }
 
+// Derived, it would ask the rows to be `Clone`.
 impl<R> Clone for Derived<R> {
     fn clone(&self) -> Self {
         Self { path: self.path.clone(), rows: PhantomData }
@@ -20,12 +22,12 @@ impl<R> Clone for Derived<R> {
 }
 
 impl<R: Row> Derived<R> {
-    /// That of a folder, named as its rows are.
+    /// The table in a folder that is named as its rows are.
     pub(crate) fn within(folder: &Path) -> Self {
         Self { path: folder.join(format!("{}.parquet", R::NAME)), rows: PhantomData }
     }
 
-    /// That of a subject, under a path of its own.
+    /// The table at a path of its own, for a subject.
     pub(crate) fn at(path: PathBuf) -> Self {
         Self { path, rows: PhantomData }
     }
@@ -62,7 +64,7 @@ impl<R: Row> Derived<R> {
         Ok((table.to_rows()?, table.notes().to_vec()))
     }
 
-    /// Its rows, where it was made.
+    /// Its rows, if it was made.
     ///
     /// # Errors
     /// Those of [`read`](Self::read).
@@ -104,17 +106,18 @@ impl<R: 'static> Inputs for Derived<R> {
     }
 }
 
-/// The tables that a job makes, each in that of its outputs which is named as it is.
+/// The tables that a job makes; each goes to the output that bears its name.
 pub(crate) struct Written<'m> {
     making: &'m Making<'m>,
     simulated: bool,
-    made: Vec<Option<Vec<u8>>>,
+    /// The bytes of each output, in the order of the job's outputs.
+    files: Vec<Option<Vec<u8>>>,
 }
 
 impl<'m> Written<'m> {
-    /// Nothing yet. What is made of simulated data says so.
+    /// No table yet. Tables of simulated data are marked.
     pub(crate) fn begin(making: &'m Making<'m>, simulated: bool) -> Self {
-        Self { making, simulated, made: vec![None; making.outputs.len()] }
+        Self { making, simulated, files: vec![None; making.outputs.len()] }
     }
 
     /// With the table of some rows.
@@ -124,17 +127,19 @@ impl<'m> Written<'m> {
 
     /// With a table that has notes, or the name of a subject.
     pub(crate) fn table(mut self, table: Table) -> Result<Self, JobError> {
-        let is_it = |path: &PathBuf| path.file_stem().is_some_and(|stem| stem == table.name());
-        let place = self.making.outputs.iter().position(is_it);
-        let place = place.ok_or_else(|| format!("the job has no output '{}'", table.name()))?;
+        let outputs = self.making.outputs;
+        let place = outputs
+            .iter()
+            .position(|path| path.file_stem().is_some_and(|stem| stem == table.name()))
+            .ok_or_else(|| format!("the job has no output '{}'", table.name()))?;
         let table = table.with_mark(self.simulated);
-        self.made[place] = Some(table.to_parquet(self.making.from, &self.making.outputs[place])?);
+        self.files[place] = Some(table.to_parquet(self.making.from, &outputs[place])?);
         Ok(self)
     }
 
     /// All of them.
     pub(crate) fn end(self) -> Result<Made, JobError> {
-        let all: Option<Vec<Vec<u8>>> = self.made.into_iter().collect();
+        let all: Option<Vec<Vec<u8>>> = self.files.into_iter().collect();
         Ok(Made::of(all.ok_or("a table of the job was not made")?))
     }
 }

@@ -16,8 +16,9 @@ pub(crate) fn write_tables(
     making: &Making,
     problems: Vec<String>,
 ) -> Result<Made, JobError> {
-    let files = tables.iter().zip(making.outputs);
-    let outputs = files
+    let outputs = tables
+        .iter()
+        .zip(making.outputs)
         .map(|(table, path)| table.to_parquet(making.from, path))
         .collect::<Result<Vec<_>, TableError>>()?;
     Ok(Made { problems, ..Made::of(outputs) })
@@ -28,34 +29,36 @@ pub(crate) fn read_tables(files: &[PathBuf]) -> Result<Vec<Table>, TableError> {
     files.par_iter().map(|file| Table::from_parquet(file)).collect()
 }
 
-/// Tables of one content that a thread keeps.
+/// Tables that a thread keeps.
 const KEPT: usize = 4;
 
 /// A table that many jobs of a run look at: a thread reads each of its contents once. The plant's own
-/// is small, but tells of every trial that it was identified from.
+/// is small, but its footer names every trial that it was identified from.
 pub(crate) fn read_shared(file: &Path, making: &Making) -> Result<Rc<Table>, TableError> {
-    type Known = VecDeque<(String, Rc<Table>)>;
+    type Cache = VecDeque<(String, Rc<Table>)>;
     thread_local! {
-        static KNOWN: RefCell<Known> = const { RefCell::new(VecDeque::new()) };
+        static CACHE: RefCell<Cache> = const { RefCell::new(VecDeque::new()) };
     }
+    // Read once per session instead, it took 3.6 % of the metrics of 150 participants. By hash, not by
+    // path: a thread may live through two runs, and the file change in between.
     let hash = making.hash_of(file);
-    let known = KNOWN.with_borrow(|known| {
-        known.iter().find(|(of, _)| Some(of.as_str()) == hash).map(|(_, table)| table.clone())
+    let cached = CACHE.with_borrow(|cache| {
+        cache.iter().find(|(key, _)| Some(key.as_str()) == hash).map(|(_, table)| table.clone())
     });
-    if let Some(table) = known {
+    if let Some(table) = cached {
         return Ok(table);
     }
     let table = Rc::new(Table::from_parquet(file)?);
     if let Some(hash) = hash {
-        KNOWN.with_borrow_mut(|known| {
-            known.push_front((hash.to_owned(), table.clone()));
-            known.truncate(KEPT);
+        CACHE.with_borrow_mut(|cache| {
+            cache.push_front((hash.to_owned(), table.clone()));
+            cache.truncate(KEPT);
         });
     }
     Ok(table)
 }
 
-/// Sessions whose tables are read at a time to be joined.
+/// Sessions whose tables are read at a time to be joined: enough for all cores, few enough for memory.
 const SESSIONS_AT_ONCE: usize = 64;
 
 /// A long table of the study, the job's only output: what `join` makes of the tables of each session,
@@ -65,6 +68,7 @@ pub(crate) fn join_sessions<T: Clone + Send + Sync + 'static>(
     join: impl Fn(&[T]) -> Result<Table, JobError> + Send + Sync + 'static,
     making: &Making,
 ) -> Made {
+    // The file is written after the job's function has returned: its writer owns all that it needs.
     let sessions = sessions.to_vec();
     let from = making.from.clone();
     let path = making.outputs.first().cloned().unwrap_or_default();
@@ -80,10 +84,13 @@ pub(crate) fn join_sessions<T: Clone + Send + Sync + 'static>(
 /// The good results, and the bad ones in words.
 pub(crate) fn split<T, E: ToString>(results: Vec<Result<T, E>>) -> (Vec<T>, Vec<String>) {
     let mut problems = Vec::new();
-    let good = results
-        .into_iter()
-        .filter_map(|r| r.map_err(|e| problems.push(e.to_string())).ok())
-        .collect();
+    let mut good = Vec::new();
+    for result in results {
+        match result {
+            Ok(value) => good.push(value),
+            Err(error) => problems.push(error.to_string()),
+        }
+    }
     (good, problems)
 }
 

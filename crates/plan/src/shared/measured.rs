@@ -10,18 +10,25 @@ use zwidth_tables::{Column, Values};
 /// be computed.
 pub(crate) fn measured(trial: &Trial, parameters: &Parameters) -> Vec<Measured> {
     let row = zwidth_metrics::trial_metrics(trial, parameters);
-    let table = row.ok().and_then(|row| zwidth_metrics::table(&[row]).ok());
-    table.map_or_else(Vec::new, |table| table.columns().iter().filter_map(number).collect())
+    let Some(table) = row.ok().and_then(|row| zwidth_metrics::table(&[row]).ok()) else {
+        return Vec::new();
+    };
+    let mut numbers = Vec::new();
+    for Column { field, values, .. } in table.columns() {
+        let Values::Float(values) = values else { continue };
+        if is_felt(&field.name) {
+            let value = values.first().copied().flatten();
+            numbers.push(Measured {
+                name: field.name.to_string(),
+                unit: field.unit.to_string(),
+                value,
+            });
+        }
+    }
+    numbers
 }
 
-/// A trial of samples that a model made, known as `like` is.
+/// A trial of samples that a model made, with the identity of `like`.
 pub(crate) fn model_trial(samples: Samples, like: &Trial) -> Trial {
     Trial { meta: like.meta.clone(), file: like.file.clone(), samples }
-}
-
-fn number(column: &Column) -> Option<Measured> {
-    let Values::Float(values) = &column.values else { return None };
-    let name = column.field.name.to_string();
-    let unit = column.field.unit.to_string();
-    is_felt(&name).then(|| Measured { name, unit, value: values.first().copied().flatten() })
 }

@@ -10,51 +10,46 @@ use zwidth_store::{
 };
 use zwidth_study::{CURRENT_BRAKE, CURRENT_MOTOR, ChannelId, ModeId, REFERENCE, TrialMeta};
 
-/// What the session knows of a trial beside its file: of an unsealed one, whose file has a code,
-/// the mode and the repeat.
+/// A trial's number, mode and repeat as the session has them. A trial that was recorded sealed has a
+/// code for its mode in its file, also after the session was unsealed.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub(crate) struct Known {
+pub(crate) struct TrialLabel {
     pub(crate) trial: u32,
     mode: ModeId,
     repeat: u32,
 }
 
-/// A stage's parameters, and what is known of the trials that it gets.
+/// A stage's parameters, and the labels of the trials that it gets.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(crate) struct OfTrials<P> {
     #[serde(flatten)]
     pub(crate) stage: P,
-    pub(crate) trials: Vec<Known>,
+    pub(crate) trials: Vec<TrialLabel>,
 }
 
 impl<P> OfTrials<P> {
     pub(crate) fn new(stage: P, trials: &[&TrialEntry]) -> Self {
-        Self { stage, trials: describe_trials(trials) }
+        Self { stage, trials: label_trials(trials) }
     }
 }
 
-/// What is known of trials.
-pub(crate) fn describe_trials(trials: &[&TrialEntry]) -> Vec<Known> {
-    trials.iter().map(|trial| Known::of(&trial.meta)).collect()
+/// The labels of trials.
+pub(crate) fn label_trials(trials: &[&TrialEntry]) -> Vec<TrialLabel> {
+    trials
+        .iter()
+        .map(|TrialEntry { meta, .. }| TrialLabel {
+            trial: meta.trial,
+            mode: meta.mode.clone(),
+            repeat: meta.repeat,
+        })
+        .collect()
 }
 
-impl Known {
-    fn of(meta: &TrialMeta) -> Self {
-        Self { trial: meta.trial, mode: meta.mode.clone(), repeat: meta.repeat }
-    }
-
-    /// A trial with what is known of it.
-    fn names(&self, trial: Trial) -> Trial {
-        Trial { meta: self.named(trial.meta), ..trial }
-    }
-
-    fn of_open(&self, mut trial: OpenTrial) -> OpenTrial {
-        trial.meta = self.named(trial.meta);
-        trial
-    }
-
-    fn named(&self, meta: TrialMeta) -> TrialMeta {
-        TrialMeta { mode: self.mode.clone(), repeat: self.repeat, ..meta }
+impl TrialLabel {
+    /// Writes mode and repeat over those that a trial's file has.
+    fn apply(&self, meta: &mut TrialMeta) {
+        meta.mode = self.mode.clone();
+        meta.repeat = self.repeat;
     }
 }
 
@@ -66,40 +61,44 @@ pub(crate) fn files(trials: &[&TrialEntry]) -> Recordings {
     trials.iter().map(|t| t.path.clone()).collect()
 }
 
-/// What is there of trials, and in words what is wrong with the files of the others.
-pub(crate) type Found<T> = (Vec<T>, Vec<String>);
+/// What could be made of trials, and in words what is wrong with the files of the others.
+pub(crate) type WithProblems<T> = (Vec<T>, Vec<String>);
 
-/// What could be read of trials or sweeps; what cannot is left out and told.
+/// The trials or sweeps that could be read; the others are left out and reported.
 ///
 /// # Errors
 /// A file that the system does not give, though it did when the study was planned. A result without
 /// it would be remembered as that of all files, and nobody would ask again.
-pub(crate) fn readable<T>(read: Vec<Result<T, StoreError>>) -> Result<Found<T>, StoreError> {
-    given(&read)?;
+pub(crate) fn readable<T>(read: Vec<Result<T, StoreError>>) -> Result<WithProblems<T>, StoreError> {
+    check_system(&read)?;
     Ok(split(read))
 }
 
-/// Whether the system gives all of them.
-fn given<T>(read: &[Result<T, StoreError>]) -> Result<(), StoreError> {
+/// The first error that is the system's, and not the file's, if there is one.
+fn check_system<T>(read: &[Result<T, StoreError>]) -> Result<(), StoreError> {
     let mut errors = read.iter().filter_map(|read| read.as_ref().err());
     errors.find(|error| error.by_system).map_or(Ok(()), |error| Err(error.clone()))
 }
 
-/// Reads trials in parallel, with these signals; what cannot be read is left out and told.
+/// Reads trials in parallel, with these signals; those that cannot be read are left out and reported.
 ///
 /// # Errors
 /// A file that the system does not give.
 pub(crate) fn read_all(
     files: &[Arc<Path>],
-    known: &[Known],
+    labels: &[TrialLabel],
     signals: impl Iterator<Item = Signal> + Clone + Sync,
-) -> Result<Found<Trial>, StoreError> {
-    let trials = files.par_iter().zip(known);
-    readable(trials.map(|(file, known)| read_one(file, known, signals.clone())).collect())
+) -> Result<WithProblems<Trial>, StoreError> {
+    let read = files.par_iter().zip(labels).map(|(file, label)| {
+        let mut trial = read_trial(file, signals.clone())?;
+        label.apply(&mut trial.meta);
+        Ok(trial)
+    });
+    readable(read.collect())
 }
 
-/// Samples of a trial from which on it is drawn with fewer: what is on paper or a screen has a few
-/// thousand places.
+/// Trials with more samples than this are drawn with fewer: paper and screens have a few thousand
+/// places.
 pub(crate) const MOST_DRAWN: usize = 1 << 18;
 
 /// The same to be drawn: a long trial with fewer samples, and of each trial how many were recorded.
@@ -108,62 +107,60 @@ pub(crate) const MOST_DRAWN: usize = 1 << 18;
 /// A file that the system does not give.
 pub(crate) fn read_drawn(
     files: &[Arc<Path>],
-    known: &[Known],
+    labels: &[TrialLabel],
     signals: impl Iterator<Item = Signal> + Clone + Sync,
-) -> Result<Found<(Trial, usize)>, StoreError> {
-    let read = files.par_iter().zip(known).map(|(file, known)| {
-        let (trial, recorded) = read_thinned(file, signals.clone(), MOST_DRAWN)?;
-        Ok((known.names(trial), recorded))
+) -> Result<WithProblems<(Trial, usize)>, StoreError> {
+    let read = files.par_iter().zip(labels).map(|(file, label)| {
+        let (mut trial, recorded) = read_thinned(file, signals.clone(), MOST_DRAWN)?;
+        label.apply(&mut trial.meta);
+        Ok((trial, recorded))
     });
     readable(read.collect())
 }
 
-/// What `make` makes of each trial with these signals, side by side: of a long one it reads the
-/// columns that it looks at. Channels that metrics read are there where the files have them.
+/// What `make` makes of each trial with these signals, side by side; of a long trial only the columns
+/// that `make` looks at are read. Channels that metrics need are included if the files have them.
 ///
 /// # Errors
 /// A file that the system does not give.
 pub(crate) fn of_each<T: Send>(
     lately: &Lately,
     files: &[Arc<Path>],
-    known: &[Known],
+    labels: &[TrialLabel],
     signals: &[Signal],
     make: impl Fn(&OpenTrial) -> T + Sync,
 ) -> Result<Vec<Result<T, StoreError>>, StoreError> {
+    // Names of ours: each of them is an id, and none is lost below.
     let names = [CURRENT_MOTOR, CURRENT_BRAKE, REFERENCE];
     let channels: Vec<ChannelId> =
         names.into_iter().filter_map(|name| ChannelId::new(name).ok()).collect();
-    let each = files.par_iter().zip(known).map(|(file, known)| {
-        let trial = known.of_open(lately.open(file, signals, &channels)?);
-        let made = make(&trial);
+    let each = files.par_iter().zip(labels).map(|(file, label)| {
+        let mut trial = lately.open(file, signals, &channels)?;
+        label.apply(&mut trial.meta);
+        let result = make(&trial);
         // Whatever was made without a column that could not be read is void.
-        trial.columns().failure().map_or(Ok(made), Err)
+        trial.columns().failure().map_or(Ok(result), Err)
     });
     let each: Vec<Result<T, StoreError>> = each.collect();
-    given(&each)?;
+    check_system(&each)?;
     Ok(each)
 }
 
-/// The trials, opened, one after the other: of long ones no column is read yet.
+/// The trials, opened side by side; of long ones no column is read yet.
 ///
 /// # Errors
 /// A file that the system does not give.
 pub(crate) fn open_all(
     files: &[Arc<Path>],
-    known: &[Known],
-) -> Result<Found<OpenTrial>, StoreError> {
+    labels: &[TrialLabel],
+) -> Result<WithProblems<OpenTrial>, StoreError> {
     let all: Vec<Signal> = Signal::all().collect();
-    let open =
-        |(file, known): (&Arc<Path>, &Known)| Ok(known.of_open(OpenTrial::open(file, &all, &[])?));
-    readable(files.par_iter().zip(known).map(open).collect())
-}
-
-fn read_one(
-    file: &Path,
-    known: &Known,
-    signals: impl Iterator<Item = Signal>,
-) -> Result<Trial, StoreError> {
-    Ok(known.names(read_trial(file, signals)?))
+    let open = files.par_iter().zip(labels).map(|(file, label)| {
+        let mut trial = OpenTrial::open(file, &all, &[])?;
+        label.apply(&mut trial.meta);
+        Ok(trial)
+    });
+    readable(open.collect())
 }
 
 /// A trial's name in a message: `P01 S01 trial 2`.
@@ -182,7 +179,7 @@ mod tests {
     #[test]
     fn a_damaged_file_is_told_and_one_that_the_system_does_not_give_is_an_error() {
         let folder = tempfile::tempdir().unwrap();
-        let known = [Known { trial: 1, mode: "hybrid".parse().unwrap(), repeat: 1 }];
+        let known = [TrialLabel { trial: 1, mode: "hybrid".parse().unwrap(), repeat: 1 }];
         let read = |file: std::path::PathBuf| {
             let sweeps = read_sweeps(std::slice::from_ref(&file));
             let files = [Arc::from(file)];

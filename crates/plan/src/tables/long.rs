@@ -4,8 +4,8 @@ use crate::{compare, identify, replay};
 use std::collections::BTreeSet;
 use zwidth_store::{StudyData, TrialEntry};
 
-/// Rows from which on a table that has more the more trials or participants there are is written for
-/// programs alone: printed, these would be a hundred pages.
+/// A table that grows with trials or participants and has more rows than this is written for programs
+/// alone: printed, it would have a hundred pages.
 const MOST_READ: usize = 5000;
 
 /// The names of the tables that may have more rows than anybody reads.
@@ -16,29 +16,31 @@ pub(crate) fn for_programs(data: &StudyData) -> BTreeSet<String> {
 fn longer_than(most: usize, data: &StudyData) -> BTreeSet<String> {
     let study = &data.study;
     let trials = data.counting().count();
-    let several = |part: fn(&TrialEntry) -> [&str; 4]| -> usize {
-        // One by one: a set that is collected is a list of all trials first.
-        let mut found = BTreeSet::new();
-        found.extend(data.counting().map(part));
-        found.len()
-    };
-    let people = several(|t| [t.meta.participant.as_str(), "", "", ""]);
-    let conditions = several(|TrialEntry { meta: m, .. }| {
-        [m.participant.as_str(), m.session.as_str(), m.environment.as_str(), m.mode.as_str()]
-    });
-    let contrasts = people * study.environments.len() * study.compare.contrasts.len();
-    let rows = [
+    let mut people = BTreeSet::new();
+    let mut conditions = BTreeSet::new();
+    // One by one: a set that is collected is a list of all trials first.
+    for TrialEntry { meta: m, .. } in data.counting() {
+        people.insert(&m.participant);
+        conditions.insert((&m.participant, &m.session, &m.environment, &m.mode));
+    }
+    let contrasts = people.len() * study.environments.len() * study.compare.contrasts.len();
+    let mut long = BTreeSet::new();
+    for (name, rows) in [
         ("metrics", trials),
         ("replay", trials * replay::rows_of_a_trial(data)),
         ("identify.trials", identify::taken(data).0.len()),
-        ("conditions", conditions),
+        ("conditions", conditions.len()),
         ("answers", data.answers.len() + data.answers_left_out.len()),
-    ];
-    let rows = rows.map(|(name, rows)| (name.to_owned(), rows)).into_iter();
-    let compared = compare::compared(data).into_iter();
-    let compared = compared.map(|metric| (format!("participants_{metric}"), contrasts));
-    let long = rows.chain(compared).filter(|(_, rows)| *rows > most);
-    long.map(|(name, _)| name).collect()
+    ] {
+        if rows > most {
+            long.insert(name.to_owned());
+        }
+    }
+    if contrasts > most {
+        let compared = compare::compared(data).into_iter();
+        long.extend(compared.map(|metric| format!("participants_{metric}")));
+    }
+    long
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@ use crate::tables::long::for_programs;
 use crate::tables::printed::Printed;
 use crate::{compare, freemotion, identify, ladder, likert, metrics, replay, report, trade};
 use serde::Serialize;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use zwidth_metrics::by_mode;
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, Output, Stage};
@@ -20,28 +20,32 @@ use zwidth_tables::{Format, Table, TableError, Wording, write_csv};
 /// Its version is raised when a table would be written differently from the same data.
 const STAGE: Stage = Stage { name: "tables", version: 23 };
 
-/// The tables that are printed. The trade runs models, and what modes and device are is written in
-/// study.toml: neither is marked as simulated.
+/// The tables that are printed. The trade runs models, and modes and device come from study.toml:
+/// neither is marked as simulated.
 pub fn printed(data: &StudyData) -> Vec<Printed> {
     let trials = data.counting().any(|trial| trial.meta.source.is_simulated());
     let answers = data.sessions.iter().any(|session| session.record.source.is_simulated());
     let sweeps = data.sweeps.iter().any(|sweep| sweep.source.is_simulated());
     let any = trials || answers || sweeps;
-    let whole = |files: Vec<PathBuf>, simulated| {
-        files.into_iter().map(move |file| Printed::whole(&file).marked(simulated))
-    };
-    whole(of_trials(data), trials)
-        .chain(whole(likert::printed(data), answers))
+    [
+        mark(of_trials(data), trials),
+        mark(likert::printed(data), answers),
         // These are marked by themselves.
-        .chain(compare::tables(data))
-        .chain(whole(trade::tables(data), false))
-        .chain(whole(of_sweeps(data), sweeps))
-        .chain(whole(report::of_data(data), any))
-        .chain(whole(report::of_design(data), false))
-        .collect()
+        compare::tables(data),
+        mark(trade::tables(data), false),
+        mark(of_sweeps(data), sweeps),
+        mark(report::of_data(data), any),
+        mark(report::of_design(data), false),
+    ]
+    .concat()
 }
 
-/// What is made of the trials' samples.
+/// Whole tables, marked if simulated data go into them.
+fn mark(files: Vec<PathBuf>, simulated: bool) -> Vec<Printed> {
+    files.iter().map(|file| Printed::whole(file).marked(simulated)).collect()
+}
+
+/// The tables of the trials' samples.
 fn of_trials(data: &StudyData) -> Vec<PathBuf> {
     let mut tables = Vec::new();
     if metrics::of_study(data).is_some() {
@@ -55,11 +59,15 @@ fn of_trials(data: &StudyData) -> Vec<PathBuf> {
     tables
 }
 
-/// What is made of the sweeps: models and parameters. The curve is data of a figure.
+/// The tables of the sweeps: models and parameters. The curve is data of a figure.
 fn of_sweeps(data: &StudyData) -> Vec<PathBuf> {
-    let actuators = characterise::actuators(data).into_iter();
-    let found = actuators.map(|(id, _)| Characterisation::of(&data.layout, id));
-    found.flat_map(|found| [found.models.files(), found.parameters.files()].concat()).collect()
+    let mut tables = Vec::new();
+    for (actuator, _) in characterise::actuators(data) {
+        let Characterisation { models, parameters, .. } =
+            Characterisation::of(&data.layout, actuator);
+        tables.extend([models.files(), parameters.files()].concat());
+    }
+    tables
 }
 
 /// Where a printed table lies in a format.
@@ -69,13 +77,27 @@ fn printed_as(layout: &Layout, stem: &str, format: Format) -> PathBuf {
 
 /// The printed tables, as Parquet.
 pub(crate) fn files(data: &StudyData) -> Vec<PathBuf> {
-    let names = printed(data).into_iter().map(|table| table.name());
-    names.map(|name| printed_as(&data.layout, &name, Format::Parquet)).collect()
+    let tables = printed(data).into_iter();
+    tables.map(|table| printed_as(&data.layout, &table.name(), Format::Parquet)).collect()
 }
 
 pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
     let for_programs = for_programs(data);
-    printed(data).into_iter().map(|table| job(data, table, &for_programs)).collect()
+    let mut jobs = Vec::new();
+    for table in printed(data) {
+        let name = table.name();
+        let formats = Format::ALL
+            .into_iter()
+            .filter(|f| f.is_for_programs() || !for_programs.contains(&name));
+        let outputs = formats.map(|f| printed_as(&data.layout, &name, f)).collect();
+        let printing = Printing {
+            wording: Wording::of(&data.study),
+            simulated: table.simulated,
+            metric: table.metric.clone(),
+        };
+        jobs.push(Job::new(STAGE, format!("table {name}"), printing, table, outputs, make));
+    }
+    jobs
 }
 
 /// How a table is printed.
@@ -86,39 +108,35 @@ struct Printing {
     metric: Option<MetricId>,
 }
 
-fn job(data: &StudyData, table: Printed, for_programs: &BTreeSet<String>) -> Job {
-    let name = table.name();
-    let formats =
-        Format::ALL.into_iter().filter(|f| f.is_for_programs() || !for_programs.contains(&name));
-    let outputs = formats.map(|f| printed_as(&data.layout, &name, f)).collect();
-    let wording = Wording::of(&data.study);
-    let simulated = table.simulated;
-    let metric = table.metric.clone();
-    let how = Printing { wording, simulated, metric };
-    Job::new(STAGE, format!("table {name}"), how, table, outputs, make)
-}
-
-fn make(how: &Printing, table: &Printed, making: &Making) -> Result<Made, JobError> {
-    let format = |path: &Path| {
-        Format::ALL.into_iter().find(|f| path.extension().is_some_and(|e| e == f.extension()))
-    };
-    let files = making.outputs.iter().filter_map(|path| Some((format(path)?, path.as_path())));
-    let files: Vec<_> = files.collect();
+fn make(printing: &Printing, table: &Printed, making: &Making) -> Result<Made, JobError> {
+    let mut files = Vec::new();
+    for path in making.outputs {
+        let mut formats = Format::ALL.into_iter();
+        let format = formats.find(|f| path.extension().is_some_and(|e| e == f.extension()));
+        files.extend(format.map(|format| (format, path.as_path())));
+    }
+    // Formats for people are laid out from the whole table; the others can be of any length.
     if table.metric.is_none() && files.iter().all(|(format, _)| format.is_for_programs()) {
-        let input = &table.file;
-        let outputs = files
-            .into_iter()
-            .map(|(format, path)| long(format, path, how.simulated, input, making));
+        let outputs = files.into_iter().map(|(format, path)| {
+            write_long(format, path, printing.simulated, &table.file, making)
+        });
         return Ok(Made { outputs: outputs.collect(), ..Made::default() });
     }
-    Ok(Made::of(write(&table.read()?, &files, &how.wording, making.from)?))
+    Ok(Made::of(write(&table.read()?, &files, &printing.wording, making.from)?))
 }
 
 /// A file of a table that may be of any length.
-fn long(format: Format, path: &Path, simulated: bool, input: &Path, making: &Making) -> Output {
+fn write_long(
+    format: Format,
+    path: &Path,
+    simulated: bool,
+    input: &Path,
+    making: &Making,
+) -> Output {
     let path = path.to_owned();
     let input = input.to_owned();
     let from = making.from.clone();
+    // Written after the job's function has returned: it may borrow nothing of it.
     Output::Long(Box::new(move |out| {
         let parts = Table::parts(&input)?.map(|part| Ok(part?.with_mark(simulated)));
         match format {

@@ -13,7 +13,7 @@ pub struct Printed {
     pub(crate) file: PathBuf,
     /// The metric whose rows they are.
     pub(crate) metric: Option<MetricId>,
-    /// Whether columns that no row has a value of are left out.
+    /// Whether columns without any value are left out.
     drops_empty: bool,
     /// Whether it has to be marked: simulated data go into it, and it does not say so by itself.
     pub(crate) simulated: bool,
@@ -25,12 +25,12 @@ impl Printed {
         Self { file: file.to_owned(), metric: None, drops_empty: false, simulated: false }
     }
 
-    /// The same, without the columns that no row has a value of.
+    /// The same, without the columns that have no value in any row.
     pub(crate) fn without_empty_columns(file: &Path) -> Self {
         Self { drops_empty: true, ..Self::whole(file) }
     }
 
-    /// The same, marked where simulated data go into it.
+    /// The same, marked if simulated data go into it.
     pub(crate) fn marked(self, simulated: bool) -> Self {
         Self { simulated, ..self }
     }
@@ -51,8 +51,9 @@ impl Printed {
         self.file.exists()
     }
 
-    /// What is said of a metric's rows: what the metric is, and the notes below them.
+    /// The tables beside a metric's rows: what the metric is, and the notes below them.
     fn metrics_and_notes(&self) -> (Derived<Compared>, Derived<MetricNote>) {
+        // The stage writes all of its tables into one folder.
         let folder = self.file.parent().unwrap_or(Path::new(""));
         (Derived::within(folder), Derived::within(folder))
     }

@@ -11,7 +11,7 @@ use crate::records::Kept;
 use crate::{Job, Made, Making, Output, Provenance, Records, Results, strip_root};
 use rayon::prelude::*;
 use std::collections::{BTreeSet, HashSet, VecDeque};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 use zwidth_store::{Lately, Seen, StoreError, hex_blake3};
@@ -21,7 +21,7 @@ mod unplanned;
 
 pub use options::{Options, wanted};
 use options::{keep_seen, records_before, save};
-use unplanned::{nobodys, outputs, remove_unplanned, take_unplanned};
+use unplanned::{orphans, outputs, remove_unplanned, take_unplanned};
 
 /// How a job ended.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -53,7 +53,7 @@ pub struct Report {
     pub took: Duration,
 }
 
-/// What came of a run.
+/// The outcome of a run.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Done {
     /// How each job ended.
@@ -77,7 +77,7 @@ pub fn run(
     done: &(dyn Fn(&Report) + Sync),
 ) -> Result<Done, StoreError> {
     // Before records are read: who writes them meanwhile would have them overwritten.
-    let _held = match (options.dry_run, options.shard) {
+    let _lock = match (options.dry_run, options.shard) {
         (true, _) => None,
         (false, Some(_)) => results.hold_beside_shards()?,
         (false, None) => results.hold()?,
@@ -90,20 +90,24 @@ pub fn run(
     );
     let (before, mut remarks) = read?;
     board.records = before.clone();
-    // Those that are not believed go from their file too.
-    // A shard that has nothing to make says so, too.
+    // Records that are not believed go from their file too, and a shard that has nothing to make says
+    // so in a manifest.
     board.unsaved = !remarks.is_empty() || options.shard.is_some();
     let hashes = Hashes::seen(&options.known, options.seen.clone());
     let board = Mutex::new(board);
     let trials = Lately::seeing(options.seen.clone());
     let planned = outputs(jobs);
-    // Until they are saved once: to save them takes about as long as it took to read them.
+    // A first estimate: to save records takes about as long as it took to read them.
     let saved = Mutex::new((Instant::now(), begun.elapsed()));
     let run = Run { jobs, before, results, options, done, hashes, trials, planned, board, saved };
-    for begin in [Board::waiting_for_none, Board::in_a_circle] {
-        let ready = begin(&mut run.board());
-        rayon::scope(|scope| run.spawn(scope, ready));
-    }
+    let ready = run.board().waiting_for_none();
+    rayon::scope(|scope| run.spawn(scope, ready));
+    // What is left needs each other in a circle, or a job that does, and fails when it finds an input
+    // missing.
+    let mut board = run.board();
+    let left = if board.disk.is_some() { Vec::new() } else { board.begin(|_| true) };
+    drop(board);
+    rayon::scope(|scope| run.spawn(scope, left));
     let before = run.before;
     let planned = run.planned;
     let board = run.board;
@@ -122,39 +126,47 @@ pub fn run(
         let others = before.0.keys().filter(|name| !records.0.contains_key(*name));
         let others = others.filter_map(|name| before.get(name));
         remarks.extend(others.flat_map(|record| remove_unplanned(&planned, &record, results)));
-        remarks.extend(nobodys(&planned, results));
+        remarks.extend(orphans(&planned, results));
     }
-    let is_unsaved = unsaved && !options.dry_run;
-    let save = || if is_unsaved { save(&records, results, options).map(drop) } else { Ok(()) };
-    let (saved, ()) = rayon::join(save, || keep_seen(results, options));
+    let (saved, ()) = rayon::join(
+        || match unsaved && !options.dry_run {
+            true => save(&records, results, options).map(drop),
+            false => Ok(()),
+        },
+        || keep_seen(results, options),
+    );
     saved?;
     // Of a large study that takes long, and nobody needs it to be over.
     rayon::spawn(move || drop((records, before)));
     Ok(Done { reports: reports.into_iter().flatten().collect(), remarks })
 }
 
-/// How often records are saved while jobs end, at most: a run that is killed makes again what came
-/// after.
+/// The shortest time between two savings of records while jobs end: a run that is killed makes again
+/// what came after the last.
 const SAVED_EVERY: Duration = Duration::from_secs(1);
 
-/// To save those of a large study takes long: no more than one part in so many of the time of a core
+/// To save the records of a large study takes long: at most one part in this many of a core's time
 /// goes into it.
 const PARTS_OF_SAVING: u32 = 30;
 
-/// Whether records are saved again, so long after they were last, which took so long.
+/// Whether records are due to be saved, `since` after they were last saved, which `took` as long.
 fn is_save_due(since: Duration, took: Duration) -> bool {
+    // Those of a thousand participants are 96 MB: saved every second, they took a third of a run.
     since >= SAVED_EVERY.max(took * PARTS_OF_SAVING)
 }
 
-/// Bytes of input files from which on a job reads much (8 MiB): as numbers in memory, or as text, some
-/// five to ten times as many.
+/// A job whose input files have more bytes than this reads much (8 MiB): as numbers in memory, or as
+/// text, they are some five to ten times as many.
 const MUCH: u64 = 1 << 23;
 
-/// Whether a job reads much, as far as its inputs are there.
+/// Whether a job reads much, as far as its inputs exist.
 fn reads_much(job: &Job, seen: &Seen) -> bool {
-    let found = |path: &Path| std::fs::metadata(path).map_or(0, |found| found.len());
-    let bytes = |path: &Path| seen.length(path).unwrap_or_else(|| found(path));
-    job.inputs().iter().map(|path| bytes(path)).sum::<u64>() > MUCH
+    let bytes = job.inputs().into_iter().map(|path| {
+        seen.length(&path)
+            .unwrap_or_else(|| std::fs::metadata(&path).map_or(0, |metadata| metadata.len()))
+    });
+    // Tables of 36,000 trials that were written as text side by side were the most that a run held.
+    bytes.sum::<u64>() > MUCH
 }
 
 /// How a run stands.
@@ -169,8 +181,7 @@ struct Board<'j> {
     reports: Vec<Option<Report>>,
     /// For each job those that read its outputs.
     readers: Vec<Vec<usize>>,
-    /// For each job how many others it waits for; `None` once it was begun, or if nobody asked for
-    /// it.
+    /// For each job how many others it waits for; `None` once it was begun, or if it is not wanted.
     waits: Vec<Option<usize>>,
     /// Those that wait for nothing but a core, and before each whether it reads little.
     ready: BTreeSet<(bool, usize)>,
@@ -191,8 +202,11 @@ struct Board<'j> {
 impl<'j> Board<'j> {
     fn new(jobs: &'j [Job], wanted: &[bool], seen: &'j Seen) -> Self {
         let needs = needs(jobs, wanted);
-        // What nobody asked for is not waited for: it lies there.
-        let waits_for = |i: usize| needs[i].iter().filter(|maker| wanted[**maker]).count();
+        // A job that is not wanted is not waited for: its outputs are taken as they lie.
+        let waits = needs.iter().zip(wanted).map(|(makers, is_wanted)| {
+            is_wanted.then(|| makers.iter().filter(|maker| wanted[**maker]).count())
+        });
+        let waits = waits.collect();
         let mut readers = vec![Vec::new(); jobs.len()];
         for (i, makers) in needs.iter().enumerate() {
             makers.iter().for_each(|maker| readers[*maker].push(i));
@@ -205,7 +219,7 @@ impl<'j> Board<'j> {
             failed: BTreeSet::new(),
             reports: jobs.iter().map(|_| None).collect(),
             readers,
-            waits: (0..jobs.len()).map(|i| wanted[i].then(|| waits_for(i))).collect(),
+            waits,
             ready: BTreeSet::new(),
             at_work: BTreeSet::new(),
             large: jobs
@@ -220,23 +234,24 @@ impl<'j> Board<'j> {
         }
     }
 
-    /// The job to begin next, of those that are ready the first of whose part no other is at work: who
-    /// comes after that one finds its trials read, and who runs beside it reads them once more.
+    /// The job to begin next: of those that are ready, the first of whose part no other is at work. A
+    /// job that comes after another of its part finds the trials read; beside it, it would read them
+    /// once more.
     fn next(&mut self) -> Option<usize> {
         let jobs = self.jobs;
-        let is_apart = |i: usize| {
-            jobs[i].part.is_none()
-                || self.at_work.iter().all(|at_work| jobs[*at_work].part != jobs[i].part)
-        };
-        let apart = self.ready.iter().find(|(_, i)| is_apart(*i));
+        // The stage of metrics takes a fifth less by that.
+        let apart = self.ready.iter().find(|(_, i)| {
+            jobs[*i].part.is_none()
+                || self.at_work.iter().all(|at_work| jobs[*at_work].part != jobs[*i].part)
+        });
         let next = *apart.or_else(|| self.ready.first())?;
         self.ready.remove(&next);
         self.at_work.insert(next.1);
         Some(next.1)
     }
 
-    /// Those of these jobs that may run now; others that read much wait for the one that runs.
-    fn admitted(&mut self, ready: Vec<usize>) -> Vec<usize> {
+    /// Those of these jobs that may run now. If a job that reads much runs, others that do wait for it.
+    fn admit(&mut self, ready: Vec<usize>) -> Vec<usize> {
         let mut now = Vec::new();
         for i in ready {
             if self.large[i] && self.large_runs {
@@ -257,8 +272,8 @@ impl<'j> Board<'j> {
             self.large_runs = false;
             next.extend(self.held.pop_front().filter(|_| self.disk.is_none()));
         }
-        next.extend(self.freed_by(i));
-        self.admitted(next)
+        next.extend(self.free(i));
+        self.admit(next)
     }
 
     /// Jobs that wait for nothing, from now on begun.
@@ -266,17 +281,15 @@ impl<'j> Board<'j> {
         self.begin(|waits| waits == 0)
     }
 
-    /// Jobs that nothing which is left could make ready: they need each other, or one that does,
-    /// and fail when they find an input missing.
-    fn in_a_circle(&mut self) -> Vec<usize> {
-        if self.disk.is_some() { Vec::new() } else { self.begin(|_| true) }
-    }
-
-    fn begin(&mut self, which: impl Fn(usize) -> bool) -> Vec<usize> {
-        let found: Vec<usize> =
-            (0..self.waits.len()).filter(|i| self.waits[*i].is_some_and(&which)).collect();
-        found.iter().for_each(|i| self.waits[*i] = None);
-        self.admitted(found)
+    /// Begins the jobs that wait for such a number of others, and returns those that may run now.
+    fn begin(&mut self, is_such: impl Fn(usize) -> bool) -> Vec<usize> {
+        let mut begun = Vec::new();
+        for (i, waits) in self.waits.iter_mut().enumerate() {
+            if waits.take_if(|waits| is_such(*waits)).is_some() {
+                begun.push(i);
+            }
+        }
+        self.admit(begun)
     }
 
     /// The first of a job's inputs that could not be made.
@@ -288,7 +301,7 @@ impl<'j> Board<'j> {
     }
 
     /// Jobs that waited for this one alone, from now on begun.
-    fn freed_by(&mut self, i: usize) -> Vec<usize> {
+    fn free(&mut self, i: usize) -> Vec<usize> {
         if self.disk.is_some() {
             return Vec::new();
         }
@@ -302,24 +315,19 @@ impl<'j> Board<'j> {
                 waits => waits.map(|n| n - 1),
             };
         }
+        // Only now are their inputs as long as they will be.
         freed.iter().for_each(|i| self.large[*i] = reads_much(&self.jobs[*i], self.seen));
         freed
     }
 }
 
-/// What came of a job.
+/// The outcome of a job.
 struct Ended {
     report: Report,
     /// Its record, if that is another than before.
     record: Option<Record>,
     /// What it made before, makes no more, and could not be removed.
     stayed: Vec<StoreError>,
-}
-
-impl Ended {
-    fn of(report: Report) -> Self {
-        Self { report, record: None, stayed: Vec::new() }
-    }
 }
 
 /// What the jobs of a run share.
@@ -351,6 +359,8 @@ impl<'j> Run<'j> {
     fn spawn<'s>(&'s self, scope: &rayon::Scope<'s>, ready: Vec<usize>) {
         let mut board = self.board();
         for i in ready {
+            // `false` sorts first: with large ones begun first a thousand participants take 7½ minutes
+            // instead of 9.
             let is_small = !board.large[i];
             board.ready.insert((is_small, i));
             self.spawn_one(scope);
@@ -361,10 +371,10 @@ impl<'j> Run<'j> {
         scope.spawn(move |scope| {
             let Some(i) = self.board().next() else { return };
             let begun = Instant::now();
-            let mut result = self.one(&self.jobs[i]);
-            result.iter_mut().for_each(|ended| ended.report.took = begun.elapsed());
-            // Before the board is locked: whoever listens may take long.
-            if let Ok(ended) = &result {
+            let mut result = self.run_job(&self.jobs[i]);
+            if let Ok(ended) = &mut result {
+                ended.report.took = begun.elapsed();
+                // Before the board is locked: whoever listens may take long.
                 (self.done)(&ended.report);
             }
             let mut board = self.board();
@@ -404,6 +414,7 @@ impl<'j> Run<'j> {
     /// Saves the records of the jobs that have ended, unless they were a moment ago or are being saved.
     /// Other jobs go on meanwhile.
     fn save_when_due(&self) -> Result<(), StoreError> {
+        // Locked already: another thread saves them, and this one need not wait for that.
         let Ok(mut saved) = self.saved.try_lock() else { return Ok(()) };
         if self.options.dry_run || !is_save_due(saved.0.elapsed(), saved.1) {
             return Ok(());
@@ -423,22 +434,25 @@ impl<'j> Run<'j> {
     }
 
     /// Makes a job if it needs it.
-    fn one(&self, job: &Job) -> Result<Ended, StoreError> {
-        let report = |verdict, problems, care| Report {
-            stage: job.stage.name,
-            name: job.name.clone(),
-            verdict,
-            problems,
-            care,
-            took: Duration::ZERO,
+    fn run_job(&self, job: &Job) -> Result<Ended, StoreError> {
+        let ended = |verdict| Ended {
+            report: Report {
+                stage: job.stage.name,
+                name: job.name.clone(),
+                verdict,
+                problems: Vec::new(),
+                care: Vec::new(),
+                took: Duration::ZERO,
+            },
+            record: None,
+            stayed: Vec::new(),
         };
-        let without = |verdict| Ended::of(report(verdict, Vec::new(), Vec::new()));
         let root = self.results.root();
         let before = self.before.get(&job.name);
         let failed = self.board().first_failed(job);
         if let Some(input) = failed.filter(|_| !job.tolerant) {
             let why = format!("it needs {}, which could not be made", show_path(root, &input));
-            return Ok(without(JobEnd::Blocked(why)));
+            return Ok(ended(JobEnd::Blocked(why)));
         }
         let now = Record::now(job, root, &self.hashes);
         let reason = match &before {
@@ -448,15 +462,17 @@ impl<'j> Run<'j> {
         };
         let Some(why) = reason.map(|change| change.to_string()) else {
             let before = before.map(Arc::unwrap_or_clone).unwrap_or_default();
-            let report = report(JobEnd::UpToDate, before.problems.clone(), before.care.clone());
-            // No reason to make it again, but who asks later is told of the files of this run.
+            let mut ended = ended(JobEnd::UpToDate);
+            ended.report.problems.clone_from(&before.problems);
+            ended.report.care.clone_from(&before.care);
+            // No reason to make it again, but `trace` should name the files of this run.
             let moved = before.origins != now.origins;
-            let record = moved.then_some(Record { origins: now.origins, ..before });
-            return Ok(Ended { record, ..Ended::of(report) });
+            ended.record = moved.then_some(Record { origins: now.origins, ..before });
+            return Ok(ended);
         };
         if self.options.dry_run {
             self.hashes.forget(&job.outputs);
-            return Ok(without(JobEnd::Made(why)));
+            return Ok(ended(JobEnd::Made(why)));
         }
         let mut record = now.with_origin(&job.name);
         let from = match self.options.without_origin {
@@ -464,62 +480,65 @@ impl<'j> Run<'j> {
             false => provenance(&job.name, &record),
         };
         let making = Making { from: &from, outputs: &job.outputs, root, trials: &self.trials };
-        Ok(match make(job, &making, self.results)? {
-            Err(error) => without(JobEnd::Failed(error)),
-            Ok((mut made, hashes)) => {
-                for text in made.problems.iter_mut().chain(&mut made.care) {
-                    *text = strip_root(root, text);
-                }
-                for (path, hash) in job.outputs.iter().zip(hashes) {
-                    self.hashes.written(path, &hash);
-                    record.outputs.insert(show_path(root, path), hash);
-                }
-                record.problems.clone_from(&made.problems);
-                record.care.clone_from(&made.care);
-                // Now: once its record is saved nobody knows that it made them.
-                let gone =
-                    |before: Arc<Record>| remove_unplanned(&self.planned, &before, self.results);
-                Ended {
-                    report: report(JobEnd::Made(why), made.problems, made.care),
-                    record: Some(record),
-                    stayed: before.map(gone).unwrap_or_default(),
-                }
-            }
-        })
+        let (Made { mut problems, mut care, .. }, hashes) = match make(job, &making, self.results)?
+        {
+            Ok(result) => result,
+            Err(error) => return Ok(ended(JobEnd::Failed(error))),
+        };
+        for text in problems.iter_mut().chain(&mut care) {
+            *text = strip_root(root, text);
+        }
+        for (path, hash) in job.outputs.iter().zip(hashes) {
+            self.hashes.written(path, &hash);
+            record.outputs.insert(show_path(root, path), hash);
+        }
+        record.problems.clone_from(&problems);
+        record.care.clone_from(&care);
+        let mut ended = ended(JobEnd::Made(why));
+        ended.report.problems = problems;
+        ended.report.care = care;
+        ended.record = Some(record);
+        if let Some(before) = before {
+            // Now: once its record is saved nobody knows that it made them.
+            ended.stayed = remove_unplanned(&self.planned, &before, self.results);
+        }
+        Ok(ended)
     }
 
-    /// What a failed job made before must not pass for current; what could not be removed.
+    /// Removes what a failed job made before, which must not pass for current, and says what could not
+    /// be removed.
     fn withdraw(&self, job: &Job) -> Vec<StoreError> {
         if self.options.dry_run {
             return Vec::new();
         }
-        let removed = job.outputs.iter().map(|path| {
+        let mut stayed = Vec::new();
+        for path in &job.outputs {
             self.hashes.set(path, "");
-            self.results.remove(path)
-        });
-        removed.filter_map(Result::err).collect()
+            stayed.extend(self.results.remove(path).err());
+        }
+        stayed
     }
 }
 
-/// Makes a job's outputs and writes them: what else it made, and the hash of each. The job's own
-/// failure is the inner error: the others go on. An output that cannot be written is the outer one:
-/// the disk is full or read-only, for the others too.
+/// Makes a job's outputs and writes them; returns what else it made, and the hash of each output. The
+/// job's own failure is the inner error: the others go on. An output that cannot be written is the
+/// outer one: the disk is full or read-only, for the others too.
 fn make(
     job: &Job,
     making: &Making,
     results: &Results,
 ) -> Result<Result<(Made, Vec<String>), String>, StoreError> {
-    let mut made = match job.make(making) {
-        Ok(made) => made,
+    let mut result = match job.make(making) {
+        Ok(result) => result,
         Err(error) => return Ok(Err(error.to_string())),
     };
-    let n = made.outputs.len();
+    let n = result.outputs.len();
     let declared = job.outputs.len();
     if n != declared {
         return Ok(Err(format!("it made {n} outputs and declares {declared}")));
     }
     let mut hashes = Vec::new();
-    for (path, output) in job.outputs.iter().zip(std::mem::take(&mut made.outputs)) {
+    for (path, output) in job.outputs.iter().zip(std::mem::take(&mut result.outputs)) {
         hashes.push(match output {
             Output::Whole(bytes) => {
                 results.write(path, &bytes)?;
@@ -531,7 +550,7 @@ fn make(
             },
         });
     }
-    Ok(Ok((made, hashes)))
+    Ok(Ok((result, hashes)))
 }
 
 #[cfg(test)]

@@ -31,10 +31,10 @@ pub struct Options {
     pub without_origin: bool,
 }
 
-/// Which jobs a run looks at.
+/// Which jobs a run checks, and makes if they need it.
 ///
 /// # Errors
-/// Records of the study that a shard cannot look for: a link on the way to them.
+/// A link on the way to the study's records, which a shard needs.
 pub fn wanted(jobs: &[Job], results: &Results, options: &Options) -> Result<Vec<bool>, StoreError> {
     let Some(shard) = options.shard else { return Ok(named(jobs, options.only.as_deref())) };
     let (records, _) = Records::read(results)?;
@@ -47,8 +47,8 @@ pub fn wanted(jobs: &[Job], results: &Results, options: &Options) -> Result<Vec<
     ))
 }
 
-/// The records that a run begins with, and what is wrong with them. A shard has what its own
-/// manifest says besides, and of all that the jobs it looks at: records of others may be outdated.
+/// The records that a run begins with, and what is wrong with them. A shard adds those of its own
+/// manifest, and keeps only those of the jobs that it checks: records of others may be outdated.
 /// What it made for jobs that are gone is removed here, because its next manifest does not name it.
 pub(super) fn records_before(
     jobs: &[Job],
@@ -58,15 +58,17 @@ pub(super) fn records_before(
 ) -> Result<(Records, Vec<StoreError>), StoreError> {
     let (mut records, mut remarks) = Records::read(results)?;
     let Some(shard) = options.shard else { return Ok((records, remarks)) };
-    match Manifest::read(results, shard)?.map(|found| found.manifest) {
+    match Manifest::read(results, shard)?.map(|existing| existing.manifest) {
         Some(Ok(manifest)) => {
-            let named = &records.0;
             let all = outputs(jobs);
             let planned: BTreeSet<&str> = jobs.iter().map(|job| job.name.as_str()).collect();
-            let is_gone = |name: &str| !planned.contains(name) && !named.contains_key(name);
-            let gone = manifest.records.iter().filter(|(name, _)| is_gone(name));
-            let gone = gone.filter(|_| !options.dry_run);
-            remarks.extend(gone.flat_map(|(_, record)| remove_unplanned(&all, &record, results)));
+            for (name, record) in manifest.records.iter() {
+                // What the study's own records name is the whole run's to remove.
+                let is_gone = !planned.contains(name) && !records.0.contains_key(name);
+                if is_gone && !options.dry_run {
+                    remarks.extend(remove_unplanned(&all, &record, results));
+                }
+            }
             records.0.extend(manifest.records.0);
         }
         Some(Err(error)) => {
@@ -81,8 +83,8 @@ pub(super) fn records_before(
     Ok((records, remarks))
 }
 
-/// Saves the records of a run: the study's, or the manifest of its shard. They are the same then, but
-/// those that are in the study's own file need no memory.
+/// Saves the records of a run, the study's or the manifest of its shard, and returns them: those that
+/// are in the study's own file need no memory from then on.
 pub(super) fn save(
     records: &Records,
     results: &Results,

@@ -9,7 +9,7 @@ use std::collections::HashSet;
 use std::path::PathBuf;
 use zwidth_store::{MOST_BYTES, StoreError};
 
-/// Takes the records of jobs that are no longer planned out of the others; whether there were any.
+/// Removes the records of jobs that are no longer planned, and says whether there were any.
 pub(super) fn take_unplanned(jobs: &[Job], records: &mut Records) -> bool {
     let names: HashSet<&str> = jobs.iter().map(|j| j.name.as_str()).collect();
     let before = records.0.len();
@@ -17,39 +17,40 @@ pub(super) fn take_unplanned(jobs: &[Job], records: &mut Records) -> bool {
     records.0.len() < before
 }
 
-/// What jobs make.
+/// The outputs of jobs.
 pub(super) fn outputs(jobs: &[Job]) -> HashSet<&PathBuf> {
     jobs.par_iter().flat_map_iter(|job| &job.outputs).collect()
 }
 
 /// Tables with an origin of ours that no planned job makes and no record names: of a run that was cut
-/// short before it saved its records. They are told and stay: nobody knows what they were.
-pub(super) fn nobodys(planned: &HashSet<&PathBuf>, results: &Results) -> Vec<StoreError> {
-    // A folder that cannot be listed is told where something is written to it.
-    let found = results.tables().unwrap_or_default();
-    let others: Vec<&PathBuf> = found.iter().filter(|path| !planned.contains(path)).collect();
-    let told = others.into_par_iter().filter_map(|path| {
+/// short before it saved its records. They are reported and stay: nobody knows what they were.
+pub(super) fn orphans(planned: &HashSet<&PathBuf>, results: &Results) -> Vec<StoreError> {
+    // A folder that cannot be listed is reported when something is written to it.
+    let tables = results.tables().unwrap_or_default();
+    let others: Vec<&PathBuf> = tables.iter().filter(|path| !planned.contains(path)).collect();
+    let orphans = others.into_par_iter().filter_map(|path| {
         let bytes = results.read(path, MOST_BYTES).ok()??.ok()?;
         let what = "no job makes it any more, and no record says which one did";
         let is_ours = !origins(&bytes).is_empty();
         is_ours.then(|| StoreError::new(path, what, "an earlier run was cut short; remove it"))
     });
-    told.collect()
+    orphans.collect()
 }
 
-/// Removes what a job made before and no planned job makes any more; what stayed nevertheless.
+/// Removes what a job made before and no planned job makes any more, and says what stayed
+/// nevertheless.
 pub(super) fn remove_unplanned(
     planned: &HashSet<&PathBuf>,
     record: &Record,
     results: &Results,
 ) -> Vec<StoreError> {
-    let stayed = record.outputs.iter().filter_map(|(path, hash)| {
+    let mut stayed = Vec::new();
+    for (path, hash) in &record.outputs {
         // Every record was held against this when it was read.
-        let path = Results::named(results.layout(), path).ok()?;
-        if planned.contains(&path) {
-            return None;
+        let Ok(path) = Results::named(results.layout(), path) else { continue };
+        if !planned.contains(&path) {
+            stayed.extend(results.remove_made(&path, hash).err());
         }
-        results.remove_made(&path, hash).err()
-    });
-    stayed.collect()
+    }
+    stayed
 }

@@ -10,7 +10,7 @@ const LARGEST: f64 = 1e9;
 /// No position lies further out: a hundred turns, or a hundred metres.
 pub(super) const FARTHEST_DEG: f64 = 36_000.0;
 const FARTHEST_MM: f64 = 100_000.0;
-/// So many problems are told at once.
+/// The most problems that are reported at once.
 const MOST_ERRORS: usize = 100;
 
 /// Collects problems while the values are converted.
@@ -82,12 +82,12 @@ impl<'a> Check<'a> {
         coordinate: Coordinate,
         missing: Option<f64>,
     ) -> f64 {
-        let (key, given) = match coordinate {
+        let (key, value) = match coordinate {
             Coordinate::Rotational => (deg_key, deg),
             Coordinate::Linear { .. } => (mm_key, mm),
         };
         let key = format!("{at}.{key}");
-        let value = self.required(&key, given.or(missing));
+        let value = self.required(&key, value.or(missing));
         match coordinate {
             Coordinate::Rotational => self.near(&key, value, FARTHEST_DEG).to_radians(),
             Coordinate::Linear { lever_m } => self.near(&key, value, FARTHEST_MM) * MILLI / lever_m,

@@ -60,7 +60,7 @@ impl Check<'_> {
     }
 
     fn contrasts(&mut self, pairs: Vec<[ModeId; 2]>, modes: &[Mode]) -> Vec<Contrast> {
-        let known: Vec<&str> = modes.iter().map(|m| m.id.as_str()).collect();
+        let ids: Vec<&str> = modes.iter().map(|m| m.id.as_str()).collect();
         if pairs.is_empty() {
             let problem =
                 "the list is empty; leave it out for the last mode against each other one";
@@ -69,10 +69,10 @@ impl Check<'_> {
         let mut seen = BTreeSet::new();
         for (i, [mode, against]) in pairs.iter().enumerate() {
             let key = format!("compare.contrasts[{i}]");
-            let unknown = [mode, against].into_iter().find(|m| !known.contains(&m.as_str()));
+            let unknown = [mode, against].into_iter().find(|m| !ids.contains(&m.as_str()));
             let pair = if mode < against { (mode, against) } else { (against, mode) };
             let problem = if let Some(unknown) = unknown {
-                format!("there is no mode '{unknown}'; there are {}", known.join(", "))
+                format!("there is no mode '{unknown}'; there are {}", ids.join(", "))
             } else if mode == against {
                 format!("compares '{mode}' with itself; name two modes")
             } else if !seen.insert(pair) {
@@ -126,36 +126,33 @@ fn default_contrasts(modes: &[Mode]) -> Vec<Contrast> {
     pairs.map(|(mode, against)| Contrast { mode, against }).collect()
 }
 
-/// A bound as the file has it.
-fn bound_table(bound: Bound) -> BoundTable {
-    match bound {
-        Bound::Absolute(bound) => BoundTable::Absolute(bound),
-        Bound::Weber(weber) => BoundTable::Weber { weber },
-    }
-}
-
 /// Back to the table of the file: what is not the default.
 pub(super) fn table(study: &Study) -> CompareTable {
     let compare = &study.compare;
     let contrasts = &compare.contrasts;
+    let mut bounds = BTreeMap::new();
+    for (metric, bound) in &compare.bounds {
+        let bound = match *bound {
+            Bound::Absolute(bound) => BoundTable::Absolute(bound),
+            Bound::Weber(weber) => BoundTable::Weber { weber },
+        };
+        bounds.insert(metric.clone(), bound);
+    }
     // To the last bit: what is left out is read back as the default.
-    let differs =
-        |value: f64, default: f64| (value.to_bits() != default.to_bits()).then_some(value);
+    let [alpha, level] =
+        [(compare.alpha, Compare::ALPHA), (compare.level, study.analysis.confidence)]
+            .map(|(value, default)| (value.to_bits() != default.to_bits()).then_some(value));
     CompareTable {
         contrasts: (*contrasts != default_contrasts(&study.modes))
             .then(|| contrasts.iter().map(|c| [c.mode.clone(), c.against.clone()]).collect()),
         primary: compare.is_primary_named.then(|| compare.primary.clone()),
         metrics: compare.metrics.clone(),
-        alpha: differs(compare.alpha, Compare::ALPHA),
-        level: differs(compare.level, study.analysis.confidence),
+        alpha,
+        level,
         families: compare.families,
         effect_sizes: (compare.effect_sizes != Compare::EFFECT_SIZES)
             .then(|| compare.effect_sizes.clone()),
-        bounds: compare
-            .bounds
-            .iter()
-            .map(|(m, b)| (m.clone(), bound_table(*b)))
-            .collect::<BTreeMap<_, _>>(),
+        bounds,
         better: compare.better.clone(),
     }
 }

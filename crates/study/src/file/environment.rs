@@ -42,7 +42,7 @@ enum KeyForm {
 }
 
 impl SceneNumber {
-    /// Every number, in the order in which problems are told.
+    /// Every number, in the order in which problems are reported.
     const ALL: [Self; 3] = [Self::Stiffness, Self::Rest, Self::Wall];
 
     fn form(self) -> KeyForm {
@@ -54,8 +54,8 @@ impl SceneNumber {
 }
 
 impl EnvironmentTable {
-    /// The keys of a number in a rotational and in a linear study, and what they have.
-    fn given(&self, quantity: SceneNumber) -> [(&'static str, Option<f64>); 2] {
+    /// The keys of a number in a rotational and in a linear study, and their values.
+    fn entries(&self, quantity: SceneNumber) -> [(&'static str, Option<f64>); 2] {
         match quantity {
             SceneNumber::Stiffness => [
                 ("stiffness_n_per_rad", self.stiffness_n_per_rad),
@@ -68,30 +68,30 @@ impl EnvironmentTable {
 
     /// The table of an environment.
     pub(super) fn of(e: &Environment, coordinate: Coordinate) -> Self {
-        let deg = |quantity: SceneNumber| match (coordinate, quantity.form()) {
-            (Coordinate::Linear { .. }, _) => None,
-            (_, KeyForm::Position) => e.scene.value(quantity).map(degrees),
-            (_, KeyForm::PerAngle) => e.scene.value(quantity),
-        };
-        let mm = |quantity: SceneNumber| match (coordinate, quantity.form()) {
-            (Coordinate::Rotational, _) => None,
-            (Coordinate::Linear { lever_m }, KeyForm::Position) => {
-                e.scene.value(quantity).map(|rad| decimal(rad * lever_m / MILLI))
+        // Of each number in degrees and in millimetres: one of the two is always none.
+        let [stiffness, rest, wall] = SceneNumber::ALL.map(|quantity| {
+            let value = e.scene.value(quantity);
+            match (coordinate, quantity.form()) {
+                (Coordinate::Rotational, KeyForm::Position) => [value.map(degrees), None],
+                (Coordinate::Rotational, KeyForm::PerAngle) => [value, None],
+                (Coordinate::Linear { lever_m }, KeyForm::Position) => {
+                    [None, value.map(|rad| decimal(rad * lever_m / MILLI))]
+                }
+                (Coordinate::Linear { lever_m }, KeyForm::PerAngle) => {
+                    [None, value.map(|per_rad| decimal(per_rad / lever_m * MILLI))]
+                }
             }
-            (Coordinate::Linear { lever_m }, KeyForm::PerAngle) => {
-                e.scene.value(quantity).map(|per_rad| decimal(per_rad / lever_m * MILLI))
-            }
-        };
+        });
         Self {
             id: e.id.clone(),
             label: e.label.clone(),
             kind: e.scene.kind(),
-            stiffness_n_per_rad: deg(SceneNumber::Stiffness),
-            rest_deg: deg(SceneNumber::Rest),
-            wall_deg: deg(SceneNumber::Wall),
-            stiffness_n_per_mm: mm(SceneNumber::Stiffness),
-            rest_mm: mm(SceneNumber::Rest),
-            wall_mm: mm(SceneNumber::Wall),
+            stiffness_n_per_rad: stiffness[0],
+            rest_deg: rest[0],
+            wall_deg: wall[0],
+            stiffness_n_per_mm: stiffness[1],
+            rest_mm: rest[1],
+            wall_mm: wall[1],
             question: e.question.clone().filter(|_| e.further.is_empty()),
             questions: if e.further.is_empty() {
                 Vec::new()
@@ -111,7 +111,7 @@ impl Check<'_> {
         coordinate: Coordinate,
         questions: &BTreeSet<&str>,
     ) -> Environment {
-        let asked = self.asked(at, e, questions);
+        let own_questions = self.asked_questions(at, e, questions);
         let mut values = BTreeMap::new();
         for quantity in e.kind.quantities() {
             values.insert(*quantity, self.quantity(at, e, *quantity, coordinate));
@@ -121,13 +121,18 @@ impl Check<'_> {
             id: e.id.clone(),
             label: e.label.clone(),
             scene: e.kind.scene(|quantity| values.get(&quantity).copied().unwrap_or_default()),
-            question: asked.first().cloned(),
-            further: asked.into_iter().skip(1).collect(),
+            question: own_questions.first().cloned(),
+            further: own_questions.into_iter().skip(1).collect(),
         }
     }
 
-    /// What is asked after its trials: one question, or several.
-    fn asked(&mut self, at: &str, e: &EnvironmentTable, known: &BTreeSet<&str>) -> Vec<QuestionId> {
+    /// The questions after its trials: one, or several.
+    fn asked_questions(
+        &mut self,
+        at: &str,
+        e: &EnvironmentTable,
+        questions: &BTreeSet<&str>,
+    ) -> Vec<QuestionId> {
         if e.question.is_some() && !e.questions.is_empty() {
             let what = "is not used beside questions; put it into that list".to_owned();
             self.error(&format!("{at}.question"), what);
@@ -138,7 +143,7 @@ impl Check<'_> {
         let several = several.map(|(i, q)| (format!("{at}.questions[{i}]"), q));
         let mut seen = BTreeSet::new();
         for (key, q) in one.chain(several) {
-            if !known.contains(q.as_str()) {
+            if !questions.contains(q.as_str()) {
                 self.error(&key, format!("'{q}' is not the id of any [[questions]]"));
             } else if !seen.insert(q.as_str()) {
                 self.error(
@@ -158,26 +163,27 @@ impl Check<'_> {
         quantity: SceneNumber,
         coordinate: Coordinate,
     ) -> f64 {
-        let [(deg_key, deg), (mm_key, mm)] = e.given(quantity);
+        let [(deg_key, deg), (mm_key, mm)] = e.entries(quantity);
         if quantity.form() == KeyForm::Position {
             return self.position(at, [deg_key, mm_key], [deg, mm], coordinate, None);
         }
-        let (key, given, factor) = match coordinate {
+        let (key, value, factor) = match coordinate {
             Coordinate::Rotational => (deg_key, deg, 1.0),
             Coordinate::Linear { lever_m } => (mm_key, mm, lever_m / MILLI),
         };
         let key = format!("{at}.{key}");
-        let value = self.required(&key, given);
+        let value = self.required(&key, value);
         self.not_negative(&key, value) * factor
     }
 
     /// A key that the environment's kind or the study's coordinate gives no meaning to is a
     /// mistake.
     fn refuse_unused(&mut self, at: &str, e: &EnvironmentTable, coordinate: Coordinate) {
+        // As in `entries`: 0 is the rotational key, 1 the linear one.
         let here = usize::from(coordinate != Coordinate::Rotational);
         for place in [0, 1] {
             for quantity in SceneNumber::ALL {
-                let keys = e.given(quantity);
+                let keys = e.entries(quantity);
                 let taken = e.kind.quantities().contains(&quantity);
                 if keys[place].1.is_none() || (taken && place == here) {
                     continue;

@@ -30,14 +30,14 @@ impl Check<'_> {
     }
 
     fn own(&mut self, value: &Value) -> OwnFigures {
-        let found = match value {
+        let own = match value {
             Value::String(word) if word == ALL => Some(OwnFigures::All),
             Value::Array(names) => {
                 names.iter().map(named).collect::<Option<Vec<_>>>().map(OwnFigures::Of)
             }
             _ => None,
         };
-        found.unwrap_or_else(|| {
+        own.unwrap_or_else(|| {
             let key = format!("figures.{SESSIONS}");
             let what = format!("must be \"{ALL}\" or a list such as [\"P01.S01\"]");
             self.error(&key, format!("{value} {what}"));
@@ -69,19 +69,23 @@ impl Check<'_> {
         table: &Table,
         id: &str,
         environments: &[&str],
-        found: &mut BTreeMap<String, Alignment>,
+        choices: &mut BTreeMap<String, Alignment>,
     ) {
         for (key, value) in table {
             let inner = if id.is_empty() { key.clone() } else { format!("{id}.{key}") };
             let at = format!("figures.{inner}");
             match value {
                 Value::Table(table) => match unknown(&inner, environments) {
-                    None => self.choices(table, &inner, environments, found),
+                    None => self.choices(table, &inner, environments, choices),
                     Some(problem) => self.error(&at, problem),
                 },
                 value if key == ALIGNMENT => match alignment(value) {
-                    Some(alignment) => _ = found.insert(id.to_owned(), alignment),
-                    None => self.error(&at, format!("{value} must be {}", words())),
+                    Some(alignment) => _ = choices.insert(id.to_owned(), alignment),
+                    None => {
+                        // `"onset" or "landmarks"`.
+                        let words = Alignment::ALL.map(|a| format!("\"{}\"", a.as_str()));
+                        self.error(&at, format!("{value} must be {}", words.join(" or ")));
+                    }
                 },
                 _ => self.error(&at, format!("is not used here; a figure has the key {ALIGNMENT}")),
             }
@@ -98,11 +102,6 @@ fn named(value: &Value) -> Option<[String; 2]> {
 
 fn alignment(value: &Value) -> Option<Alignment> {
     Alignment::ALL.into_iter().find(|a| value.as_str() == Some(a.as_str()))
-}
-
-/// `"onset" or "landmarks"`.
-fn words() -> String {
-    Alignment::ALL.map(|a| format!("\"{}\"", a.as_str())).join(" or ")
 }
 
 /// Why no figure can have an id that begins so; `None` if one can.

@@ -49,18 +49,20 @@ enum CurveValue {
 impl Check<'_> {
     pub(super) fn perception(&mut self, table: PerceptionTable) -> Perception {
         let usual = Perception::default();
-        let mut share = |key: &str, given: Option<f64>, usual: f64| {
-            let value = given.unwrap_or(usual);
+        let [force_share, compliance_share, viscosity_share, excess_share] = [
+            ("force", table.force, usual.force_share),
+            ("compliance", table.compliance, usual.compliance_share),
+            ("viscosity", table.viscosity, usual.viscosity_share),
+            ("excess", table.excess, usual.excess_share),
+        ]
+        .map(|(key, value, usual)| {
+            let value = value.unwrap_or(usual);
             if !(value > 0.0 && value < 1.0) {
                 let problem = format!("{value} must be a share between 0 and 1, such as {usual}");
                 self.error(&format!("perception.{key}"), problem);
             }
             value
-        };
-        let force_share = share("force", table.force, usual.force_share);
-        let compliance_share = share("compliance", table.compliance, usual.compliance_share);
-        let viscosity_share = share("viscosity", table.viscosity, usual.viscosity_share);
-        let excess_share = share("excess", table.excess, usual.excess_share);
+        });
         let angle_rad = table.angle_deg.map_or(usual.angle_rad, |deg| {
             self.within("perception.angle_deg", deg, WIDEST_DEG).to_radians()
         });
@@ -83,8 +85,8 @@ impl Check<'_> {
         const KEY: &str = "perception.vibration";
         let points = match curve {
             CurveValue::Named(name) => {
-                let found = VibrationCurve::NAMED.into_iter().find(|c| c.name() == Some(&name));
-                return found.unwrap_or_else(|| {
+                let curve = VibrationCurve::NAMED.into_iter().find(|c| c.name() == Some(&name));
+                return curve.unwrap_or_else(|| {
                     let problem =
                         format!("there is no curve '{name}'; there are fingertip, grasped");
                     self.error(KEY, problem);

@@ -8,7 +8,7 @@ use crate::{AnswerScale, NumberScale, Question};
 const FARTHEST: i16 = 1_000;
 /// No two neighbours of a scale lie farther apart.
 const LONGEST_STEP: i16 = 100;
-/// From so many modes on it can be asked which one it was: nobody is asked to choose one of one.
+/// The fewest modes with which a question can ask for the mode: nobody chooses one of one.
 const LEAST_MODES: usize = 2;
 /// The most modes of a study that asks which one it was: with 0 they are the answers of a scale.
 const MOST_MODES: usize = AnswerScale::MOST_POINTS as usize - 1;
@@ -59,7 +59,7 @@ impl Check<'_> {
             ("group", table.group.is_some()),
             ("reversed", table.reversed),
         ];
-        for (name, _) in beside.into_iter().filter(|(_, given)| *given) {
+        for (name, _) in beside.into_iter().filter(|(_, is_present)| *is_present) {
             let what = "is not used beside asks, whose answers are the study's modes; leave it out";
             self.error(&format!("{key}.{name}"), what.to_owned());
         }
@@ -85,15 +85,15 @@ impl Check<'_> {
         AnswerScale::Modes(modes.iter().map(|label| (*label).to_owned()).collect())
     }
 
-    /// The scale of a question: a named one, or so many points.
+    /// The scale of a question: a named one, or a number of points.
     fn scale(&mut self, key: &str, table: &QuestionTable) -> AnswerScale {
         let Some(points) = table.points else {
-            let given = [
+            let without_points = [
                 ("from", table.from.is_some()),
                 ("step", table.step.is_some()),
                 ("labels", !table.labels.is_empty()),
             ];
-            for (name, _) in given.into_iter().filter(|(_, given)| *given) {
+            for (name, _) in without_points.into_iter().filter(|(_, is_present)| *is_present) {
                 let what = "is not used without points, the number of answers; add points";
                 self.error(&format!("{key}.{name}"), what.to_owned());
             }

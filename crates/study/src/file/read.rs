@@ -23,7 +23,7 @@ const OFFSET_MM_S: f64 = 2.5;
 const MOST_TRIALS: u32 = 100_000;
 /// No trial and no pause is longer, s: a day is a mistake.
 const LONGEST_S: f64 = 86_400.0;
-/// No loop is asked to tick faster, Hz: a hundred times what hands feel.
+/// No loop ticks faster, Hz: a hundred times what hands feel.
 const FASTEST_HZ: f64 = 100_000.0;
 /// No trial has more samples: what is longer could not be read again.
 pub(super) const MOST_SAMPLES: f64 = 4_194_304.0;
@@ -49,7 +49,11 @@ impl Study {
 impl Check<'_> {
     /// A text that people will read: on one line, and not without end.
     pub(super) fn line(&mut self, key: &str, text: &str) {
-        if let Some(c) = text.chars().find(|c| steers(*c)) {
+        // Characters that start a line, or turn the direction of what follows: in a label they could
+        // forge a line of a table or a terminal.
+        if let Some(c) = text.chars().find(|c| {
+            c.is_control() || matches!(c, '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+        }) {
             let problem = format!(
                 "contains {}, which breaks a line or turns its direction; leave it out",
                 c.escape_default()
@@ -86,7 +90,7 @@ impl Check<'_> {
         let conditions = file.environments.len().saturating_mul(file.modes.len()) as u64;
         let trials =
             conditions.saturating_mul(repeats.into()).saturating_add(familiarisation.into());
-        // What is too large by itself is told by `design`, and not twice.
+        // What is too large by itself is reported by `design`, and not twice.
         if repeats <= MOST_TRIALS && trials > MOST_TRIALS.into() {
             let problem = format!(
                 "{trials} trials in a session must be at most {MOST_TRIALS}: fewer repeats"
@@ -126,26 +130,22 @@ impl Check<'_> {
                     self.error(&key, "is empty; a unit of a pure number is \"1\"".to_owned());
                 }
             }
-            self.unit_of_channel(i, channel);
+            // A channel that a stage reads has the unit in which it is read.
+            let Channel { id, unit: own, .. } = channel;
+            let read = READ_CHANNELS.iter().find(|(name, _)| *name == id.as_str());
+            if let Some((_, unit)) = read.filter(|(_, unit)| unit != own) {
+                let problem = format!(
+                    "'{own}' is not the unit of {id}, which is read in {unit}; write unit = \"{unit}\" and \
+                     convert, or give the channel another id"
+                );
+                self.error(&format!("channels[{i}].unit"), problem);
+            }
         }
         schema
     }
 
-    /// A channel that a stage reads has the unit in which it is read.
-    fn unit_of_channel(&mut self, i: usize, channel: &Channel) {
-        let id = channel.id.as_str();
-        let found = &channel.unit;
-        let read = READ_CHANNELS.iter().find(|(name, _)| *name == id);
-        if let Some((_, unit)) = read.filter(|(_, unit)| unit != found) {
-            let problem = format!(
-                "'{found}' is not the unit of {id}, which is read in {unit}; write unit = \"{unit}\" and \
-                 convert, or give the channel another id"
-            );
-            self.error(&format!("channels[{i}].unit"), problem);
-        }
-    }
-
     fn study(&mut self, file: File) -> Study {
+        // Those that look at the whole file come first: further below, parts are moved out of it.
         let schema = self.schema(&file);
         self.lines(&file);
         self.sizes(&file);
@@ -155,14 +155,16 @@ impl Check<'_> {
         self.unique("modes", file.modes.iter().map(|m| m.id.as_str()));
         self.unique("questions", file.questions.iter().map(|q| q.id.as_str()));
         self.unique("channels", file.channels.iter().map(|c| c.id.as_str()));
-        let known: BTreeSet<&str> = file.questions.iter().map(|q| q.id.as_str()).collect();
+        let questions: BTreeSet<&str> = file.questions.iter().map(|q| q.id.as_str()).collect();
         let ids: Vec<&str> = file.environments.iter().map(|e| e.id.as_str()).collect();
         let figures = self.figures(&file.figures, &ids);
         let environments = file
             .environments
             .iter()
             .enumerate()
-            .map(|(i, e)| self.environment(&format!("environments[{i}]"), e, coordinate, &known))
+            .map(|(i, e)| {
+                self.environment(&format!("environments[{i}]"), e, coordinate, &questions)
+            })
             .collect();
         let modes: Vec<Mode> =
             file.modes.iter().enumerate().map(|(i, m)| self.mode(i, m)).collect();
@@ -279,10 +281,10 @@ impl Check<'_> {
 
     fn control(&mut self, c: &ControlTable) -> Control {
         let velocity = match (c.velocity, c.velocity_cutoff_hz) {
-            (VelocityKind::SecondOrder, given) => VelocityFilter::SecondOrder {
+            (VelocityKind::SecondOrder, cutoff_hz) => VelocityFilter::SecondOrder {
                 cutoff_hz: self.positive(
                     "control.velocity_cutoff_hz",
-                    given.unwrap_or(VelocityFilter::CUTOFF_HZ),
+                    cutoff_hz.unwrap_or(VelocityFilter::CUTOFF_HZ),
                 ),
             },
             (VelocityKind::Difference, None) => VelocityFilter::Difference,
@@ -350,7 +352,7 @@ impl Check<'_> {
 
     fn analysis(&mut self, a: &AnalysisTable, coordinate: Coordinate) -> Analysis {
         let linear = coordinate != Coordinate::Rotational;
-        for (name, given, used) in [
+        for (name, value, used) in [
             ("onset_deg_s", a.onset_deg_s, !linear),
             ("offset_deg_s", a.offset_deg_s, !linear),
             ("slope_from_deg", a.slope_from_deg, !linear),
@@ -359,7 +361,7 @@ impl Check<'_> {
             ("slope_from_mm", a.slope_from_mm, linear),
         ] {
             let key = format!("analysis.{name}");
-            match given {
+            match value {
                 Some(_) if !used => {
                     self.error(&key, "is not used for this coordinate; remove it".to_owned())
                 }
@@ -381,21 +383,18 @@ impl Check<'_> {
         }
         let (onset, offset) =
             if linear { (ONSET_MM_S, OFFSET_MM_S) } else { (ONSET_DEG_S, OFFSET_DEG_S) };
-        let mut value = |keys, given, default| {
-            self.position("analysis", keys, given, coordinate, Some(default))
-        };
+        let [onset_rad_s, offset_rad_s, slope_from_rad] = [
+            (["onset_deg_s", "onset_mm_s"], [a.onset_deg_s, a.onset_mm_s], onset),
+            (["offset_deg_s", "offset_mm_s"], [a.offset_deg_s, a.offset_mm_s], offset),
+            (["slope_from_deg", "slope_from_mm"], [a.slope_from_deg, a.slope_from_mm], 0.0),
+        ]
+        .map(|(keys, values, default)| {
+            self.position("analysis", keys, values, coordinate, Some(default))
+        });
         let analysis = Analysis {
-            onset_rad_s: value(["onset_deg_s", "onset_mm_s"], [a.onset_deg_s, a.onset_mm_s], onset),
-            offset_rad_s: value(
-                ["offset_deg_s", "offset_mm_s"],
-                [a.offset_deg_s, a.offset_mm_s],
-                offset,
-            ),
-            slope_from_rad: value(
-                ["slope_from_deg", "slope_from_mm"],
-                [a.slope_from_deg, a.slope_from_mm],
-                0.0,
-            ),
+            onset_rad_s,
+            offset_rad_s,
+            slope_from_rad,
             grid_points: a.grid_points,
             confidence: a.confidence,
         };
@@ -407,9 +406,4 @@ impl Check<'_> {
         }
         analysis
     }
-}
-
-/// Whether a character starts a line, or turns the direction of what follows.
-fn steers(c: char) -> bool {
-    c.is_control() || matches!(c, '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
 }

@@ -11,21 +11,22 @@ impl Check<'_> {
     pub(super) fn scenes(&mut self, scenes: Vec<SceneFigure>) -> Vec<SceneFigure> {
         self.unique("scenes", scenes.iter().map(|figure| figure.id.as_str()));
         for (i, figure) in scenes.iter().enumerate() {
-            let at = |key: &str| format!("scenes[{i}].{key}");
+            let files_key = format!("scenes[{i}].files");
             let n = figure.files.len();
             let most = figure.draw.most();
             if !(1..=most).contains(&n) {
-                self.error(&at("files"), format!("has {n} files; such a figure takes 1 to {most}"));
+                self.error(&files_key, format!("has {n} files; such a figure takes 1 to {most}"));
             }
             for file in figure.files.iter().filter(|file| !is_below(file, &["toml"])) {
                 let problem = format!(
                     "'{file}' is not a scene file in the study's folder; write a path such as \"scenes/sine.toml\""
                 );
-                self.error(&at("files"), problem);
+                self.error(&files_key, problem);
             }
-            self.line(&at("solver"), figure.solver.as_deref().unwrap_or_default());
+            let solver = figure.solver.as_deref().unwrap_or_default();
+            self.line(&format!("scenes[{i}].solver"), solver);
             if let Some(step_s) = figure.step_s {
-                self.within(&at("step_s"), step_s, LONGEST_STEP_S);
+                self.within(&format!("scenes[{i}].step_s"), step_s, LONGEST_STEP_S);
             }
         }
         scenes

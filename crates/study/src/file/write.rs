@@ -96,10 +96,9 @@ fn analysis_table(a: &Analysis, coordinate: Coordinate) -> AnalysisTable {
             table.slope_from_deg = Some(degrees(a.slope_from_rad));
         }
         Coordinate::Linear { lever_m } => {
-            let mm = |rad: f64| Some(decimal(rad * lever_m / MILLI));
-            table.onset_mm_s = mm(a.onset_rad_s);
-            table.offset_mm_s = mm(a.offset_rad_s);
-            table.slope_from_mm = mm(a.slope_from_rad);
+            [table.onset_mm_s, table.offset_mm_s, table.slope_from_mm] =
+                [a.onset_rad_s, a.offset_rad_s, a.slope_from_rad]
+                    .map(|rad| Some(decimal(rad * lever_m / MILLI)));
         }
     }
     table
