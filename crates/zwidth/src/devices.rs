@@ -103,17 +103,15 @@ pub(crate) fn is_homed_by_hand(spec: &DeviceSpec) -> bool {
 /// with what a day brings, other noise. An untidy person gives trials up and leaves questions open.
 pub(crate) fn twin(occasion: &Occasion, untidy: bool) -> anyhow::Result<Twin> {
     let Occasion { twin: parameters, seed, participant, session, .. } = *occasion;
-    let of = |purpose: &str| mixed(seed, &[purpose, participant.as_str(), session.as_str()]);
-    let lasting = Person::draw(mixed(seed, &["person", participant.as_str()]));
-    let person = lasting.in_session(of("day"), practised(session, occasion.trials));
+    let [participant_id, session_id] = [participant.as_str(), session.as_str()];
+    let lasting = Person::draw(mixed(seed, &["person", participant_id]));
+    // If the sessions before this one were whole; none before one without a number.
+    let sessions_before = number(session_id).unwrap_or(1).saturating_sub(1);
+    let practised_trials = sessions_before.saturating_mul(occasion.trials);
+    let day_seed = mixed(seed, &["day", participant_id, session_id]);
+    let person = lasting.in_session(day_seed, practised_trials);
     let person = if untidy { person.untidy() } else { person };
-    Ok(Twin::new(parameters.clone(), person, of("board"))?)
-}
-
-/// Trials that somebody went through before a session, if the sessions before it were whole: none
-/// before one without a number.
-fn practised(session: &SessionId, trials: u32) -> u32 {
-    number(session.as_str()).unwrap_or(1).saturating_sub(1).saturating_mul(trials)
+    Ok(Twin::new(parameters.clone(), person, mixed(seed, &["board", participant_id, session_id]))?)
 }
 
 /// A seed from a seed and what it is for.
@@ -142,20 +140,19 @@ pub(crate) fn steps_alone(spec: &DeviceSpec) -> Vec<Step> {
 
 /// A trial's rows.
 fn rows(path: &Path, samples: &Samples) -> anyhow::Result<Vec<Sample>> {
-    let needed = |signal: Signal| {
+    let recorded = |signal: Signal| {
         samples.get(signal).ok_or_else(|| {
             anyhow!("{}: {signal:?} was not recorded; choose a trial that has it", path.display())
         })
     };
-    let or_zero = |signal: Signal, i: usize| samples.get(signal).map_or(0.0, |v| v[i]);
-    let t = needed(Signal::Time)?;
-    let theta = needed(Signal::Theta)?;
-    let force = needed(Signal::ForceEx)?;
-    let row = |i: usize| Sample {
+    let t = recorded(Signal::Time)?;
+    let theta = recorded(Signal::Theta)?;
+    let force = recorded(Signal::ForceEx)?;
+    let rows = (0..t.len()).map(|i| Sample {
         t_s: t[i],
         t_device_s: samples.get(Signal::DeviceTime).map(|v| v[i]),
         theta_rad: theta[i],
-        theta_dot_rad_s: or_zero(Signal::ThetaDot, i),
+        theta_dot_rad_s: samples.get(Signal::ThetaDot).map_or(0.0, |v| v[i]),
         force_ex_n: force[i],
         voltages: Voltages::OFF,
         force_age_s: samples.get(Signal::ForceAge).map(|v| v[i]),
@@ -163,8 +160,8 @@ fn rows(path: &Path, samples: &Samples) -> anyhow::Result<Vec<Sample>> {
         force_cmd_n: 0.0,
         flags: Flags::default(),
         extra: zwidth_study::Extra::default(),
-    };
-    Ok((0..t.len()).map(row).collect())
+    });
+    Ok(rows.collect())
 }
 
 #[cfg(test)]

@@ -14,10 +14,11 @@ pub(crate) const MOST_SESSIONS: i64 = 100;
 pub(crate) const MOST_SCALE: i64 = 10_000;
 /// Cells at most of a side of a map: four million of them take some minutes.
 pub(crate) const MOST_CELLS: i64 = 2000;
-/// Rates of the control loop, Hz: a tick a second at least, and no more than study.toml can have.
+/// Rates of the control loop, Hz: one tick per second at least, and no more than study.toml can
+/// have.
 const RATES_HZ: [f64; 2] = [1.0, 100_000.0];
-/// Relative errors a step that a solver can aim for: below, it would halve its steps until rounding
-/// stops it.
+/// Relative errors per step that a solver can aim for: below, it would halve its steps until
+/// rounding stops it.
 const TOLERANCES: [f64; 2] = [1e-14, 1.0];
 
 /// Quantities of a sampled wall, SI.
@@ -35,16 +36,17 @@ pub(crate) fn rate(text: &str) -> Result<f64, String> {
     within(text, RATES_HZ)
 }
 
-/// A relative error a step.
+/// A relative error per step.
 pub(crate) fn tolerance(text: &str) -> Result<f64, String> {
     within(text, TOLERANCES)
 }
 
 /// A quantity of the sampled wall, by its word.
 fn quantity(word: &str) -> Result<WallQuantity, String> {
-    let words = || WallQuantity::ALL.iter().map(|quantity| quantity.as_str()).collect::<Vec<_>>();
-    WallQuantity::from_word(word)
-        .ok_or_else(|| format!("{word:?} is not a quantity; take one of {}", words().join(", ")))
+    WallQuantity::from_word(word).ok_or_else(|| {
+        let words: Vec<_> = WallQuantity::ALL.iter().map(|quantity| quantity.as_str()).collect();
+        format!("{word:?} is not a quantity; take one of {}", words.join(", "))
+    })
 }
 
 /// Lengths on paper, mm: from a stamp to ISO A0.

@@ -65,16 +65,17 @@ fn main() -> ExitCode {
     ExitCode::from(exit as u8)
 }
 
-/// Says what is wrong with the arguments, or what was asked for (`--help`); where a study is
+/// Prints what is wrong with the arguments, or the help (`--help`); where a study is
 /// missing, which ones there are.
 fn refused(error: &clap::Error) -> ExitCode {
     let _ = error.print();
     let lacks_study = error.kind() == ErrorKind::MissingRequiredArgument
         && error.to_string().lines().any(|line| line.trim() == "<STUDY>");
     if lacks_study {
-        let there = commands::studies_of(std::env::args_os());
-        if !there.is_empty() {
-            screen::Screen::new(false, false, false).say(format!("studies here: {there}"));
+        // The arguments could not be parsed, so that the root has to be looked up in them.
+        let studies = commands::studies_of(std::env::args_os());
+        if !studies.is_empty() {
+            screen::Screen::new(false, false, false).say(format!("studies here: {studies}"));
         }
     }
     ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2))

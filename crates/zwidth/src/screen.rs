@@ -39,6 +39,7 @@ impl Screen {
     fn print(&self, text: &str) {
         let mut out = io::stdout().lock();
         let Err(error) = writeln!(out, "{text}").and_then(|()| out.flush()) else { return };
+        // The first error stays: those after it follow from it.
         if error.kind() != ErrorKind::BrokenPipe {
             self.unwritten.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
         }
@@ -113,7 +114,8 @@ impl Screen {
         bar.with_style(style("{bar:30} {bytes}/{total_bytes} {eta} left"))
     }
 
-    /// A progress bar a stage, one below the other, in the order given; none where nobody looks.
+    /// One progress bar per stage, one below the other, in the order given; none where nobody
+    /// looks.
     pub(crate) fn bars(&self, stages: impl IntoIterator<Item = (&'static str, usize)>) -> Bars {
         Bars::new(stages, self.target())
     }
@@ -134,7 +136,7 @@ fn style(template: &str) -> ProgressStyle {
     ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar())
 }
 
-/// A progress bar a stage.
+/// One progress bar per stage.
 pub(crate) struct Bars {
     all: MultiProgress,
     stages: BTreeMap<&'static str, ProgressBar>,
@@ -151,19 +153,20 @@ impl Bars {
         let all = MultiProgress::with_draw_target(target);
         let stages: Vec<(&'static str, usize)> = stages.into_iter().collect();
         let jobs: usize = stages.iter().map(|(_, length)| length).sum();
-        let bar = |(stage, length): (&'static str, usize)| {
+        let mut bars = BTreeMap::new();
+        for (stage, length) in stages {
             let bar = all.add(ProgressBar::new(length as u64));
             let bar = bar
                 .with_style(style("{prefix:>13}  {bar:30} {pos}/{len} {msg}"))
                 .with_prefix(stage);
-            (stage, bar)
-        };
-        let stages = stages.into_iter().map(bar).collect();
+            bars.insert(stage, bar);
+        }
+        // Added last, so that it stands below the stages.
         let whole = all.add(ProgressBar::new(jobs as u64));
         let whole = whole
             .with_style(style("{prefix:>13}  {bar:30} {pos}/{len} {eta} left"))
             .with_prefix("all");
-        Self { stages, whole, all }
+        Self { stages: bars, whole, all }
     }
 
     /// One job of the stage is done; `what` it was.

@@ -13,6 +13,7 @@ const MOST_SCENE: u64 = 1 << 26;
 /// The text of a file beside `study.toml`, if anything stands there. A link is refused, not
 /// followed.
 pub(crate) fn read_beside(path: &Path) -> anyhow::Result<Option<String>> {
+    // Not `exists`, which follows a link: a dangling one would pass for no file at all.
     if path.symlink_metadata().is_err() {
         return Ok(None);
     }

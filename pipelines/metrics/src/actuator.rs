@@ -65,19 +65,22 @@ pub(crate) fn actuator_discrepancy(
         return Ok(ActuatorDiscrepancy::default());
     };
     let [user] = branches.gaps(|i| while_held(|i| [force[i]], i, theta.len()));
+    // No more than three columns at a time (`signals`).
     drop(force);
     let t = signals.t()?;
     let mut motion = Derivator::new(&t, &theta, HALF_S);
-    let mut motion = |i: usize| <[f64; 2]>::from(motion.at(i));
-    let [slower, later] = branches.gaps(|i| while_held(&mut motion, i, theta.len()));
+    let [slower, later] =
+        branches.gaps(|i| while_held(|i| <[f64; 2]>::from(motion.at(i)), i, theta.len()));
     let inertia = plant.mass_kg * lever_m;
     let damping = plant.damping_ns_per_rad;
-    let of_plant = |i: usize| inertia * later[i] + damping * slower[i] + 2.0 * plant.friction_n;
-    let d: Vec<f64> = (0..user.len()).map(|i| user[i] - of_plant(i)).collect();
-    let at = |d: Vec<f64>| Gap::new(branches.grid.clone(), d, theta[reversal]);
-    let gap = at(d);
-    let slower = at(slower);
-    let later = at(later);
+    let d = (0..user.len()).map(|i| {
+        // Twice the friction: it is with the motion on one way and against it on the other.
+        let of_plant = inertia * later[i] + damping * slower[i] + 2.0 * plant.friction_n;
+        user[i] - of_plant
+    });
+    let d: Vec<f64> = d.collect();
+    let [gap, slower, later] =
+        [d, slower, later].map(|d| Gap::new(branches.grid.clone(), d, theta[reversal]));
     let level = analysis.confidence;
     let mean = gap.mean()?;
     let felt = [lever_m * later.mean()?, slower.mean()?, 2.0];
@@ -100,8 +103,8 @@ pub(crate) fn actuator_discrepancy(
     })
 }
 
-/// A sample's mean over the time to the next, in which its command is held; of the last of so many
-/// its own value.
+/// A sample's mean over the time to the next, in which its command is held; of the last one its
+/// own value.
 fn while_held<const N: usize>(
     mut y: impl FnMut(usize) -> [f64; N],
     i: usize,
@@ -112,8 +115,8 @@ fn while_held<const N: usize>(
     std::array::from_fn(|j| (now[j] + next[j]) / 2.0)
 }
 
-/// The interval of `centre` by the scatter of its line and by what is not known of the plant, whose
-/// parameters it feels by `felt`.
+/// The interval of `centre` by the scatter of its line and by the uncertainty of the plant; `felt`
+/// is the slope of `centre` by the plant's parameters.
 fn carried(
     centre: f64,
     line: Option<Estimate>,
@@ -122,13 +125,18 @@ fn carried(
     level: f64,
 ) -> Result<Option<Estimate>, MetricsError> {
     let Some(line) = line else { return Ok(None) };
-    let row = |j: usize| (0..3).map(|k| plant.covariance[j][k] * felt[k]).sum::<f64>();
-    let of_plant = (0..3).map(|j| felt[j] * row(j)).sum::<f64>().max(0.0);
+    let of_plant = (0..3).map(|j| {
+        let row = (0..3).map(|k| plant.covariance[j][k] * felt[k]).sum::<f64>();
+        felt[j] * row
+    });
+    // A covariance that rounding has made indefinite must not shrink the interval.
+    let of_plant = of_plant.sum::<f64>().max(0.0);
     let of_line = line.std_error * line.std_error;
     let variance = of_line + of_plant;
     if variance <= 0.0 {
         return Ok(Some(t_interval(centre, 0.0, line.df, level)?));
     }
+    // Welch–Satterthwaite.
     let shares = of_line * of_line / line.df + of_plant * of_plant / plant.df;
     Ok(Some(t_interval(centre, variance.sqrt(), variance * variance / shares, level)?))
 }

@@ -50,20 +50,27 @@ impl<'a> Branches<'a> {
         let Phases { onset, reversal, end } = phases;
         let forward = advancing(theta, onset..=reversal, None, 1.0);
         let backward = advancing(theta, reversal + 1..=end, Some(theta[reversal]), -1.0);
-        let ends = |branch: &[u32]| Some((at(theta, *branch.first()?), at(theta, *branch.last()?)));
-        let ahead = ends(&forward)?;
-        let back = ends(&backward)?;
+        let [ahead, back] = [&forward, &backward]
+            .map(|branch| Some((at(theta, *branch.first()?), at(theta, *branch.last()?))));
+        let (ahead, back) = (ahead?, back?);
         let low = ahead.0.max(back.0);
         let high = ahead.1.min(back.1);
         if high <= low || high - low < LEAST_SHARE * (ahead.1 - ahead.0) || points < 2 {
             return None;
         }
-        let grid = (0..points).map(|i| grid_point(low, high, i, points)).collect();
+        let grid = (0..points).map(|i| {
+            // Both ends exactly: rounding must not take a point past what both branches cover.
+            if i + 1 == points {
+                return high;
+            }
+            (low + (high - low) * (i as f64 / (points - 1) as f64)).min(high)
+        });
+        let grid = grid.collect();
         Some(Self { theta, grid, forward, backward })
     }
 
     /// What each branch has of `y`, quantities of each sample, on the grid: by linear interpolation, so
-    /// that they are asked for at the samples beside an angle of the grid alone, in their order and
+    /// that `y` is called for the samples beside an angle of the grid alone, in their order and
     /// seldom twice.
     pub(crate) fn on_grid<const N: usize>(
         &self,
@@ -75,7 +82,7 @@ impl<'a> Branches<'a> {
             let mut k = 0;
             let mut here = y(branch[0] as usize);
             let mut before = None;
-            let mut found = Vec::with_capacity(self.grid.len());
+            let mut values = Vec::with_capacity(self.grid.len());
             for angle in &self.grid {
                 let from = k;
                 while k + 1 < branch.len() && theta(k) < *angle {
@@ -86,7 +93,7 @@ impl<'a> Branches<'a> {
                     before = Some(if is_next { here } else { y(branch[k - 1] as usize) });
                     here = y(branch[k] as usize);
                 }
-                found.push(match before {
+                values.push(match before {
                     // A sample's own angle: arithmetic would blur its value.
                     Some(before) if theta(k) > *angle => {
                         let share = (angle - theta(k - 1)) / (theta(k) - theta(k - 1));
@@ -95,7 +102,7 @@ impl<'a> Branches<'a> {
                     _ => here,
                 });
             }
-            found
+            values
         })
     }
 
@@ -109,14 +116,6 @@ impl<'a> Branches<'a> {
 
 fn at(theta: &[f64], place: u32) -> f64 {
     theta[place as usize]
-}
-
-/// Point `i` of an even grid that begins with `low` and ends with `high`, both exactly.
-fn grid_point(low: f64, high: f64, i: usize, points: usize) -> f64 {
-    if i + 1 == points {
-        return high;
-    }
-    (low + (high - low) * (i as f64 / (points - 1) as f64)).min(high)
 }
 
 #[cfg(test)]

@@ -25,7 +25,7 @@ struct Metric<'a> {
 /// other.
 pub fn by_mode(conditions: &Table, modes: &[(String, String)]) -> Result<Table, TableError> {
     let rows: Vec<ConditionTrials> = conditions.to_rows()?;
-    let modes = listed(modes, &rows);
+    let modes = present(modes, &rows);
     let metrics = metrics(conditions);
     let counts: Vec<Option<f64>> = rows.iter().map(|row| Some(row.n as f64)).collect();
     let trials =
@@ -34,9 +34,10 @@ pub fn by_mode(conditions: &Table, modes: &[(String, String)]) -> Result<Table, 
     let mut keys: [Vec<Option<String>>; 5] = Default::default();
     let mut cells: Vec<[Vec<Option<f64>>; 2]> = vec![Default::default(); modes.len()];
     for (block, of_block) in blocks(&rows) {
-        let of_mode =
-            |id: &str| of_block.iter().copied().find(|row| rows[*row].mode.as_str() == id);
-        let of_modes: Vec<Option<usize>> = modes.iter().map(|(id, _)| of_mode(id)).collect();
+        let of_modes = modes
+            .iter()
+            .map(|(id, _)| of_block.iter().copied().find(|row| rows[*row].mode.as_str() == id));
+        let of_modes: Vec<Option<usize>> = of_modes.collect();
         for metric in std::iter::once(&trials).chain(&metrics) {
             let values: Vec<_> =
                 of_modes.iter().map(|row| row.and_then(|r| metric.means[r])).collect();
@@ -79,21 +80,22 @@ type Block = ([String; 3], Vec<usize>);
 
 fn blocks(conditions: &[ConditionTrials]) -> Vec<Block> {
     let mut blocks: Vec<Block> = Vec::new();
-    for (row, of) in conditions.iter().enumerate() {
-        let about =
-            [of.participant.to_string(), of.session.to_string(), of.environment.to_string()];
-        match blocks.iter_mut().find(|(known, _)| *known == about) {
+    for (row, ConditionTrials { participant, session, environment, .. }) in
+        conditions.iter().enumerate()
+    {
+        let keys = [participant.to_string(), session.to_string(), environment.to_string()];
+        match blocks.iter_mut().find(|(block, _)| *block == keys) {
             Some((_, rows)) => rows.push(row),
-            None => blocks.push((about, vec![row])),
+            None => blocks.push((keys, vec![row])),
         }
     }
     blocks
 }
 
-/// The modes that rows have, with their labels: those that are known, in their order, then others.
-fn listed(known: &[(String, String)], rows: &[ConditionTrials]) -> Vec<(String, String)> {
-    let has = |id: &str| rows.iter().any(|row| row.mode.as_str() == id);
-    let mut modes: Vec<_> = known.iter().filter(|(id, _)| has(id)).cloned().collect();
+/// The modes that rows have, with their labels: those of the study, in its order, then others.
+fn present(labelled: &[(String, String)], rows: &[ConditionTrials]) -> Vec<(String, String)> {
+    let mut modes = labelled.to_vec();
+    modes.retain(|(id, _)| rows.iter().any(|row| row.mode.as_str() == id));
     for ConditionTrials { mode, .. } in rows {
         if !modes.iter().any(|(id, _)| id == mode.as_str()) {
             modes.push((mode.to_string(), mode.to_string()));
@@ -104,21 +106,21 @@ fn listed(known: &[(String, String)], rows: &[ConditionTrials]) -> Vec<(String, 
 
 /// The metrics that have a standard deviation beside them.
 fn metrics(conditions: &Table) -> Vec<Metric<'_>> {
-    let floats = |name: &str| match &conditions.column(name).ok()?.values {
+    let metrics = conditions.columns().iter().filter_map(|column| {
+        let field = &column.field;
+        let (stem, suffix) = split_unit(&field.name, &field.unit);
+        let deviations = floats(conditions, &format!("{stem}_sd{suffix}"))?;
+        let means = floats(conditions, &field.name)?;
+        Some(Metric { stem: &field.name[..stem.len()], unit: &field.unit, means, deviations })
+    });
+    metrics.collect()
+}
+
+fn floats<'t>(table: &'t Table, name: &str) -> Option<&'t [Option<f64>]> {
+    match &table.column(name).ok()?.values {
         Values::Float(values) => Some(values.as_slice()),
         _ => None,
-    };
-    let metric = |field: &Field| {
-        let (stem, suffix) = split_unit(&field.name, &field.unit);
-        let deviations = floats(&format!("{stem}_sd{suffix}"))?;
-        Some((stem.len(), floats(&field.name)?, deviations))
-    };
-    let found = conditions.columns().iter().filter_map(|column| {
-        let field = &column.field;
-        let (stem, means, deviations) = metric(field)?;
-        Some(Metric { stem: &field.name[..stem], unit: &field.unit, means, deviations })
-    });
-    found.collect()
+    }
 }
 
 #[cfg(test)]

@@ -145,8 +145,8 @@ fn number<R>(spec: &Spec<R>) -> Option<(&'static str, bool)> {
     matches!(spec.get, Get::Float(_)).then_some((spec.name, spec.summarised))
 }
 
-/// What the environment asks for where a metric measures how far it is rendered, in the metric's
-/// unit: a spring's stiffness, in N/rad.
+/// The commanded value of a metric that measures how well the environment is rendered, in the
+/// metric's unit: a spring's stiffness, in N/rad.
 pub fn commanded(metric: &str, scene: &Scene) -> Option<f64> {
     let spring = scene.spring().filter(|_| metric == "stiffness_n_per_rad")?;
     Some(spring.stiffness_n_per_rad)
@@ -166,36 +166,40 @@ const OF_LEVER: [&str; 5] = [
 
 /// Whether the metric needs the lever's length.
 pub fn needs_lever(metric: &str) -> bool {
-    OF_LEVER.contains(&metric) || ACTUATORS.iter().any(|spec| spec.name == metric)
+    OF_LEVER.contains(&metric) || is_in(ACTUATORS, metric)
+}
+
+fn is_in<R>(group: &[Spec<R>], metric: &str) -> bool {
+    group.iter().any(|spec| spec.name == metric)
 }
 
 /// Whether trials in such a scene, recorded with such signals and channels, can have that metric at
 /// all.
 pub fn is_possible(metric: &str, scene: &Scene, signals: &[Signal], channels: &[Channel]) -> bool {
-    let is_in = |group: &[Spec]| group.iter().any(|spec| spec.name == metric);
-    let rests_on = |group: &[Spec<PlantMetrics>]| group.iter().any(|spec| spec.name == metric);
     let has = |needed: &[Signal]| needed.iter().all(|signal| signals.contains(signal));
-    if rests_on(ACTUATORS) {
+    if is_in(ACTUATORS, metric) {
         scene.spring().is_some() && has(&[Signal::Theta, Signal::ForceEx])
-    } else if rests_on(ENERGY) {
+    } else if is_in(ENERGY, metric) {
         has(&[Signal::Theta, Signal::ForceEx])
-    } else if is_in(ELECTRICITY) {
+    } else if is_in(ELECTRICITY, metric) {
         let currents = [CURRENT_MOTOR, CURRENT_BRAKE];
         let current = channels.iter().any(|channel| currents.contains(&channel.id.as_str()));
         let voltage = has(&[Signal::VoltageMotor]) || has(&[Signal::VoltageBrake]);
         voltage && (current || !OF_CURRENTS.contains(&metric))
-    } else if is_in(FORCE) {
+    } else if is_in(FORCE, metric) {
         has(&[Signal::ForceEx])
-    } else if is_in(STEP) {
+    } else if is_in(STEP, metric) {
         has(&[Signal::Theta]) && channels.iter().any(|channel| channel.id.as_str() == REFERENCE)
     } else if metric == "force_rms_error_n" {
+        // Before the group of the spring, to which it belongs: it needs one signal more than the
+        // rest.
         scene.spring().is_some() && has(&[Signal::Theta, Signal::ForceEx, Signal::ForceCmd])
-    } else if is_in(DISCREPANCY) || is_in(SPRING) {
+    } else if is_in(DISCREPANCY, metric) || is_in(SPRING, metric) {
         scene.spring().is_some() && has(&[Signal::Theta, Signal::ForceEx])
-    } else if is_in(WALL) {
+    } else if is_in(WALL, metric) {
         scene.wall_rad().is_some() && has(&[Signal::Theta])
     } else {
-        is_in(MOVEMENT) || is_in(COMPLIANCE) || is_in(STABILITY)
+        is_in(MOVEMENT, metric) || is_in(COMPLIANCE, metric) || is_in(STABILITY, metric)
     }
 }
 

@@ -41,12 +41,13 @@ pub(crate) fn compliance(signals: &Signals, parameters: &Parameters) -> Complian
         [true] => parameters.brakes_only(),
         _ => false,
     });
-    let count = |up: bool| Some(ways.as_ref()?.iter().filter(|way| **way == up).count() as i64);
+    let [movements_forward, movements_backward] = [true, false]
+        .map(|up| Some(ways.as_ref()?.iter().filter(|way| **way == up).count() as i64));
     let in_time = in_time(signals, parameters.trial_limit_s);
     let inside_work_space = inside(signals.theta().as_deref(), parameters);
     Compliance {
-        movements_forward: count(true),
-        movements_backward: count(false),
+        movements_forward,
+        movements_backward,
         one_movement,
         in_time,
         inside_work_space,
@@ -74,6 +75,7 @@ fn in_time(signals: &Signals, limit_s: f64) -> Option<bool> {
     let t = signals.t().ok()?;
     let last = activity.end.unwrap_or(t.len() - 1);
     let took_s = t[last] - t[activity.onset];
+    // A recording that stops in mid movement is late once it has passed the limit.
     (activity.end.is_some() || took_s > limit_s).then_some(took_s <= limit_s)
 }
 

@@ -65,6 +65,7 @@ pub fn by_condition(
         columns.push(Column { field: sd, values: Values::Float(sds) });
         for Group { key, rows, numbers } in &groups {
             let count = numbers[place].count;
+            // A mean over no trial is null and speaks for itself.
             if 0 < count && count < *rows {
                 notes.push(format!(
                     "{}: {} × {}: over {count} of the {rows} trials.",
@@ -94,8 +95,10 @@ fn ordered(
         sessions.entry((key.participant.clone(), key.session.clone())).or_insert(number);
     }
     groups.sort_by_cached_key(|Group { key, .. }| {
-        let is = |c: &Condition| (&c.environment, &c.mode) == (&key.environment, &key.mode);
-        let place = conditions.iter().position(is).unwrap_or(conditions.len());
+        let place = conditions
+            .iter()
+            .position(|c| (&c.environment, &c.mode) == (&key.environment, &key.mode))
+            .unwrap_or(conditions.len());
         (sessions.get(&(key.participant.clone(), key.session.clone())).copied(), place)
     });
     groups

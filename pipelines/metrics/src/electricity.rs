@@ -51,43 +51,48 @@ pub(crate) fn electrical_energy(signals: &Signals, parameters: &Parameters) -> E
     let taken_j = taken_j(signals, parameters);
     let bound_j = bound_j(signals, parameters);
     let commanded = held(signals, Signal::ForceCmd, |f| f.abs());
-    let share = |energy_j: Option<f64>| {
-        let both = commanded.zip(energy_j).filter(|(force, energy)| *force > 0.0 && *energy > 0.0);
-        both.map(|(force, energy)| force / energy)
-    };
-    ElectricalEnergy {
-        taken_j,
-        bound_j,
-        force_per_power_recorded_n_per_w: share(taken_j),
-        force_per_power_n_per_w: share(bound_j),
-    }
+    // A motor can give back more than it took: the share would have no meaning then.
+    let [force_per_power_recorded_n_per_w, force_per_power_n_per_w] =
+        [taken_j, bound_j].map(|energy_j| {
+            let both =
+                commanded.zip(energy_j).filter(|(force, energy)| *force > 0.0 && *energy > 0.0);
+            both.map(|(force, energy)| force / energy)
+        });
+    ElectricalEnergy { taken_j, bound_j, force_per_power_recorded_n_per_w, force_per_power_n_per_w }
 }
 
 /// ∫ (U_m I_m + U_b I_b) dt.
 fn taken_j(signals: &Signals, parameters: &Parameters) -> Option<f64> {
-    let taken = |used: bool, voltage: Signal, current: &str| {
+    let [motor_j, brake_j] = [
+        (parameters.uses_motor, Signal::VoltageMotor, CURRENT_MOTOR),
+        (parameters.uses_brake, Signal::VoltageBrake, CURRENT_BRAKE),
+    ]
+    .map(|(used, voltage, current)| {
         if !used {
             return Some(0.0);
         }
         let v = signals.column(voltage)?;
         let a = signals.channel(current)?;
         Some(over_time(&signals.t().ok()?, |i| v[i] * (a[i] + a[i + 1]) / 2.0))
-    };
-    let motor_j = taken(parameters.uses_motor, Signal::VoltageMotor, CURRENT_MOTOR)?;
-    Some(motor_j + taken(parameters.uses_brake, Signal::VoltageBrake, CURRENT_BRAKE)?)
+    });
+    Some(motor_j? + brake_j?)
 }
 
 /// ∫ (U_m² / R_m + U_b² / R_b + [U_m ≠ 0] |F_cmd| L |θ̇|) dt.
 fn bound_j(signals: &Signals, parameters: &Parameters) -> Option<f64> {
     let Resistances { motor_ohm, brake_ohm } = parameters.resistances;
-    let heat = |used: bool, voltage: Signal, ohm: Option<f64>| match (used, ohm) {
-        (false, _) => Some(0.0),
-        (true, ohm) => ohm.and_then(|ohm| held(signals, voltage, |v| v * v / ohm)),
-    };
-    let motor_j = heat(parameters.uses_motor, Signal::VoltageMotor, motor_ohm)?;
-    let brake_j = heat(parameters.uses_brake, Signal::VoltageBrake, brake_ohm)?;
+    let [motor_j, brake_j] = [
+        (parameters.uses_motor, Signal::VoltageMotor, motor_ohm),
+        (parameters.uses_brake, Signal::VoltageBrake, brake_ohm),
+    ]
+    .map(|(used, voltage, ohm)| {
+        if !used {
+            return Some(0.0);
+        }
+        ohm.and_then(|ohm| held(signals, voltage, |v| v * v / ohm))
+    });
     let driven_j = if parameters.uses_motor { driven_j(signals)? } else { 0.0 };
-    Some(motor_j + brake_j + driven_j)
+    Some(motor_j? + brake_j? + driven_j)
 }
 
 /// Σ of a signal's `power`, which is held from each sample to the next, times that time; `None` where
@@ -108,8 +113,8 @@ fn driven_j(signals: &Signals) -> Option<f64> {
     let force = signals.column(Signal::ForceCmd)?;
     let theta = signals.theta()?;
     let lever_m = signals.lever_m?;
-    let step = |i: usize| force[i].abs() * lever_m * (theta[i + 1] - theta[i]).abs();
-    Some((0..theta.len().saturating_sub(1)).filter(|i| voltage[*i] != 0.0).map(step).sum())
+    let driven = (0..theta.len().saturating_sub(1)).filter(|i| voltage[*i] != 0.0);
+    Some(driven.map(|i| force[i].abs() * lever_m * (theta[i + 1] - theta[i]).abs()).sum())
 }
 
 #[cfg(test)]

@@ -46,14 +46,14 @@ pub(crate) fn trial_events(
     let moved = moved.into_iter().filter_map(|(kind, t_s)| Some(TimedEvent { kind, t_s: t_s? }));
     let touched = wall_rad.and_then(|wall| Some(contacts(&signals.theta()?, wall)));
     let t = signals.t()?;
-    let at = |kind, i: usize| TimedEvent { kind, t_s: t[i] };
     let touched = touched.unwrap_or_default().into_iter();
+    let touched =
+        touched.map(|contact| TimedEvent { kind: EventKind::Contact, t_s: t[contact.first] });
     let on = signals.brake_on.as_deref().unwrap_or_default();
     let let_go = (1..on.len()).filter(|i| on[i - 1] && !on[*i]);
-    let mut events: Vec<TimedEvent> = moved
-        .chain(touched.map(|contact| at(EventKind::Contact, contact.first)))
-        .chain(let_go.map(|i| at(EventKind::LetGo, i)))
-        .collect();
+    let let_go = let_go.map(|i| TimedEvent { kind: EventKind::LetGo, t_s: t[i] });
+    let mut events: Vec<TimedEvent> = moved.chain(touched).chain(let_go).collect();
+    // Stable: of one time, the order above.
     events.sort_by(|a, b| a.t_s.total_cmp(&b.t_s));
     Ok(events)
 }

@@ -19,6 +19,7 @@ pub(crate) fn user_force(signals: &Signals) -> Result<UserForce, MetricsError> {
     let Some(force) = signals.force() else { return Ok(UserForce::default()) };
     let t = signals.t()?;
     let span_s = t[t.len() - 1] - t[0];
+    // A single sample has no duration to divide by.
     let mean_n = if span_s > 0.0 { trapezoid(&t, &force)? / span_s } else { force[0] };
     let largest_n = force.iter().copied().max_by(|a, b| a.abs().total_cmp(&b.abs()));
     Ok(UserForce { mean_n: Some(mean_n), largest_n })

@@ -63,18 +63,18 @@ pub(crate) fn movement(
     let [forward, backward] = ways.map_or([None; 2], |ways| {
         ways.map(|(from, to)| theta_dot.as_ref().map(|v| speed(&t[from..=to], &v[from..=to])))
     });
-    let smoothness = |way: usize| {
+    let smoothness = [0, 1].map(|way| {
         let (from, to) = ways.filter(|_| angles.is_some_and(|a| a.is_movement[way]))?[way];
         Smoothness::of(&t[from..=to], &theta_dot.as_ref()?[from..=to])
-    };
-    let smoothness = [smoothness(0), smoothness(1)];
+    });
     let onset_s = activity.map(|a| t[a.onset]);
     let end_s = activity.and_then(|a| a.end).map(|i| t[i]);
     let reversal_s = phases.map(|p| t[p.reversal]);
+    // Before the spectra, which take memory of their own.
     drop((t, theta_dot));
     signals.forget();
     let [sparc_forward, sparc_backward] =
-        smoothness.map(|found| found.and_then(Smoothness::spectral_arc_length));
+        smoothness.map(|way| way.and_then(Smoothness::spectral_arc_length));
     Ok(Movement {
         onset_s,
         reversal_s,
@@ -92,7 +92,7 @@ pub(crate) fn movement(
     })
 }
 
-/// What of the movement the angle alone tells.
+/// The part of the movement that follows from the angle alone.
 #[derive(Clone, Copy)]
 struct Angles {
     most_rad: f64,
@@ -106,17 +106,12 @@ impl Angles {
     fn of(theta: &[f64], ways: Option<[(usize, usize); 2]>, parameters: &Parameters) -> Self {
         let (least_rad, most_rad) = ends(theta);
         let travelled = most_rad - least_rad;
-        let is_movement = |(from, to): (usize, usize)| {
-            (theta[to] - theta[from]).abs() > MOVEMENT_SHARE * travelled
-        };
-        let hits = |limit: Option<f64>, sign: f64| {
-            Some(arrivals(theta, limit?, sign, RETREAT_SHARE * travelled))
-        };
-        Self {
-            most_rad,
-            is_movement: ways.map_or([false; 2], |ways| ways.map(is_movement)),
-            hits: [hits(parameters.theta_min_rad, -1.0), hits(parameters.theta_max_rad, 1.0)],
-        }
+        let is_movement = ways.map_or([false; 2], |ways| {
+            ways.map(|(from, to)| (theta[to] - theta[from]).abs() > MOVEMENT_SHARE * travelled)
+        });
+        let hits = [(parameters.theta_min_rad, -1.0), (parameters.theta_max_rad, 1.0)]
+            .map(|(limit, sign)| Some(arrivals(theta, limit?, sign, RETREAT_SHARE * travelled)));
+        Self { most_rad, is_movement, hits }
     }
 }
 
@@ -128,29 +123,31 @@ struct Speed {
 }
 
 fn speed(t: &[f64], v: &[f64]) -> Speed {
-    let speed = || v.iter().map(|v| v.abs());
+    let speeds = v.iter().map(|v| v.abs());
     let mean = match t {
         [first, .., last] => {
-            let steps = t.windows(2).zip(speed().zip(speed().skip(1)));
+            let steps = t.windows(2).zip(speeds.clone().zip(speeds.clone().skip(1)));
+            // The trapezoidal rule without a copy of all speeds.
             let way = steps.fold(0.0, |sum, (t, (a, b))| sum + (t[1] - t[0]) * (a + b) / 2.0);
             Some(way / (last - first))
         }
         _ => None,
     };
-    Speed { mean, peak: speed().fold(0.0, f64::max) }
+    Speed { mean, peak: speeds.fold(0.0, f64::max) }
 }
 
 /// How often sign · θ comes from below sign · limit to it or beyond, after a retreat from it by
 /// more than `retreat`.
 fn arrivals(theta: &[f64], limit: f64, sign: f64, retreat: f64) -> i64 {
-    let beyond = |theta: f64| sign * (theta - limit);
-    let mut there = theta.first().is_some_and(|theta| beyond(*theta) >= 0.0);
+    // A lever that begins at the limit has not arrived there.
+    let mut is_there = theta.first().is_some_and(|theta| sign * (theta - limit) >= 0.0);
     let mut count = 0;
-    for &theta in theta {
-        if !there && beyond(theta) >= 0.0 {
-            (there, count) = (true, count + 1);
-        } else if beyond(theta) < -retreat {
-            there = false;
+    for theta in theta {
+        let beyond = sign * (theta - limit);
+        if !is_there && beyond >= 0.0 {
+            (is_there, count) = (true, count + 1);
+        } else if beyond < -retreat {
+            is_there = false;
         }
     }
     count

@@ -44,31 +44,28 @@ pub(crate) fn swings(signals: &Signals) -> Result<Swings, MetricsError> {
         return Ok(Swings::default());
     };
     let t = signals.t()?;
-    Ok(swings_of(&t[onset..=end], &theta[onset..=end]))
-}
-
-/// Those of a movement.
-fn swings_of(t: &[f64], theta: &[f64]) -> Swings {
+    let t = &t[onset..=end];
+    let theta = &theta[onset..=end];
     let legs = zigzag(theta, TURN_SHARE * range(theta));
     let turns: Vec<usize> = legs.iter().skip(1).map(|leg| leg.from).collect();
     let reversals = Some(turns.len() as i64);
+    // Too few samples show no fast swing, which is not the same as none.
     if rate_hz(t).is_none_or(|rate| rate * FAST_S < SAMPLES_A_SWING) {
-        return Swings { reversals, ..Swings::default() };
+        return Ok(Swings { reversals, ..Swings::default() });
     }
-    let swing = |w: &[usize]| (t[w[1]] - t[w[0]], (theta[w[1]] - theta[w[0]]).abs());
-    let fast: Vec<_> =
-        turns.windows(2).map(swing).filter(|(duration, _)| *duration < FAST_S).collect();
+    let swings = turns.windows(2).map(|w| (t[w[1]] - t[w[0]], (theta[w[1]] - theta[w[0]]).abs()));
+    let fast: Vec<_> = swings.filter(|(duration, _)| *duration < FAST_S).collect();
     let oscillates = fast.len() >= FEW;
     let verdict =
         if oscillates { RecordedStability::Oscillating } else { RecordedStability::Smooth };
-    Swings {
+    Ok(Swings {
         reversals,
         fast: Some(fast.len() as i64),
         verdict: Some(verdict),
         frequency_hz: oscillates
             .then(|| fast.len() as f64 / (2.0 * fast.iter().map(|s| s.0).sum::<f64>())),
         amplitude_rad: upper_median(fast.iter().map(|s| s.1)).filter(|_| oscillates),
-    }
+    })
 }
 
 /// Mean rate of samples, Hz; `None` for a single one.

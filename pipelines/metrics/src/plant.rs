@@ -12,7 +12,7 @@ use zwidth_study::TrialMeta;
 pub const PLANT_SIGNALS: [Signal; 5] =
     [Signal::Time, Signal::Theta, Signal::ThetaDot, Signal::ForceEx, Signal::ForceAge];
 
-/// What a trial says with the plant.
+/// The metrics of a trial that depend on the plant.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlantMetrics {
     /// Which trial.
@@ -35,9 +35,9 @@ pub fn plant_metrics<'a>(
 ) -> Result<PlantMetrics, MetricsError> {
     let Recorded { meta, columns } = trial.into();
     let signals = Signals::of_motion(columns, parameters)?;
-    let known = plant.filter(|_| parameters.scene.spring().is_some());
+    let in_spring = plant.filter(|_| parameters.scene.spring().is_some());
     let discrepancy =
-        known.map(|plant| actuator_discrepancy(&signals, plant, &parameters.analysis));
+        in_spring.map(|plant| actuator_discrepancy(&signals, plant, &parameters.analysis));
     Ok(PlantMetrics {
         meta: meta.clone(),
         discrepancy: discrepancy.transpose()?.unwrap_or_default(),

@@ -29,9 +29,10 @@ const ROUNDING: f64 = 1e-12;
 pub(crate) fn plateau(u: &[f64], f: &[f64]) -> Option<f64> {
     // Places, which are half of an angle: a long press is not copied.
     let mut order: Vec<u32> = (0..u.len().min(f.len()) as u32).collect();
+    // Of equal angles in the order of recording, so that sums run in one order.
     order.sort_unstable_by(|a, b| u[*a as usize].total_cmp(&u[*b as usize]).then(a.cmp(b)));
     let points = Points { order: &order, u, f };
-    let (at, u_s, rss) = best_division(points)?;
+    let Division { below: at, u_s, rss } = best_division(points)?;
     let line = points.part(0..at);
     let flat = points.part(at..order.len());
     let whole = points.fit()?;
@@ -145,18 +146,28 @@ impl Sums {
     }
 }
 
-/// The best division of sorted points: how many belong to the line, where it meets the plateau, and
-/// the residual sum of squares.
-fn best_division(points: Points) -> Option<(usize, f64, f64)> {
+/// A division of sorted points.
+struct Division {
+    /// How many points belong to the line.
+    below: usize,
+    /// Where the line meets the plateau.
+    u_s: f64,
+    /// The residual sum of squares of both.
+    rss: f64,
+}
+
+/// The division with the least residual sum of squares.
+fn best_division(points: Points) -> Option<Division> {
     let n = points.order.len();
     let (u0, f0) = points.middle();
+    // About the means: sums of squares about 0 would cancel to few digits.
     let all = points.sums_about((u0, f0));
     let centred = |i: usize| {
         let (u, f) = points.at(i);
         (u - u0, f - f0)
     };
     let mut below = Sums::default();
-    let mut best: Option<(usize, f64, f64)> = None;
+    let mut best: Option<Division> = None;
     for at in 1..n {
         below = below.with(centred(at - 1));
         if at < LEAST_SAMPLES || n - at < LEAST_SAMPLES {
@@ -167,8 +178,8 @@ fn best_division(points: Points) -> Option<(usize, f64, f64)> {
         let meets = (level - intercept) / slope;
         let rss = rss_line + rss_flat;
         let between = centred(at - 1).0 <= meets && meets <= centred(at).0;
-        if between && best.is_none_or(|(_, _, least)| rss < least) {
-            best = Some((at, meets + u0, rss));
+        if between && best.as_ref().is_none_or(|best| rss < best.rss) {
+            best = Some(Division { below: at, u_s: meets + u0, rss });
         }
     }
     best

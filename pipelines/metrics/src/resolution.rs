@@ -5,19 +5,19 @@ use zwidth_numerics::series::ends;
 /// Smaller steps between angles are their arithmetic, not a sensor, rad.
 const LEAST_RAD: f64 = 1e-9;
 
-/// Angles that are sorted at a time, about: a long recording is not copied whole.
+/// About how many angles are sorted at a time: a long recording is not copied whole.
 const AT_ONCE: usize = 1 << 20;
 
 /// The smallest step between two angles of the recording, rad: a count of the angle sensor, where
 /// it has counts. 0 for a lever that never moves.
 pub(crate) fn resolution_rad(theta: &[f64]) -> f64 {
     let nothing = Sorted { last: None, least: f64::INFINITY };
-    let found = match theta.len() {
+    let sorted = match theta.len() {
         0 => nothing,
         1..=AT_ONCE => nothing.with_all(theta.to_vec()),
         _ => within(theta, ends(theta), nothing, AT_ONCE),
     };
-    if found.least.is_finite() { found.least } else { 0.0 }
+    if sorted.least.is_finite() { sorted.least } else { 0.0 }
 }
 
 /// Angles up to some angle, in order: the last of them, and the smallest step.
@@ -56,25 +56,26 @@ fn within(theta: &[f64], (low, high): (f64, f64), before: Sorted, at_once: usize
         return before.with(low);
     }
     let parts = (2 * theta.len()).div_ceil(at_once);
-    let bound = |part: usize| low + (high - low) * (part as f64 / parts as f64);
-    let mut found = before;
+    let mut sorted = before;
     for part in 0..parts {
+        let [from, to] =
+            [part, part + 1].map(|end| low + (high - low) * (end as f64 / parts as f64));
+        // The last bound may be rounded to below `high`, whose angle must not be lost.
         let is_last = part + 1 == parts;
-        let from = bound(part);
-        let to = bound(part + 1);
-        let is_in = |theta: f64| theta >= from && (theta < to || is_last) && theta <= high;
-        let angles = || theta.iter().copied().filter(|theta| is_in(*theta));
-        let some: Vec<f64> = angles().take(at_once + 1).collect();
+        let angles = theta.iter().copied();
+        let angles =
+            angles.filter(|theta| *theta >= from && (*theta < to || is_last) && *theta <= high);
+        let some: Vec<f64> = angles.clone().take(at_once + 1).collect();
         if some.len() > at_once {
-            let ends = angles().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), theta| {
+            let ends = angles.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), theta| {
                 (low.min(theta), high.max(theta))
             });
-            found = within(theta, ends, found, at_once);
+            sorted = within(theta, ends, sorted, at_once);
         } else {
-            found = found.with_all(some);
+            sorted = sorted.with_all(some);
         }
     }
-    found
+    sorted
 }
 
 #[cfg(test)]

@@ -40,13 +40,12 @@ impl<'a> Signals<'a> {
         parameters: &Parameters,
     ) -> Result<Self, MetricsError> {
         let motion = Self::of_motion(columns, parameters)?;
-        let on = |voltage: Signal, bit: u16| {
+        let actuators = [(Signal::VoltageBrake, BRAKE_ON), (Signal::VoltageMotor, MOTOR_ON)];
+        let [brake_on, motor_on] = actuators.map(|(voltage, bit)| {
             let voltage = columns.column(voltage);
             let flags = columns.column(Signal::StateBits);
             on(voltage.as_deref(), flags.as_deref(), bit)
-        };
-        let brake_on = on(Signal::VoltageBrake, BRAKE_ON);
-        let motor_on = on(Signal::VoltageMotor, MOTOR_ON);
+        });
         Ok(Self { brake_on, motor_on, ..motion })
     }
 
@@ -70,6 +69,7 @@ impl<'a> Signals<'a> {
             (Some(theta), Some(_), Some(a)) => {
                 Some(phases(&theta, a.onset, a.end.unwrap_or(expected - 1)))
             }
+            // Without a velocity the whole recording stands in for the movement.
             (Some(theta), None, _) => Some(phases(&theta, 0, expected - 1)),
             _ => None,
         };
@@ -144,16 +144,24 @@ fn force_updates(columns: &dyn Columns) -> Option<(Arc<Vec<f64>>, Updates)> {
 
 /// An actuator is on where its flag is set or its commanded voltage is not 0.
 fn on(voltage: Option<&[f64]>, flags: Option<&[f64]>, bit: u16) -> Option<Vec<bool>> {
-    // whole numbers of 16 bits: the store has checked
-    let flagged = |flags: &f64| *flags as i32 & i32::from(bit) != 0;
-    let powered = |volts: &f64| volts.abs() > 0.0;
     Some(match (voltage, flags) {
-        (Some(volts), Some(flags)) => {
-            volts.iter().zip(flags).map(|(volts, flags)| powered(volts) | flagged(flags)).collect()
-        }
-        (Some(volts), None) => volts.iter().map(powered).collect(),
-        (None, flags) => flags?.iter().map(flagged).collect(),
+        (Some(volts), Some(flags)) => volts
+            .iter()
+            .zip(flags)
+            .map(|(volts, flags)| is_powered(*volts) | is_flagged(*flags, bit))
+            .collect(),
+        (Some(volts), None) => volts.iter().map(|volts| is_powered(*volts)).collect(),
+        (None, flags) => flags?.iter().map(|flags| is_flagged(*flags, bit)).collect(),
     })
+}
+
+fn is_powered(volts: f64) -> bool {
+    volts.abs() > 0.0
+}
+
+fn is_flagged(flags: f64, bit: u16) -> bool {
+    // whole numbers of 16 bits: the store has checked
+    flags as i32 & i32::from(bit) != 0
 }
 
 #[cfg(test)]

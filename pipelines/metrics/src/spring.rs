@@ -86,17 +86,18 @@ pub(crate) fn spring_rendering(
     };
     let returned_energy_share = returned_energy(&theta, &force, phases)?;
     drop(force);
-    let is_in_fit = |theta: &f64| {
+    let is_in_fit = theta[phases.onset..=phases.reversal].iter().map(|theta| {
         theta - spring.rest_rad >= analysis.slope_from_rad
             && wall_rad.is_none_or(|wall| *theta < wall)
-    };
-    let fit = Fit(theta[phases.onset..=phases.reversal].iter().map(is_in_fit).collect());
+    });
+    let fit = Fit(is_in_fit.collect());
     drop(theta);
     let Analysis { onset_rad_s, offset_rad_s, .. } = *analysis;
     let velocity = signals.theta_dot();
     let begins = velocity.and_then(|v| return_begins(&v, phases, onset_rad_s, offset_rad_s));
     let return_force_n = begins.and_then(|begins| Some(signals.force()?[begins]));
     let force_rms_error_n = fit.rms_error(signals, phases);
+    // Each column is given back before the next one is read.
     let u = fit.taken(signals.theta(), phases, |theta| theta - spring.rest_rad);
     signals.forget();
     let f = fit.taken(signals.force(), phases, |force| force);
@@ -153,12 +154,12 @@ fn line_and_plateau(
     // Of every sample its place, in the order of recording: those of the line, those of the plateau.
     let (below, past): (Vec<u32>, Vec<u32>) =
         (0..u.len() as u32).partition(|i| u[*i as usize] < u_s);
-    let of = |places: &[u32], i: usize| (u[places[i] as usize], f[places[i] as usize]);
+    let sample = |place: u32| (u[place as usize], f[place as usize]);
     let commanded = spring.stiffness_n_per_rad;
-    let rendering = line(below.len(), |i| of(&below, i), commanded, level)?;
+    let rendering = line(below.len(), |i| sample(below[i]), commanded, level)?;
     let Some(stiffness) = rendering.stiffness_n_per_rad else { return Ok(rendering) };
-    let below = recording_line(below.len(), |i| of(&below, i), u_s, level)?;
-    let flat = recording_mean(past.len(), |i| of(&past, i).1, level)?;
+    let below = recording_line(below.len(), |i| sample(below[i]), u_s, level)?;
+    let flat = recording_mean(past.len(), |i| sample(past[i]).1, level)?;
     let (Some(below), Some(flat)) = (below, flat) else { return Ok(rendering) };
     let saturation = saturation(stiffness, below.value, flat, spring.rest_rad + u_s, level)?;
     Ok(SpringRendering { saturation, ..rendering })
@@ -220,6 +221,7 @@ fn returned_energy(
     let put_in = trapezoid(&theta[onset..=reversal], &force[onset..=reversal])?;
     // not a negation: a lever that stays gives back 0, not −0
     let given_back = 0.0 - trapezoid(&theta[reversal..=end], &force[reversal..=end])?;
+    // A recording that stops at the reversal says nothing of the way back.
     let goes_on = reversal + 1 < theta.len();
     Ok((put_in > 0.0 && goes_on).then(|| given_back / put_in))
 }

@@ -46,10 +46,13 @@ pub(crate) fn stability(
     let Some(phases) = signals.phases else {
         return Ok(Stability::default());
     };
-    let switches = |on: &Option<Vec<bool>>| Some(changes(&on.as_ref()?[phases.onset..=phases.end]));
+    let [motor_switches, brake_switches] = [&signals.motor_on, &signals.brake_on].map(|on| {
+        let moving = &on.as_ref()?[phases.onset..=phases.end];
+        Some(moving.windows(2).map(|w| i64::from(w[0] != w[1])).sum())
+    });
     Ok(Stability {
-        motor_switches: switches(&signals.motor_on),
-        brake_switches: switches(&signals.brake_on),
+        motor_switches,
+        brake_switches,
         actuator_switches: actuator_switches(signals, phases),
         swings: swings(signals)?,
         force_band: force_band(signals, force_rate_hz)?,
@@ -57,15 +60,11 @@ pub(crate) fn stability(
     })
 }
 
-fn changes(states: &[bool]) -> i64 {
-    states.windows(2).map(|w| i64::from(w[0] != w[1])).sum()
-}
-
 fn actuator_switches(signals: &Signals, Phases { onset, end, .. }: Phases) -> Option<i64> {
-    let known: Vec<&Vec<bool>> =
+    let recorded: Vec<&Vec<bool>> =
         [&signals.motor_on, &signals.brake_on].into_iter().flatten().collect();
-    (!known.is_empty()).then(|| {
-        (onset..end).filter(|i| known.iter().any(|on| on[*i] != on[*i + 1])).count() as i64
+    (!recorded.is_empty()).then(|| {
+        (onset..end).filter(|i| recorded.iter().any(|on| on[*i] != on[*i + 1])).count() as i64
     })
 }
 

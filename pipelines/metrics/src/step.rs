@@ -51,19 +51,21 @@ fn response(signals: &Signals) -> Option<StepResponse> {
     let at = step(&reference)?;
     let from = reference[at - 1];
     let to = reference[at];
-    let is_changed = |r: &f64| (r - to).abs() > CHANGED * (to - from).abs();
-    let end = reference[at..].iter().position(is_changed).map_or(t.len(), |n| at + n);
+    let changed = reference[at..].iter().position(|r| (r - to).abs() > CHANGED * (to - from).abs());
+    let end = changed.map_or(t.len(), |n| at + n);
     if end - at < LEAST_SAMPLES {
         return None;
     }
     let step_rad = Some(to - from);
     let t = &t[at..end];
     let theta = &theta[at..end];
+    // By time, not by count: samples need not be evenly spaced.
     let last_s = t[t.len() - 1] - LAST * (t[t.len() - 1] - t[0]);
     let last = &theta[t.partition_point(|t| *t < last_s)..];
     let rest = last.iter().sum::<f64>() / last.len() as f64;
     let steady_error_rad = Some(to - rest);
     let way = rest - theta[0];
+    // An angle that does not follow has no way to take shares of.
     if way.abs() < CHANGED * (to - from).abs() {
         return Some(StepResponse { step_rad, steady_error_rad, ..StepResponse::default() });
     }

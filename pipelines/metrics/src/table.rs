@@ -36,11 +36,13 @@ pub fn plant_table(rows: &[PlantMetrics]) -> Result<Table, TableError> {
 /// # Errors
 /// Tables that are not of this stage.
 pub fn join_plant(metrics: &Table, plant: &Table) -> Result<Table, TableError> {
-    let whose = |key: TrialKey| (key.participant, key.session, key.trial);
     let (plants, trials): (Vec<TrialKey>, Vec<TrialKey>) = (plant.to_rows()?, metrics.to_rows()?);
-    let places: BTreeMap<_, usize> = plants.into_iter().map(whose).zip(0..).collect();
-    let rows: Vec<Option<usize>> =
-        trials.into_iter().map(|key| places.get(&whose(key)).copied()).collect();
+    // Without the rest of the key, which a trial's identity does not need.
+    let [plants, trials] = [plants, trials].map(|keys| {
+        keys.into_iter().map(|key| (key.participant, key.session, key.trial)).collect::<Vec<_>>()
+    });
+    let places: BTreeMap<_, usize> = plants.into_iter().zip(0..).collect();
+    let rows: Vec<Option<usize>> = trials.iter().map(|key| places.get(key).copied()).collect();
     let mut columns = metrics.columns().to_vec();
     for spec in PLANT_GROUPS.into_iter().flatten() {
         let column = plant.column(spec.name)?;

@@ -95,7 +95,8 @@ pub(crate) fn wall_contact(
     // Angle and force, then time and force, then time and velocity: two columns at a time.
     let past = Past::of(&theta, wall_rad);
     let count_rad = resolution_rad(&theta);
-    let rebounds = rebounds(&theta, wall_rad);
+    // The first contact is no rebound.
+    let rebounds = contacts(&theta, wall_rad).len() as i64 - 1;
     let by_way = signals.force().map(|f| {
         past.over_pieces(|p| p.mean(&f) * (p.to - p.from) * (theta[p.i + 1] - theta[p.i]))
     });
@@ -120,6 +121,10 @@ pub(crate) fn wall_contact(
     let still_s = signals
         .theta_dot()
         .map(|v| longest(&t, |i| past.samples[i] && v[i].abs() < analysis.offset_rad_s));
+    let brake_releases = signals.brake_on.as_deref().map(|on| {
+        let steps = on.windows(2).zip(&past.samples);
+        steps.map(|(on, past)| i64::from(*past && on[0] && !on[1])).sum()
+    });
     Ok(WallContact {
         reached: Some(true),
         past_max_rad: Some(highest - wall_rad),
@@ -129,7 +134,7 @@ pub(crate) fn wall_contact(
         energy_j: signals.lever_m.zip(by_way).map(|(lever_m, integral)| lever_m * integral),
         impact_velocity_rad_s: when_passing(signals.theta_dot()),
         rebounds: Some(rebounds),
-        brake_releases: signals.brake_on.as_deref().map(|on| releases(on, &past.samples)),
+        brake_releases,
         still_s,
         force_max_n,
         force_rise_n: force_max_n.zip(first_n).map(|(most, first)| most - first),
@@ -142,10 +147,6 @@ pub(crate) fn wall_contact(
     })
 }
 
-fn releases(on: &[bool], past: &[bool]) -> i64 {
-    on.windows(2).zip(past).map(|(on, past)| i64::from(*past && on[0] && !on[1])).sum()
-}
-
 /// The rigidity, and whether it is a bound; `first_n` is the force where the wall is passed.
 fn rigidity(
     theta: &[f64],
@@ -155,6 +156,7 @@ fn rigidity(
     count_rad: f64,
 ) -> Option<(f64, bool)> {
     let past = (0..theta.len()).filter(|i| theta[*i] > wall);
+    // Of equal forces the first: the lever has moved least by then.
     let most = past.reduce(|most, i| if force[i] > force[most] { i } else { most })?;
     let grown_n = force[most] - first_n;
     let until = ends(&theta[..=most]).1;
@@ -188,11 +190,16 @@ fn stiffness(
 ) -> Result<Option<Estimate>, MetricsError> {
     let deepest = theta.iter().position(|theta| *theta >= highest).unwrap_or_default();
     let way_in: Vec<u32> = (0..=deepest as u32).filter(|i| theta[*i as usize] > wall).collect();
-    let sample = |i: usize| {
-        let place = way_in[i] as usize;
-        (theta[place] - wall, force[place])
-    };
-    Ok(recording_line(way_in.len(), sample, 0.0, level)?.map(|line| line.slope))
+    let line = recording_line(
+        way_in.len(),
+        |i| {
+            let place = way_in[i] as usize;
+            (theta[place] - wall, force[place])
+        },
+        0.0,
+        level,
+    )?;
+    Ok(line.map(|line| line.slope))
 }
 
 /// The part of the interval between samples i and i + 1 that lies past the wall, as shares of the
@@ -236,17 +243,19 @@ impl Past {
     }
 
     /// Σ over the parts of intervals past the wall.
-    fn over_pieces(&self, of: impl Fn(&Piece) -> f64) -> f64 {
-        let mut crossings = self.crossings.iter();
-        let mut crossing = || crossings.next().copied().unwrap_or_default();
-        let piece = |i: usize| match (self.samples[i], self.samples[i + 1]) {
-            (true, true) => Some(Piece { i, from: 0.0, to: 1.0 }),
-            (false, true) => Some(Piece { i, from: crossing(), to: 1.0 }),
-            (true, false) => Some(Piece { i, from: 0.0, to: crossing() }),
-            (false, false) => None,
-        };
-        let pieces = self.intervals.clone().filter_map(piece);
-        pieces.fold(0.0, |sum, piece| sum + of(&piece))
+    fn over_pieces(&self, value: impl Fn(&Piece) -> f64) -> f64 {
+        let mut crossings = self.crossings.iter().copied();
+        let mut sum = 0.0;
+        for i in self.intervals.clone() {
+            let (from, to) = match (self.samples[i], self.samples[i + 1]) {
+                (true, true) => (0.0, 1.0),
+                (false, true) => (crossings.next().unwrap_or_default(), 1.0),
+                (true, false) => (0.0, crossings.next().unwrap_or_default()),
+                (false, false) => continue,
+            };
+            sum += value(&Piece { i, from, to });
+        }
+        sum
     }
 
     /// The largest value of a signal there.
@@ -267,10 +276,6 @@ fn longest(t: &[f64], still: impl Fn(usize) -> bool) -> f64 {
     most
 }
 
-fn rebounds(theta: &[f64], wall: f64) -> i64 {
-    contacts(theta, wall).len() as i64 - 1
-}
-
 /// Samples past the wall: the first and the last of a contact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Contact {
@@ -283,19 +288,19 @@ pub(crate) struct Contact {
 pub(crate) fn contacts(theta: &[f64], wall: f64) -> Vec<Contact> {
     let retreat = wall - REBOUND_SHARE * range(theta);
     let mut touches = false;
-    let mut found = Vec::<Contact>::new();
+    let mut contacts = Vec::<Contact>::new();
     for (i, &theta) in theta.iter().enumerate() {
         if theta > wall {
-            match found.last_mut().filter(|_| touches) {
+            match contacts.last_mut().filter(|_| touches) {
                 Some(contact) => contact.last = i,
-                None => found.push(Contact { first: i, last: i }),
+                None => contacts.push(Contact { first: i, last: i }),
             }
             touches = true;
         } else if theta < retreat {
             touches = false;
         }
     }
-    found
+    contacts
 }
 
 #[cfg(test)]

@@ -17,11 +17,12 @@ pub(crate) struct Median {
 }
 
 impl Median {
-    /// The median of the answers as they were given: the tally turns those to a question that
-    /// counts the other way round.
+    /// The median of the answers as participants gave them: the tally turns those to a question
+    /// that counts the other way round.
     pub(crate) fn turned_back(self, question: &Question) -> Self {
         let [low, high] =
             [self.low, self.high].map(|answer| self.scale.score(answer, question.reversed));
+        // On a scale that is turned the lower of two answers becomes the higher.
         match question.reversed {
             true => Self { low: high, high: low, ..self },
             false => self,
@@ -30,15 +31,18 @@ impl Median {
 
     /// `4 (agree)`, or `3 to 4` where the two middle answers differ. What has decimals is rounded.
     pub(crate) fn words(&self) -> String {
-        let shown = |answer: AnswerValue| match answer.whole() {
-            Some(whole) => whole.to_string(),
-            None => number(answer.get(), None),
-        };
         match self.low.whole() {
             _ if self.low != self.high => format!("{} to {}", shown(self.low), shown(self.high)),
             Some(whole) => self.scale.worded(whole),
             None => shown(self.low),
         }
+    }
+}
+
+fn shown(answer: AnswerValue) -> String {
+    match answer.whole() {
+        Some(whole) => whole.to_string(),
+        None => number(answer.get(), None),
     }
 }
 
@@ -89,14 +93,15 @@ pub(crate) fn scored<'a>(
     mode: &Mode,
 ) -> BTreeMap<&'a ParticipantId, Vec<AnswerValue>> {
     let mut people: BTreeMap<&ParticipantId, Vec<AnswerValue>> = BTreeMap::new();
-    let Some(asked) = question_of(study, environment) else { return people };
+    let Some(question) = question_of(study, environment) else { return people };
     for row in answers {
-        let is_it = row.environment == environment.id
+        // An answer that its scale does not have has no score.
+        let counts = row.environment == environment.id
             && row.mode == mode.id
-            && row.question == asked.id
-            && asked.scale.has(row.answer);
-        if is_it {
-            let scored = asked.scale.score(row.answer, asked.reversed);
+            && row.question == question.id
+            && question.scale.has(row.answer);
+        if counts {
+            let scored = question.scale.score(row.answer, question.reversed);
             people.entry(&row.participant).or_default().push(scored);
         }
     }

@@ -1,6 +1,6 @@
 //! The metrics that this stage requests by name. A test of `plan` checks that they exist.
 
-use crate::thesis::asked_metrics;
+use crate::thesis::statement_metrics;
 use zwidth_results::RecordedStability;
 
 pub(crate) const STABILITY: &str = "recorded_stability";
@@ -23,9 +23,9 @@ pub(crate) const ENERGY: &str = "electrical_energy_j";
 pub(crate) const ENERGY_AT_MOST: &str = "electrical_energy_max_j";
 pub(crate) const FORCE_PER_POWER: &str = "force_per_power_recorded_n_per_w";
 
-/// What sentences, pros and cons, and the page look at, besides the metrics that are compared and
-/// those that the thesis' statements ask of trials.
-const LOOKED_AT: [&str; 17] = [
+/// What sentences, pros and cons, and the page need, besides the metrics that are compared and
+/// those that the thesis' statements need.
+const NEEDED: [&str; 17] = [
     STABILITY,
     STIFFNESS,
     SATURATION,
@@ -48,5 +48,5 @@ const LOOKED_AT: [&str; 17] = [
 /// The metrics that are used, whatever is compared: a third of them, which saves memory if there
 /// are many trials.
 pub fn metric_columns() -> Vec<&'static str> {
-    LOOKED_AT.into_iter().chain(asked_metrics()).collect()
+    NEEDED.into_iter().chain(statement_metrics()).collect()
 }

@@ -68,16 +68,17 @@ pub fn matrix(study: &Setup, metrics: &[ComparedMetric]) -> Matrix {
         let (unit, factor) = shown_unit(&metric.metric.unit, study.coordinate);
         let unit = if unit == "1" { String::new() } else { format!(" ({unit})") };
         for environment in &study.environments {
-            let of_mode = |mode: &ModeId| {
+            let cells = study.modes.iter().map(|mode| {
                 let mut means = metric.means.iter();
-                let mean = means.find(|m| (&m.environment, &m.mode) == (&environment.id, mode))?;
+                let mean =
+                    means.find(|m| (&m.environment, &m.mode) == (&environment.id, &mode.id))?;
                 let sd = mean.sd.map(|sd| sd * factor);
                 let spread = sd.map(|sd| format!(" ± {}", number(sd, Some(sd))));
                 let value = number(mean.mean * factor, sd);
                 Some(format!("{value}{} ({})", spread.unwrap_or_default(), mean.n))
-            };
-            let cells: Vec<Option<String>> =
-                study.modes.iter().map(|mode| of_mode(&mode.id)).collect();
+            });
+            let cells: Vec<Option<String>> = cells.collect();
+            // A metric that no mode of this environment has gets no row.
             if cells.iter().any(Option::is_some) {
                 matrix.rows.push(MatrixRow {
                     metric: format!("{}{unit}", metric.words(study.coordinate)),
@@ -114,29 +115,29 @@ pub fn contrasts(study: &Setup, metrics: &[ComparedMetric]) -> Vec<Finding> {
     if first.contrasts.is_empty() {
         return Vec::new();
     }
-    let finding = |metric: &ComparedMetric, text| {
-        let shown = Shown::Compared(metric.metric.metric.to_string());
-        Finding::new(text, shown)
-    };
     let words = first.words(study.coordinate);
-    let mut found = vec![finding(first, answer(study, first, &words))];
-    let sentences = differences(study, first).into_iter().map(|told| told.told(&words));
-    found.extend(sentences.map(|text| finding(first, text)));
+    let primary = differences(study, first);
+    let mut findings = vec![finding(first, answer(study, first, &words))];
+    findings.extend(primary.iter().map(|difference| finding(first, difference.sentence(&words))));
     for metric in others.iter().filter(|metric| !metric.contrasts.is_empty()) {
-        let told: Vec<String> =
-            differences(study, metric).into_iter().map(|told| told.in_brief()).collect();
+        let briefs: Vec<String> =
+            differences(study, metric).iter().map(Difference::in_brief).collect();
         let words = metric.words(study.coordinate);
-        let text = format!("Exploratory, {words}: {}.", told.join("; "));
-        found.push(finding(metric, text));
+        let text = format!("Exploratory, {words}: {}.", briefs.join("; "));
+        findings.push(finding(metric, text));
     }
-    found
+    findings
 }
 
-/// The answer names so many differences.
-const TOLD: usize = 4;
+fn finding(metric: &ComparedMetric, text: String) -> Finding {
+    Finding::new(text, Shown::Compared(metric.metric.metric.to_string()))
+}
 
-/// Each contrast with direction, size, unit and verdict, and how many people; if no contrast has a test,
-/// that it was not asked.
+/// The most differences that the answer names.
+const NAMED: usize = 4;
+
+/// Each contrast with direction, size, unit and verdict, and how many people; if no contrast has a
+/// test, that nothing was tested.
 fn answer(study: &Setup, metric: &ComparedMetric, words: &str) -> String {
     let contrasts = metric.contrasts;
     let (within, the) = match &metric.metric.unit_of_analysis {
@@ -165,10 +166,10 @@ fn answer(study: &Setup, metric: &ComparedMetric, words: &str) -> String {
         text.replace_range(..first.len_utf8(), &first.to_uppercase().to_string());
     }
     let directed: Vec<String> =
-        contrasts.iter().take(TOLD).map(|row| directed(study, metric, row)).collect();
+        contrasts.iter().take(NAMED).map(|row| directed(study, metric, row)).collect();
     text += &directed.join("; ");
-    if contrasts.len() > TOLD {
-        text += &format!("; and {} more", contrasts.len() - TOLD);
+    if contrasts.len() > NAMED {
+        text += &format!("; and {} more", contrasts.len() - NAMED);
     }
     text += ".";
     let smallest = contrasts.iter().filter_map(|row| row.smallest_p_adjusted);
@@ -225,15 +226,15 @@ fn environment_label(study: &Setup, id: &EnvironmentId) -> String {
 
 /// `n = 4 participants`, `n = 3 to 4 participants`: over all contrasts.
 fn size(metric: &ComparedMetric) -> String {
-    let n = || metric.contrasts.iter().map(|row| row.n);
-    let least = n().min().unwrap_or(0);
-    let most = n().max().unwrap_or(0);
+    let sizes = metric.contrasts.iter().map(|row| row.n);
+    let least = sizes.clone().min().unwrap_or(0);
+    let most = sizes.max().unwrap_or(0);
     let n = if least == most { least.to_string() } else { format!("{least} to {most}") };
     format!("n = {n} {}", metric.metric.unit_of_analysis)
 }
 
 /// A difference between two modes in one environment, in words.
-struct Told {
+struct Difference {
     place: String,
     amount: String,
     interval: Option<String>,
@@ -251,15 +252,15 @@ struct Told {
     size: Option<String>,
 }
 
-impl Told {
-    fn told(&self, metric: &str) -> String {
+impl Difference {
+    fn sentence(&self, metric: &str) -> String {
         let Self { place, amount, n, .. } = self;
         let interval = self.interval.as_ref().map(|ends| format!("interval {ends}, "));
         let p = self.p.as_ref().map(|p| format!("adjusted p {p}"));
         let more: String = [self.test.clone(), p, self.effect.clone()]
             .into_iter()
             .flatten()
-            .map(|said| format!(", {said}"))
+            .map(|part| format!(", {part}"))
             .collect();
         let is_open = self.verdict == Verdict::Undecided && self.remark.is_none();
         let why = if is_open { NEITHER } else { "" };
@@ -286,19 +287,17 @@ impl Told {
 }
 
 /// Every contrast.
-fn differences(study: &Setup, metric: &ComparedMetric) -> Vec<Told> {
+fn differences(study: &Setup, metric: &ComparedMetric) -> Vec<Difference> {
     let (unit, factor) = shown_unit(&metric.metric.unit, study.coordinate);
-    let told = |row: &ModeDifference| {
+    let differences = metric.contrasts.iter().map(|row| {
+        // The standard error sets the digits of the difference and of its interval.
         let error = row.difference_std_error.map(|error| error * factor);
         let shown = |value: f64| number(value * factor, error);
-        // Of several effect sizes the first is told.
+        // Of several effect sizes the first is reported.
         let effects = [("g_av", row.g_av), ("g_z", row.g_z), ("d_av", row.d_av), ("d_z", row.d_z)];
-        Told {
-            place: format!(
-                "{}, {}",
-                environment_label(study, &row.environment),
-                contrast_label(&study.modes, &row.contrast)
-            ),
+        let label = environment_label(study, &row.environment);
+        Difference {
+            place: format!("{label}, {}", contrast_label(&study.modes, &row.contrast)),
             amount: with_unit(&shown(row.difference), &unit),
             interval: row
                 .difference_ci_low
@@ -323,8 +322,8 @@ fn differences(study: &Setup, metric: &ComparedMetric) -> Vec<Told> {
                 format!("{}: {jnds} JND ({low} to {high})", size.as_str())
             }),
         }
-    };
-    metric.contrasts.iter().map(told).collect()
+    });
+    differences.collect()
 }
 
 const NEITHER: &str = ", neither a difference nor its absence was shown";

@@ -1,13 +1,13 @@
 //! The thesis' Table 4: the parts of the device, as far as the study names them.
 
 use zwidth_results::Component;
-use zwidth_study::{Coordinate, Mode, Setup};
+use zwidth_study::{Coordinate, Setup};
 
 /// The parts of the device, one row per component, with its function and what `study.toml` says
 /// about it.
 pub fn components(study: &Setup) -> Vec<Component> {
-    let most = |of: fn(&Mode) -> Option<f64>| study.modes.iter().filter_map(of).reduce(f64::max);
-    let motor = most(|mode| mode.motor_max_v).map(|volts| Component {
+    let motor_v = study.modes.iter().filter_map(|mode| mode.motor_max_v).reduce(f64::max);
+    let motor = motor_v.map(|volts| Component {
         component: "motor".to_owned(),
         function: "drives and resists".to_owned(),
         voltage_max_v: Some(volts),
@@ -15,7 +15,8 @@ pub fn components(study: &Setup) -> Vec<Component> {
         resistance_ohm: study.resistances.motor_ohm,
         rate_hz: None,
     });
-    let brake = most(|mode| mode.brake_max_v).map(|volts| Component {
+    let brake_v = study.modes.iter().filter_map(|mode| mode.brake_max_v).reduce(f64::max);
+    let brake = brake_v.map(|volts| Component {
         component: "brake".to_owned(),
         function: "resists".to_owned(),
         voltage_max_v: Some(volts),

@@ -2,29 +2,29 @@
 
 use crate::actuation::{acting, force_n};
 use zwidth_results::{Fact, ModeForces};
-use zwidth_study::{
-    ActuatorKind, Calibration, Coordinate, Mode, Resistances, Setup, VelocityFilter,
-};
+use zwidth_study::{ActuatorKind, Calibration, Coordinate, Resistances, Setup, VelocityFilter};
 use zwidth_tables::shown_unit;
 
 /// Motor and brake as each mode uses them, one row per mode: highest voltages, what acts while
 /// compressing and while decompressing, and its largest force by `calibration`.
 pub fn mode_forces(study: &Setup, calibration: &Calibration) -> Vec<ModeForces> {
-    let row = |mode: &Mode| {
+    let rows = study.modes.iter().map(|mode| {
         let ways = acting(mode);
-        let on = |way: usize| ways[way].map(|(actuator, _)| on_way(actuator, way).to_owned());
-        let most = |way: usize| ways[way].map(|of| force_n(calibration, of));
+        let [compressing, decompressing] =
+            [0, 1].map(|way| ways[way].map(|(actuator, _)| on_way(actuator, way).to_owned()));
+        let [compressing_max_n, decompressing_max_n] =
+            ways.map(|drive| drive.map(|drive| force_n(calibration, drive)));
         ModeForces {
             mode: mode.label.clone(),
             motor_max_v: mode.motor_max_v,
             brake_max_v: mode.brake_max_v,
-            compressing: on(0),
-            compressing_max_n: most(0),
-            decompressing: on(1),
-            decompressing_max_n: most(1),
+            compressing,
+            compressing_max_n,
+            decompressing,
+            decompressing_max_n,
         }
-    };
-    study.modes.iter().map(row).collect()
+    });
+    rows.collect()
 }
 
 /// A brake acts against the motion alone: on the way back that is not the force of a spring.
@@ -45,11 +45,12 @@ pub fn device_facts(study: &Setup) -> Vec<Fact> {
         Coordinate::Rotational => "°",
         Coordinate::Linear { .. } => "mm",
     };
-    let end = |what, angle: Option<f64>| Fact::new(what, angle.map(|angle| factor * angle), unit);
+    let [low, high] =
+        [device.theta_min_rad, device.theta_max_rad].map(|angle| angle.map(|rad| factor * rad));
     let mut facts = vec![
         Fact::new("lever length, axis to finger", device.lever_m.map(|m| m * 1e3), "mm"),
-        end("work space, lower end", device.theta_min_rad),
-        end("work space, upper end", device.theta_max_rad),
+        Fact::new("work space, lower end", low, unit),
+        Fact::new("work space, upper end", high, unit),
         Fact::new("new values of the force sensor", device.force_rate_hz, "Hz"),
         Fact::new("tick of the control loop", Some(1e3 / control.rate_hz), "ms"),
         Fact::new("user force below which the brake lets go", Some(control.let_go_n), "N"),

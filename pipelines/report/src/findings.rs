@@ -10,7 +10,7 @@ use crate::gallery::Shown;
 use crate::people::{count, simulated};
 use crate::trials::Trials;
 use std::collections::BTreeSet;
-use zwidth_results::{AnswerTally, Sentence, TrialKey};
+use zwidth_results::{AnswerTally, Sentence};
 use zwidth_study::{Coordinate, Environment, Mode, ParticipantId, SessionId, Setup, in_a_sentence};
 use zwidth_tables::{Measured, TableError, given, quantity};
 
@@ -46,7 +46,7 @@ pub fn findings(
     tally: Option<&[AnswerTally]>,
     doubted: &TrialNames,
 ) -> Result<Vec<Finding>, TableError> {
-    let mut found = Vec::new();
+    let mut findings = Vec::new();
     for environment in &study.environments {
         let mut tried = Vec::new();
         for mode in &study.modes {
@@ -57,24 +57,24 @@ pub fn findings(
         }
         let shown = Shown::Modes(environment.id.clone());
         for (mode, trials) in &tried {
-            let text = rendered(environment, mode, trials, study.coordinate)?;
-            found.extend(text.map(|text| Finding::new(text, shown.clone())));
+            let text = spring_by_mode(environment, mode, trials, study.coordinate)?;
+            findings.extend(text.map(|text| Finding::new(text, shown.clone())));
         }
-        found.extend(
+        findings.extend(
             wall_by_mode(environment, &tried, study.coordinate)?
                 .map(|text| Finding::new(text, shown)),
         );
     }
-    found.extend(both(study, metrics)?);
-    found.extend(steadiness(study, metrics, doubted)?);
+    findings.extend(both(study, metrics)?);
+    findings.extend(steadiness(study, metrics, doubted)?);
     if let Some(tally) = tally {
-        found.extend(answers(study, tally, simulated(metrics)));
+        findings.extend(answers(study, tally, simulated(metrics)));
     }
-    Ok(found)
+    Ok(findings)
 }
 
 /// What one mode made of the environment's spring.
-fn rendered(
+fn spring_by_mode(
     environment: &Environment,
     mode: &Mode,
     trials: &Trials,
@@ -134,7 +134,7 @@ fn wall_by_mode(
     let mut past = Vec::new();
     for (mode, trials) in tried {
         let Some(rad) = trials.mean(PAST_WALL)? else { continue };
-        let of = format!(
+        let text = format!(
             "{} with {} (reached in {} of {} trials{})",
             quantity(rad.mean, "rad", coordinate),
             in_a_sentence(&mode.label),
@@ -142,10 +142,10 @@ fn wall_by_mode(
             trials.len(),
             rigidity(trials, coordinate)?
         );
-        past.push((rad.mean, of));
+        past.push((rad.mean, text));
     }
     past.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let list: Vec<String> = past.into_iter().map(|(_, of)| of).collect();
+    let list: Vec<String> = past.into_iter().map(|(_, text)| text).collect();
     let text = format!(
         "{}: past the wall the lever went, on average, {}.",
         environment.label,
@@ -182,6 +182,7 @@ fn both(study: &Setup, metrics: &Measured) -> Result<Option<Finding>, TableError
         gave.extend(returned.then_some(label));
     }
     past.sort_by(|a, b| a.0.total_cmp(&b.0));
+    // The best of a single mode would be no comparison.
     let best = past.iter().find(|(.., returned)| *returned).filter(|_| past.len() > 1);
     Ok(best.map(|(rad, label, _)| Finding::new(format!(
             "Work came back with {}; of these, {label} let the lever least far past the wall, {}.",
@@ -209,13 +210,12 @@ fn steadiness(
     let [doubtful_swung, doubtful] = doubtful(metrics, doubted)?;
     let n = all - smooth;
     let swung = swung.join(", ");
-    let are = |n: usize| if n == 1 { "is" } else { "are" };
     let care = "listed under “Read with care” for clock, angle or velocity";
     let text = match (all, n) {
         (0, _) => return Ok(None),
         (_, 0) => {
-            let but =
-                (doubtful > 0).then(|| format!(" Of these, {doubtful} {} {care}.", are(doubtful)));
+            let but = (doubtful > 0)
+                .then(|| format!(" Of these, {doubtful} {} {care}.", is_are(doubtful)));
             let spoken_of = match (all, metrics.trials().len() - all) {
                 (1, 0) => "the one trial; it was smooth".to_owned(),
                 (1, others) => format!(
@@ -238,7 +238,7 @@ fn steadiness(
             let but = (doubtful_swung > 0).then(|| {
                 format!(
                     " Of these, {doubtful_swung} {} {care}: there the swing may be noise.",
-                    are(doubtful_swung)
+                    is_are(doubtful_swung)
                 )
             });
             format!(
@@ -250,28 +250,30 @@ fn steadiness(
     Ok(Some(Finding::new(text, Shown::Metrics)))
 }
 
+fn is_are(n: usize) -> &'static str {
+    if n == 1 { "is" } else { "are" }
+}
+
 /// How many trials with a verdict are to be read with care: those that swung, and all.
 fn doubtful(metrics: &Measured, doubted: &TrialNames) -> Result<[usize; 2], TableError> {
     let verdicts = metrics.words(STABILITY)?;
-    let is_doubted = |trial: &TrialKey| {
+    let trials = metrics.trials().iter().zip(verdicts).filter(|(trial, _)| {
         doubted.contains(&(trial.participant.clone(), trial.session.clone(), trial.trial))
-    };
-    let trials = metrics.trials().iter().zip(verdicts);
-    let found: Vec<&str> =
-        trials.filter(|(trial, _)| is_doubted(trial)).filter_map(|(_, verdict)| verdict).collect();
-    let swung = found.iter().filter(|verdict| **verdict != SMOOTH).count();
-    Ok([swung, found.len()])
+    });
+    let verdicts: Vec<&str> = trials.filter_map(|(_, verdict)| verdict).collect();
+    let swung = verdicts.iter().filter(|verdict| **verdict != SMOOTH).count();
+    Ok([swung, verdicts.len()])
 }
 
-/// The median answer of each mode, an environment a sentence.
+/// The median answer of each mode, one sentence per environment.
 fn answers(study: &Setup, tally: &[AnswerTally], simulated: bool) -> Vec<Finding> {
-    let mut found = Vec::new();
+    let mut findings = Vec::new();
     for environment in &study.environments {
         let mut list = Vec::new();
-        let Some(asked) = question_of(study, environment) else { continue };
+        let Some(question) = question_of(study, environment) else { continue };
         for mode in &study.modes {
             let Some(median) = median(study, tally, environment, mode) else { continue };
-            let median = median.turned_back(asked);
+            let median = median.turned_back(question);
             let counted = count(median.answers, "answer");
             let people = median.participants;
             let whose = (people > 1).then(|| format!(" of {people} participants"));
@@ -286,10 +288,10 @@ fn answers(study: &Setup, tally: &[AnswerTally], simulated: bool) -> Vec<Finding
         if !list.is_empty() {
             let text =
                 format!("{}: the median {whose} was {}.", environment.label, list.join(", "));
-            found.push(Finding::new(text, Shown::Answers));
+            findings.push(Finding::new(text, Shown::Answers));
         }
     }
-    found
+    findings
 }
 
 #[cfg(test)]

@@ -108,13 +108,9 @@ impl Gallery {
     }
 
     fn figure(&self, shown: &Shown) -> Option<String> {
-        let of_session = |kind: &str, environment: &EnvironmentId| {
-            let [participant, session] = self.only_session.as_ref()?;
-            Some(format!("{kind}.{participant}.{session}.{environment}"))
-        };
         match shown {
-            Shown::Modes(environment) => of_session("modes", environment),
-            Shown::Replays(environment) => of_session("replay", environment),
+            Shown::Modes(environment) => self.session_figure("modes", environment),
+            Shown::Replays(environment) => self.session_figure("replay", environment),
             Shown::Answers => ["likert", "ratings"]
                 .into_iter()
                 .find(|stem| self.figures.contains(*stem))
@@ -130,6 +126,12 @@ impl Gallery {
             | Shown::Statements
             | Shown::Ladder => None,
         }
+    }
+
+    fn session_figure(&self, kind: &str, environment: &EnvironmentId) -> Option<String> {
+        // Of several sessions no single figure shows what a sentence says of all.
+        let [participant, session] = self.only_session.as_ref()?;
+        Some(format!("{kind}.{participant}.{session}.{environment}"))
     }
 }
 

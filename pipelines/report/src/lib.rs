@@ -66,10 +66,10 @@ pub(crate) const VERDICTS_FIGURE: &str = "figures/verdicts.png";
 /// Stands in a cell of the matrix without a mean.
 pub(crate) const NO_MEAN: &str = "–";
 
-/// What is said of runs of the model.
+/// The heading of the sentences on runs of the model.
 pub(crate) const RUNS: &str = "What a run of the model requires";
 
-/// What is said of the plan that lies beside the data.
+/// The heading of the sentences on the plan that lies beside the data.
 pub(crate) const PLAN: &str = "The deposited plan";
 
 /// The content of the summary.
@@ -158,18 +158,19 @@ pub struct Remark {
 /// with care, and why; what it cannot show.
 ///
 /// Simulated data are named as such before anything else. With one participant, the text says that
-/// it is about nobody else. All given texts are escaped, so they are set unchanged.
+/// it is about nobody else. All texts are escaped, so they are set unchanged.
 pub fn summary_markdown(summary: &Summary) -> String {
-    let origins = sources(&summary.sources).map(|told| {
-        let mark = told.mark.map(|mark| format!("**{mark}** ")).unwrap_or_default();
-        (mark + &told.text).trim_end().to_owned()
+    let origins = sources(&summary.sources).map(|origins| {
+        let mark = origins.mark.map(|mark| format!("**{mark}** ")).unwrap_or_default();
+        (mark + &origins.text).trim_end().to_owned()
     });
     let what = escape(&what_it_is(summary));
+    // Whether data are simulated comes before anything else.
     let facts = [origins, Some(what), participants(summary.participants)];
     let mut parts = vec![format!("# {}", escape(&summary.title))];
     parts.extend(facts.into_iter().flatten());
-    if let Some(made) = summary.figures.iter().find(|made| made.path == VERDICTS_FIGURE) {
-        parts.push(format!("![{}]({})", escape(&made.caption.to_string()), made.path));
+    if let Some(figure) = summary.figures.iter().find(|figure| figure.path == VERDICTS_FIGURE) {
+        parts.push(format!("![{}]({})", escape(&figure.caption.to_string()), figure.path));
     }
     if !summary.matrix.rows.is_empty() {
         parts.push(format!("## The modes compared\n\n{}", grid(&summary.matrix)));
@@ -179,7 +180,9 @@ pub fn summary_markdown(summary: &Summary) -> String {
     }
     if !summary.statements.is_empty() {
         let sentence = escape(&summary.statements);
-        let lines = section("The thesis' statements", &summary.judged, tell_judged, "");
+        let line = |judged: &Told| linked(&judged.text(), &judged.path);
+        let lines = section("The thesis' statements", &summary.judged, line, "");
+        // Between the heading and the list; `trim_end`, because the list may be empty.
         parts.push(lines.replacen("\n\n", &format!("\n\n{sentence}\n\n"), 1).trim_end().to_owned());
     }
     if !summary.plan.is_empty() {
@@ -190,7 +193,7 @@ pub fn summary_markdown(summary: &Summary) -> String {
     }
     parts.extend([
         listed("Figures", &summary.figures, "No figure was made.")
-            + &on_demand(summary.undrawn).map(|told| format!("\n\n{told}")).unwrap_or_default(),
+            + &on_demand(summary.undrawn).map(|text| format!("\n\n{text}")).unwrap_or_default(),
         listed("Tables", &summary.tables, "No table was made."),
         section("Left out", &summary.left_out, remark, nothing(summary)),
     ]);
@@ -210,10 +213,10 @@ pub fn summary_markdown(summary: &Summary) -> String {
 
 /// Where figures of single sessions are, where no run makes them.
 pub(crate) fn on_demand(undrawn: usize) -> Option<String> {
-    let of = count(undrawn, "session");
+    let sessions = count(undrawn, "session");
     (undrawn > 0).then(|| {
         format!(
-            "Figures of single sessions (modes, loops, repeats, replay) are made on demand, of {of}: `zwidth figure \
+            "Figures of single sessions (modes, loops, repeats, replay) are made on demand, of {sessions}: `zwidth figure \
              STUDY` lists them, and a run makes those of the sessions that `sessions` in `[figures]` of study.toml names."
         )
     })
@@ -240,7 +243,6 @@ fn what_it_is(summary: &Summary) -> String {
 
 /// The matrix as a table.
 fn grid(matrix: &Matrix) -> String {
-    let line = |cells: Vec<String>| format!("| {} |", cells.join(" | "));
     let head = ["metric", "environment"].map(str::to_owned).into_iter();
     let head: Vec<String> =
         head.chain(matrix.modes.iter().map(|(_, label)| escape(label))).collect();
@@ -249,7 +251,9 @@ fn grid(matrix: &Matrix) -> String {
         let cells = row.cells.iter().map(|cell| cell.as_deref().unwrap_or(NO_MEAN));
         [row.metric.as_str(), &row.label].into_iter().chain(cells).map(escape).collect()
     });
-    let lines: Vec<String> = [head, rule].into_iter().chain(rows).map(line).collect();
+    let lines = [head, rule].into_iter().chain(rows);
+    let lines: Vec<String> =
+        lines.map(|cells: Vec<String>| format!("| {} |", cells.join(" | "))).collect();
     format!("{}\n\n{}", lines.join("\n"), escape(&matrix.caption))
 }
 
@@ -259,17 +263,17 @@ fn section<T>(title: &str, items: &[T], line: impl Fn(&T) -> String, none: &str)
     format!("## {title}\n\n{body}")
 }
 
-/// More files than these are told by kind, not one by one.
+/// More files than these are listed by kind, not one by one.
 const MOST_LISTED: usize = 100;
 
 /// Figures or tables; where they are many, those of a kind in one line: how many, the first and the
 /// last.
-fn listed(title: &str, made: &[Made], none: &str) -> String {
-    if made.len() <= MOST_LISTED {
-        return section(title, made, link_to, none);
+fn listed(title: &str, files: &[Made], none: &str) -> String {
+    if files.len() <= MOST_LISTED {
+        return section(title, files, link_to, none);
     }
     let mut kinds: Vec<(&str, Vec<&Made>)> = Vec::new();
-    for one in made {
+    for one in files {
         match kinds.iter_mut().find(|(kind, _)| *kind == kind_of(&one.path)) {
             Some((_, of_kind)) => of_kind.push(one),
             None => kinds.push((kind_of(&one.path), vec![one])),
@@ -286,7 +290,7 @@ fn listed(title: &str, made: &[Made], none: &str) -> String {
         few => few.iter().map(|one| format!("- {}", link_to(one))).collect(),
     });
     let lines: Vec<String> = lines.collect();
-    format!("## {title}\n\n{} files of {} kinds.\n\n{}", made.len(), kinds.len(), lines.join("\n"))
+    format!("## {title}\n\n{} files of {} kinds.\n\n{}", files.len(), kinds.len(), lines.join("\n"))
 }
 
 /// `modes` of `figures/modes.P01.S01.spring.svg`.
@@ -295,17 +299,13 @@ fn kind_of(path: &str) -> &str {
     name.split('.').next().unwrap_or(name)
 }
 
-fn link_to(made: &Made) -> String {
-    format!("[{}]({})", escape(&made.caption.to_string()), made.path)
+fn link_to(file: &Made) -> String {
+    format!("[{}]({})", escape(&file.caption.to_string()), file.path)
 }
 
 /// A sentence, and a link to where it is seen.
-fn tell(made: &Made) -> String {
-    linked(&made.caption.to_string(), &made.path)
-}
-
-fn tell_judged(told: &Told) -> String {
-    linked(&told.text(), &told.path)
+fn tell(sentence: &Made) -> String {
+    linked(&sentence.caption.to_string(), &sentence.path)
 }
 
 fn linked(text: &str, path: &str) -> String {
@@ -317,7 +317,7 @@ fn remark(remark: &Remark) -> String {
     format!("{}: {}", escape(&remark.what), escape(&remark.why))
 }
 
-/// What stands where nothing was left out: where there is nothing, nothing could be.
+/// The sentence where nothing was left out; a study without data has nothing to leave out.
 fn nothing(summary: &Summary) -> &'static str {
     if summary.trials == 0 && summary.sweeps == 0 {
         "There is no trial that counts and no sweep, so that nothing could be left out."

@@ -53,6 +53,7 @@ fn largest(input: &Input) -> Option<f64> {
     match input {
         Input::Step { magnitude, .. }
         | Input::Ramp { magnitude, .. }
+        // They go from 0 to twice their amplitude: equations (5) to (7).
         | Input::Sine { magnitude, .. } => Some(2.0 * magnitude),
         Input::Line { .. } | Input::Series(_) => None,
     }

@@ -14,7 +14,7 @@ pub(crate) fn counting(trials: usize) -> String {
     counted(trials, "trial that counts", "trials that count")
 }
 
-/// So many, in the words for one or for several.
+/// A number with the words for one or for several.
 pub(crate) fn counted(n: usize, one: &str, several: &str) -> String {
     format!("{n} {}", if n == 1 { one } else { several })
 }
@@ -46,21 +46,20 @@ pub(crate) fn sources(sources: &BTreeMap<Source, usize>) -> Option<Origins> {
         [(source, _)] => {
             Some(Origins { mark: None, text: format!("All data were {}.", origin(*source)) })
         }
-        several => Some(mixed(several)),
+        several => {
+            let total: usize = several.iter().map(|(_, n)| n).sum();
+            let parts: Vec<String> =
+                several.iter().map(|(s, n)| format!("{n} {}", origin(*s))).collect();
+            let text = format!("Of {total} recordings: {}.", parts.join(", "));
+            let simulated = several.iter().any(|(s, _)| s.is_simulated());
+            Some(Origins { mark: simulated.then_some("Some data are simulated."), text })
+        }
     }
 }
 
 /// Whether any of the trials is simulated.
 pub(crate) fn simulated(metrics: &Measured) -> bool {
     metrics.trials().iter().any(|trial| trial.source.is_simulated())
-}
-
-fn mixed(several: &[(Source, usize)]) -> Origins {
-    let total: usize = several.iter().map(|(_, n)| n).sum();
-    let parts: Vec<String> = several.iter().map(|(s, n)| format!("{n} {}", origin(*s))).collect();
-    let text = format!("Of {total} recordings: {}.", parts.join(", "));
-    let simulated = several.iter().any(|(s, _)| s.is_simulated());
-    Origins { mark: simulated.then_some("Some data are simulated."), text }
 }
 
 fn origin(source: Source) -> &'static str {

@@ -11,20 +11,20 @@ use zwidth_results::ProOrCon;
 use zwidth_study::{Coordinate, Environment, Mode, Resistances};
 use zwidth_tables::{TableError, given, quantity, shown_unit};
 
-/// How evidence for a claim is found.
+/// Finds the evidence for a claim.
 type Find = fn(&Known) -> Result<Option<Evidence>, TableError>;
 
 /// Actuation, side, claim (thesis Table 1), and where the study's evidence comes from.
 const CLAIMS: [(&str, &str, &str, Find); 11] = [
-    ("passive", "pro", "High force to energy consumption ratio", brake_takes_little),
-    ("passive", "pro", "Lightweight", brake_is_light),
+    ("passive", "pro", "High force to energy consumption ratio", |data| efficiency(data, [1, 0])),
+    ("passive", "pro", "Lightweight", |data| Ok(mass(data, true))),
     ("passive", "pro", "Safe", brake_never_gives),
     ("passive", "con", "Only resistive forces", brake_returns_nothing),
     ("passive", "con", "Can not render stiffness", brake_has_no_way_back),
     ("active", "pro", "Easy to control", motor_is_smooth),
     ("active", "pro", "Can resist and amplify", motor_returns),
-    ("active", "con", "Low force to energy consumption ratio", motor_takes_much),
-    ("active", "con", "Heavy", motor_is_heavy),
+    ("active", "con", "Low force to energy consumption ratio", |data| efficiency(data, [0, 1])),
+    ("active", "con", "Heavy", |data| Ok(mass(data, false))),
     ("active", "con", "Unsafe/weak trade off", motor_is_weak),
     ("active", "con", "Can not render infinite stiffness", motor_passes_the_wall),
 ];
@@ -34,21 +34,22 @@ const CLAIMS: [(&str, &str, &str, Find); 11] = [
 ///
 /// # Errors
 /// Metrics that lack a column.
-pub fn pros_cons(known: Known) -> Result<Vec<ProOrCon>, TableError> {
-    let row = |(actuation, side, claim, find): &(&str, &str, &str, Find)| {
-        let found = find(&known)?;
-        Ok(ProOrCon {
-            actuation: (*actuation).to_owned(),
-            side: (*side).to_owned(),
-            claim: (*claim).to_owned(),
-            verdict: found.as_ref().map_or(Verdict::NotMeasured, |e| e.verdict),
-            value: found.as_ref().and_then(|e| e.value),
-            metric: found.as_ref().map(|e| e.metric.clone()),
-            unit: found.as_ref().map(|e| e.unit.clone()),
-            remark: found.map(|e| e.remark.into()),
-        })
-    };
-    CLAIMS.iter().map(row).collect()
+pub fn pros_cons(data: Known) -> Result<Vec<ProOrCon>, TableError> {
+    let mut rows = Vec::new();
+    for (actuation, side, claim, find) in CLAIMS {
+        let evidence = find(&data)?;
+        rows.push(ProOrCon {
+            actuation: actuation.to_owned(),
+            side: side.to_owned(),
+            claim: claim.to_owned(),
+            verdict: evidence.as_ref().map_or(Verdict::NotMeasured, |e| e.verdict),
+            value: evidence.as_ref().and_then(|e| e.value),
+            metric: evidence.as_ref().map(|e| e.metric.clone()),
+            unit: evidence.as_ref().map(|e| e.unit.clone()),
+            remark: evidence.map(|e| e.remark.into()),
+        });
+    }
+    Ok(rows)
 }
 
 /// The largest force of brake and motor as used, over the power that they take at rest.
@@ -60,29 +61,21 @@ struct Efficiency {
 }
 
 impl Efficiency {
-    fn of(known: &Known) -> Option<Self> {
-        let motor_v = active(known.study)?.motor_max_v?;
-        let brake_v = passive(known.study)?.brake_max_v?;
-        let motor_n = known.calibration.motor.force_n(motor_v);
-        let brake_n = known.calibration.brake.force_n(brake_v);
+    fn of(data: &Known) -> Option<Self> {
+        let motor_v = active(data.study)?.motor_max_v?;
+        let brake_v = passive(data.study)?.brake_max_v?;
+        let motor_n = data.calibration.motor.force_n(motor_v);
+        let brake_n = data.calibration.brake.force_n(brake_v);
         Some(Self { brake_n, brake_v, motor_n, motor_v })
     }
 
     /// N/W of the motor and of the brake, by U² / R; none where the resistance is not known.
-    fn force_per_power(&self, known: &Known) -> [Option<f64>; 2] {
-        let of =
-            |force_n: f64, volts: f64, ohm: Option<f64>| Some(force_n * ohm? / (volts * volts));
-        let Resistances { motor_ohm, brake_ohm } = known.study.resistances;
-        [of(self.motor_n, self.motor_v, motor_ohm), of(self.brake_n, self.brake_v, brake_ohm)]
+    fn force_per_power(&self, data: &Known) -> [Option<f64>; 2] {
+        let Resistances { motor_ohm, brake_ohm } = data.study.resistances;
+        let motor = (self.motor_n, self.motor_v, motor_ohm);
+        let brake = (self.brake_n, self.brake_v, brake_ohm);
+        [motor, brake].map(|(force_n, volts, ohm)| Some(force_n * ohm? / (volts * volts)))
     }
-}
-
-fn brake_takes_little(known: &Known) -> Result<Option<Evidence>, TableError> {
-    efficiency(known, [1, 0])
-}
-
-fn motor_takes_much(known: &Known) -> Result<Option<Evidence>, TableError> {
-    efficiency(known, [0, 1])
 }
 
 /// Names of the actuators in their order in [`Efficiency::force_per_power`].
@@ -90,31 +83,32 @@ const ACTUATORS: [&str; 2] = ["motor", "brake"];
 
 /// What one of the two actuators gives for its power beside the other: in the trials with it alone,
 /// where those of both have recorded currents; else at rest, where U² / R is what a winding takes.
-fn efficiency(known: &Known, pair: [usize; 2]) -> Result<Option<Evidence>, TableError> {
-    let at_rest = at_rest(known, pair)?;
-    match in_trials(known, pair, at_rest.as_ref())? {
-        Some(found) => Ok(Some(found)),
+fn efficiency(data: &Known, pair: [usize; 2]) -> Result<Option<Evidence>, TableError> {
+    let at_rest = at_rest(data, pair)?;
+    match in_trials(data, pair, at_rest.as_ref())? {
+        Some(evidence) => Ok(Some(evidence)),
         None => Ok(at_rest),
     }
 }
 
 /// Commanded force over the power that trials took by their recorded currents.
 fn in_trials(
-    known: &Known,
-    [of, other]: [usize; 2],
+    data: &Known,
+    [own, other]: [usize; 2],
     at_rest: Option<&Evidence>,
 ) -> Result<Option<Evidence>, TableError> {
     let column = FORCE_PER_POWER;
-    let (Some(mine), Some(beside)) = (alone(known, of, column)?, alone(known, other, column)?)
+    let (Some(mine), Some(beside)) = (alone(data, own, column)?, alone(data, other, column)?)
     else {
         return Ok(None);
     };
-    let shares = if of == 0 { [mine.mean, beside.mean] } else { [beside.mean, mine.mean] };
-    let took = took(known, of)?.map(|text| format!("; {text}")).unwrap_or_default();
+    let shares = if own == 0 { [mine.mean, beside.mean] } else { [beside.mean, mine.mean] };
+    let took = took(data, own)?.map(|text| format!("; {text}")).unwrap_or_default();
+    // `at_rest` may hold a resistance instead, in Ω.
     let rest = at_rest.filter(|e| e.unit == "N/W").and_then(|e| e.value);
     let rest = rest.map(|share| format!("; {AT_REST} {share:.2} N/W")).unwrap_or_default();
     Ok(Some(Evidence {
-        metric: format!("commanded force over power, {} alone", ACTUATORS[of]),
+        metric: format!("commanded force over power, {} alone", ACTUATORS[own]),
         value: Some(mine.mean),
         unit: "N/W".to_owned(),
         remark: format!(
@@ -127,16 +121,17 @@ fn in_trials(
     }))
 }
 
-/// How what is said of an actuator at rest begins.
+/// The beginning of the remark on an actuator at rest.
 const AT_REST: &str = "at rest, by voltage and resistance:";
 
 /// The largest force over U² / R.
-fn at_rest(known: &Known, [of, other]: [usize; 2]) -> Result<Option<Evidence>, TableError> {
-    let Some(found) = Efficiency::of(known) else { return Ok(None) };
-    let shares = found.force_per_power(known);
+fn at_rest(data: &Known, [own, other]: [usize; 2]) -> Result<Option<Evidence>, TableError> {
+    let Some(efficiency) = Efficiency::of(data) else { return Ok(None) };
+    let shares = efficiency.force_per_power(data);
     let Some(motor) = shares[0] else { return Ok(None) };
     let Some(brake) = shares[1] else {
-        let even_ohm = motor * found.brake_v * found.brake_v / found.brake_n;
+        // F R / U² of the brake set equal to the motor's, and solved for R.
+        let even_ohm = motor * efficiency.brake_v * efficiency.brake_v / efficiency.brake_n;
         return Ok(Some(Evidence {
             metric: "brake's resistance from which on it gives more for its power".to_owned(),
             value: Some(even_ohm),
@@ -148,10 +143,10 @@ fn at_rest(known: &Known, [of, other]: [usize; 2]) -> Result<Option<Evidence>, T
         }));
     };
     let shares = [motor, brake];
-    let trials = took(known, of)?.map(|text| format!("; {text}")).unwrap_or_default();
+    let trials = took(data, own)?.map(|text| format!("; {text}")).unwrap_or_default();
     Ok(Some(Evidence {
-        metric: format!("largest force over power, {}", ACTUATORS[of]),
-        value: Some(shares[of]),
+        metric: format!("largest force over power, {}", ACTUATORS[own]),
+        value: Some(shares[own]),
         unit: "N/W".to_owned(),
         remark: format!("{AT_REST} the {} has {:.2} N/W{trials}", ACTUATORS[other], shares[other]),
         verdict: Verdict::of(brake > motor),
@@ -159,24 +154,24 @@ fn at_rest(known: &Known, [of, other]: [usize; 2]) -> Result<Option<Evidence>, T
 }
 
 /// The mean of a metric over the trials with that actuator alone.
-fn alone(known: &Known, of: usize, column: &str) -> Result<Option<Mean>, TableError> {
-    let mode = if of == 0 { active(known.study) } else { passive(known.study) };
-    let (Some(metrics), Some(mode)) = (known.metrics, mode) else { return Ok(None) };
+fn alone(data: &Known, actuator: usize, column: &str) -> Result<Option<Mean>, TableError> {
+    let mode = if actuator == 0 { active(data.study) } else { passive(data.study) };
+    let (Some(metrics), Some(mode)) = (data.metrics, mode) else { return Ok(None) };
     Trials::of(metrics, None, &mode.id).mean(column)
 }
 
 /// What the trials with that actuator alone took: by their recorded currents, else at most.
-fn took(known: &Known, of: usize) -> Result<Option<String>, TableError> {
-    if let Some(e) = alone(known, of, ENERGY)? {
+fn took(data: &Known, actuator: usize) -> Result<Option<String>, TableError> {
+    if let Some(e) = alone(data, actuator, ENERGY)? {
         return Ok(Some(format!("a trial took {:.2} J by its current ({})", e.mean, e.words())));
     }
-    let most = alone(known, of, ENERGY_AT_MOST)?;
+    let most = alone(data, actuator, ENERGY_AT_MOST)?;
     Ok(most.map(|e| format!("a trial took at most {:.2} J ({})", e.mean, e.words())))
 }
 
-/// Mass of `one` against `other`, g.
-fn mass(known: &Known, brake_first: bool) -> Option<Evidence> {
-    let masses = known.study.masses?;
+/// Mass of one of the two actuators against the other's, g.
+fn mass(data: &Known, brake_first: bool) -> Option<Evidence> {
+    let masses = data.study.masses?;
     let brake_g = masses.brake_kg * 1e3;
     let motor_g = masses.motor_kg * 1e3;
     let ((name, value), (other, beside)) = match brake_first {
@@ -192,22 +187,14 @@ fn mass(known: &Known, brake_first: bool) -> Option<Evidence> {
     })
 }
 
-fn brake_is_light(known: &Known) -> Result<Option<Evidence>, TableError> {
-    Ok(mass(known, true))
-}
-
-fn motor_is_heavy(known: &Known) -> Result<Option<Evidence>, TableError> {
-    Ok(mass(known, false))
-}
-
 /// The first environment that fits, and the trials in it of the mode; `None` without any.
 fn trials<'a>(
-    known: &Known<'a>,
+    data: &Known<'a>,
     mode: Option<&Mode>,
     fits: fn(&Environment) -> bool,
 ) -> Result<Option<(&'a Environment, Trials<'a>)>, TableError> {
-    let environment = known.study.environments.iter().find(|e| fits(e));
-    let (Some(metrics), Some(mode), Some(environment)) = (known.metrics, mode, environment) else {
+    let environment = data.study.environments.iter().find(|e| fits(e));
+    let (Some(metrics), Some(mode), Some(environment)) = (data.metrics, mode, environment) else {
         return Ok(None);
     };
     let trials = Trials::of(metrics, Some(&environment.id), &mode.id);
@@ -215,17 +202,13 @@ fn trials<'a>(
 }
 
 /// Contacts with the wall and closed loops in which the brake gave more than it had got.
-fn brake_never_gives(known: &Known) -> Result<Option<Evidence>, TableError> {
-    let (Some(metrics), Some(mode)) = (known.metrics, passive(known.study)) else {
+fn brake_never_gives(data: &Known) -> Result<Option<Evidence>, TableError> {
+    let (Some(metrics), Some(mode)) = (data.metrics, passive(data.study)) else {
         return Ok(None);
     };
     let trials = Trials::of(metrics, None, &mode.id);
-    let total = |column: &str| -> Result<f64, TableError> {
-        let people = trials.people(column, None)?;
-        Ok(people.values().flat_map(|of| of.values()).flatten().sum())
-    };
-    let all = total(CONTACTS)? + total(LOOPS)?;
-    let gave = total(CONTACTS_ACTIVE)? + total(LOOPS_ACTIVE)?;
+    let all = total(&trials, CONTACTS)? + total(&trials, LOOPS)?;
+    let gave = total(&trials, CONTACTS_ACTIVE)? + total(&trials, LOOPS_ACTIVE)?;
     Ok((all > 0.0).then(|| Evidence {
         metric: "wall contacts and closed loops that gave more than they got".to_owned(),
         value: Some(gave),
@@ -235,15 +218,20 @@ fn brake_never_gives(known: &Known) -> Result<Option<Evidence>, TableError> {
     }))
 }
 
-/// The share of the work put into a spring that comes back, and what else is to be said.
+fn total(trials: &Trials, column: &str) -> Result<f64, TableError> {
+    let people = trials.people(column, None)?;
+    Ok(people.values().flat_map(|sessions| sessions.values()).flatten().sum())
+}
+
+/// The share of the work put into a spring that comes back, and the stiffness, N/rad.
 fn returned(
-    known: &Known,
+    data: &Known,
     mode: Option<&Mode>,
     judge: fn(f64) -> bool,
 ) -> Result<Option<(Evidence, f64)>, TableError> {
-    let Some((environment, trials)) = trials(known, mode, a_spring)? else { return Ok(None) };
+    let Some((environment, trials)) = trials(data, mode, a_spring)? else { return Ok(None) };
     let Some(share) = trials.mean(RETURNED)? else { return Ok(None) };
-    let stiffness = trials.mean(STIFFNESS)?.map_or(f64::NAN, |of| of.mean);
+    let stiffness = trials.mean(STIFFNESS)?.map_or(f64::NAN, |stiffness| stiffness.mean);
     let evidence = Evidence {
         metric: format!("returned share of the work, {}", environment.label),
         value: Some(100.0 * share.mean),
@@ -254,19 +242,19 @@ fn returned(
     Ok(Some((evidence, stiffness)))
 }
 
-fn brake_returns_nothing(known: &Known) -> Result<Option<Evidence>, TableError> {
-    let found = returned(known, passive(known.study), |share| share <= NOTHING_RETURNED)?;
-    Ok(found.map(|(evidence, _)| evidence))
+fn brake_returns_nothing(data: &Known) -> Result<Option<Evidence>, TableError> {
+    let evidence = returned(data, passive(data.study), |share| share <= NOTHING_RETURNED)?;
+    Ok(evidence.map(|(evidence, _)| evidence))
 }
 
-fn brake_has_no_way_back(known: &Known) -> Result<Option<Evidence>, TableError> {
-    let found = returned(known, passive(known.study), |share| share <= NOTHING_RETURNED)?;
-    Ok(found.map(|(evidence, stiffness)| match stiffness.is_finite() {
+fn brake_has_no_way_back(data: &Known) -> Result<Option<Evidence>, TableError> {
+    let evidence = returned(data, passive(data.study), |share| share <= NOTHING_RETURNED)?;
+    Ok(evidence.map(|(evidence, stiffness)| match stiffness.is_finite() {
         true => Evidence {
             remark: format!(
                 "{}; compressing alone it does: {}",
                 evidence.remark,
-                quantity(stiffness, "N/rad", known.study.coordinate)
+                quantity(stiffness, "N/rad", data.study.coordinate)
             ),
             ..evidence
         },
@@ -274,14 +262,14 @@ fn brake_has_no_way_back(known: &Known) -> Result<Option<Evidence>, TableError> 
     }))
 }
 
-fn motor_returns(known: &Known) -> Result<Option<Evidence>, TableError> {
-    let found = returned(known, active(known.study), |share| share > NOTHING_RETURNED)?;
-    let told = "it drives the lever back; no environment asked it to help a push";
-    Ok(found.map(|(e, _)| Evidence { remark: format!("{}: {told}", e.remark), ..e }))
+fn motor_returns(data: &Known) -> Result<Option<Evidence>, TableError> {
+    let evidence = returned(data, active(data.study), |share| share > NOTHING_RETURNED)?;
+    let limit = "it drives the lever back; no environment asked it to help a push";
+    Ok(evidence.map(|(e, _)| Evidence { remark: format!("{}: {limit}", e.remark), ..e }))
 }
 
-fn motor_is_smooth(known: &Known) -> Result<Option<Evidence>, TableError> {
-    let (Some(metrics), Some(mode)) = (known.metrics, active(known.study)) else { return Ok(None) };
+fn motor_is_smooth(data: &Known) -> Result<Option<Evidence>, TableError> {
+    let (Some(metrics), Some(mode)) = (data.metrics, active(data.study)) else { return Ok(None) };
     let (smooth, n) = Trials::of(metrics, None, &mode.id).count(STABILITY, SMOOTH)?;
     Ok((n > 0).then(|| Evidence {
         metric: "trials without fast swings".to_owned(),
@@ -292,14 +280,13 @@ fn motor_is_smooth(known: &Known) -> Result<Option<Evidence>, TableError> {
     }))
 }
 
-fn motor_is_weak(known: &Known) -> Result<Option<Evidence>, TableError> {
-    let volts = |mode: Option<&Mode>, get: fn(&Mode) -> Option<f64>| mode.and_then(get);
-    let motor_v = volts(active(known.study), |m| m.motor_max_v);
-    let brake_v = volts(passive(known.study), |m| m.brake_max_v);
+fn motor_is_weak(data: &Known) -> Result<Option<Evidence>, TableError> {
+    let motor_v = active(data.study).and_then(|mode| mode.motor_max_v);
+    let brake_v = passive(data.study).and_then(|mode| mode.brake_max_v);
     let (Some(motor_v), Some(brake_v)) = (motor_v, brake_v) else { return Ok(None) };
-    let motor_n = known.calibration.motor.force_n(motor_v);
-    let brake_n = known.calibration.brake.force_n(brake_v);
-    let coordinate = known.study.coordinate;
+    let motor_n = data.calibration.motor.force_n(motor_v);
+    let brake_n = data.calibration.brake.force_n(brake_v);
+    let coordinate = data.study.coordinate;
     Ok(Some(Evidence {
         metric: "largest motor force as used".to_owned(),
         value: Some(motor_n),
@@ -307,21 +294,19 @@ fn motor_is_weak(known: &Known) -> Result<Option<Evidence>, TableError> {
         remark: format!(
             "the brake has {}; a finger's limit is {}",
             quantity(brake_n, "N", coordinate),
-            given(known.study.control.force_limit_n, "N", coordinate)
+            given(data.study.control.force_limit_n, "N", coordinate)
         ),
         verdict: Verdict::of(motor_n < brake_n),
     }))
 }
 
-fn motor_passes_the_wall(known: &Known) -> Result<Option<Evidence>, TableError> {
-    let past = |mode| -> Result<_, TableError> {
-        let Some((_, trials)) = trials(known, mode, a_wall)? else { return Ok(None) };
-        trials.mean(PAST_WALL)
-    };
-    let motor = past(active(known.study))?;
-    let brake = past(passive(known.study))?;
+fn motor_passes_the_wall(data: &Known) -> Result<Option<Evidence>, TableError> {
+    let motor = trials(data, active(data.study), a_wall)?;
+    let motor = motor.map(|(_, trials)| trials.mean(PAST_WALL)).transpose()?.flatten();
+    let brake = trials(data, passive(data.study), a_wall)?;
+    let brake = brake.map(|(_, trials)| trials.mean(PAST_WALL)).transpose()?.flatten();
     let (Some(motor), Some(brake)) = (motor, brake) else { return Ok(None) };
-    let coordinate = known.study.coordinate;
+    let coordinate = data.study.coordinate;
     let (unit, factor) = shown_unit("rad", coordinate);
     Ok(Some(Evidence {
         metric: match coordinate {

@@ -12,7 +12,7 @@ use zwidth_tables::{Measured, TableError};
 /// # Errors
 /// A table that lacks a column.
 pub fn uneven_ranges(study: &Setup, metrics: &Measured) -> Result<Vec<String>, TableError> {
-    let mut said = Vec::new();
+    let mut sentences = Vec::new();
     for environment in &study.environments {
         let mut cut = Vec::new();
         let mut whole = Vec::new();
@@ -20,16 +20,17 @@ pub fn uneven_ranges(study: &Setup, metrics: &Measured) -> Result<Vec<String>, T
             let trials = Trials::of(metrics, Some(&environment.id), &mode.id);
             let fitted = trials.floats(STIFFNESS)?.len();
             let saturated = trials.floats(SATURATION)?.len();
-            let told =
+            let share =
                 format!("{saturated} of {fitted} trials with {}", in_a_sentence(&mode.label));
             match fitted {
                 0 => {}
-                n if 2 * saturated > n => cut.push(told),
-                _ => whole.push(told),
+                // In more than half of the trials.
+                n if 2 * saturated > n => cut.push(share),
+                _ => whole.push(share),
             }
         }
         if !cut.is_empty() && !whole.is_empty() {
-            said.push(format!(
+            sentences.push(format!(
                 "{}: the line of stiffness ends at a saturation in {}, but in only {}; the other \
                  lines go over all of the compression. Where a force bends, the range alone makes \
                  modes differ in stiffness.",
@@ -39,7 +40,7 @@ pub fn uneven_ranges(study: &Setup, metrics: &Measured) -> Result<Vec<String>, T
             ));
         }
     }
-    Ok(said)
+    Ok(sentences)
 }
 
 #[cfg(test)]

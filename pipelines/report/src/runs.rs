@@ -11,7 +11,7 @@ use zwidth_tables::quantity;
 /// The cheapest run of each scene of a study that a person could not tell from the right one: one
 /// sentence per scene. They are about the model, not about trials.
 pub fn traded(study: &Setup, choices: &[TradeChoice]) -> Vec<Finding> {
-    let one = |choice: &TradeChoice| {
+    let findings = choices.iter().map(|choice| {
         let text = match (choice.solver.as_deref(), choice.work) {
             (Some(solver), Some(work)) => {
                 let setting = setting(solver, choice.step_s, choice.tolerance);
@@ -31,14 +31,14 @@ pub fn traded(study: &Setup, choices: &[TradeChoice]) -> Vec<Finding> {
             _ => "a person could tell each run of the model that was tried from the right one."
                 .to_owned(),
         };
-        let text = format!("{}: {text}", of_scene(study, &choice.scene));
+        let text = format!("{}: {text}", scene_words(study, &choice.scene));
         Finding::new(text, Shown::Trade(choice.scene.replace('.', "_")))
-    };
-    choices.iter().map(one).collect()
+    });
+    findings.collect()
 }
 
 /// The scene of a condition in people's words: `Spring, active`; another scene by its name.
-fn of_scene(study: &Setup, scene: &str) -> String {
+fn scene_words(study: &Setup, scene: &str) -> String {
     let conditions =
         study.environments.iter().flat_map(|e| study.modes.iter().map(move |mode| (e, mode)));
     let mut own = conditions.filter(|(e, mode)| format!("{}.{}", e.id, mode.id) == scene);
@@ -52,7 +52,7 @@ fn in_words(environment: &Environment, mode: &Mode) -> String {
 /// Which terms of the model each condition requires, and whether its recordings confirm that: one
 /// sentence per condition.
 pub fn laddered(study: &Setup, choices: &[LadderChoice]) -> Vec<Finding> {
-    let one = |choice: &LadderChoice| {
+    let findings = choices.iter().map(|choice| {
         let needs = match choice.terms {
             TermSet::NONE => "a rigid lever without further terms is enough".to_owned(),
             terms => format!("the model requires {}", terms.titles()),
@@ -67,17 +67,17 @@ pub fn laddered(study: &Setup, choices: &[LadderChoice]) -> Vec<Finding> {
         let borne_out = choice.recordings.map(|verdict| format!("; by the recordings: {verdict}"));
         let text = format!(
             "{}: {needs}{}{}.",
-            rendered(study, &choice.condition),
+            condition_words(study, &choice.condition),
             missed.unwrap_or_default(),
             borne_out.unwrap_or_default()
         );
         Finding::new(text, Shown::Ladder)
-    };
-    choices.iter().map(one).collect()
+    });
+    findings.collect()
 }
 
 /// A condition in people's words: `Spring, active`.
-fn rendered(study: &Setup, condition: &LadderCondition) -> String {
+fn condition_words(study: &Setup, condition: &LadderCondition) -> String {
     let environment = study.environments.iter().find(|e| e.id == condition.environment);
     let mode = study.modes.iter().find(|m| m.id == condition.mode);
     match environment.zip(mode) {
@@ -90,6 +90,7 @@ fn rendered(study: &Setup, condition: &LadderCondition) -> String {
 fn setting(solver: &str, step_s: Option<f64>, tolerance: Option<f64>) -> String {
     let label = solver_label(solver);
     match (step_s, tolerance) {
+        // In whole microseconds: more digits are rounding.
         (Some(step_s), _) => format!("{label} with steps of {} ms", (step_s * 1e6).round() / 1e3),
         (None, Some(tolerance)) => format!("{label} with a tolerance of {tolerance:e}"),
         (None, None) => label.to_owned(),

@@ -16,11 +16,12 @@ pub fn changes(
     sessions: &[SessionChange],
 ) -> Option<Finding> {
     let (unit, factor) = shown_unit(&metric.metric.unit, study.coordinate);
-    let one = |row: &SessionChange| {
+    let changes = sessions.iter().filter_map(|row| {
         let environment = study.environments.iter().find(|e| e.id == row.environment)?;
         let mode = study.modes.iter().find(|m| m.id == row.mode)?;
         let error = row.change_std_error.map(|error| error * factor);
         let shown = |value: f64| number(value * factor, error);
+        // One person's change says nothing of the others.
         (row.n > 1).then_some(())?;
         Some(format!(
             "{}, {}, {}: {} ({} to {}, n = {} participants)",
@@ -32,9 +33,9 @@ pub fn changes(
             shown(row.change_ci_high?),
             row.n,
         ))
-    };
-    let told: Vec<String> = sessions.iter().filter_map(one).collect();
-    if told.is_empty() {
+    });
+    let changes: Vec<String> = changes.collect();
+    if changes.is_empty() {
         return None;
     }
     let role = match metric.metric.role {
@@ -44,7 +45,7 @@ pub fn changes(
     let text = format!(
         "Exploratory, mean change between sessions in {role}{}: {}. Not adjusted for the number of changes.",
         metric.words(study.coordinate),
-        told.join("; ")
+        changes.join("; ")
     );
     Some(Finding::new(text, Shown::Sessions(metric.metric.metric.to_string())))
 }

@@ -7,39 +7,40 @@ use crate::people::count;
 use zwidth_results::AnswerTally;
 use zwidth_study::{Environment, Mode, Question, Setup};
 
-/// Questions that are told one by one, those whose medians lie farthest apart.
-const TOLD: usize = 3;
+/// The most questions with a sentence of their own: those whose medians lie farthest apart.
+const NAMED: usize = 3;
 
 /// What the answers show in a study without recorded trials, environment by environment: how many
 /// there are, then the questions in which the modes' medians are farthest apart. Descriptive: no
 /// sentence says that a difference was shown.
 pub fn survey(study: &Setup, tally: &[AnswerTally]) -> Vec<Finding> {
-    let mut found = Vec::new();
+    let mut findings = Vec::new();
     for environment in &study.environments {
-        let mut asked = Vec::new();
+        let mut answered = Vec::new();
         for question in &study.questions {
             let medians = medians(study, tally, environment, question);
             if !medians.is_empty() {
-                asked.push((question, medians));
+                answered.push((question, medians));
             }
         }
-        let all = asked.iter().flat_map(|(_, medians)| medians);
+        let all = answered.iter().flat_map(|(_, medians)| medians);
         let answers: usize = all.clone().map(|(_, median)| median.answers).sum();
+        // Not their sum, which would count a person once per question.
         let Some(people) = all.map(|(_, median)| median.participants).max() else { continue };
         let text = format!(
             "{}: {} to {} by {}.",
             environment.label,
             count(answers, "answer"),
-            count(asked.len(), "question"),
+            count(answered.len(), "question"),
             count(people, "participant")
         );
-        found.push(Finding::new(text, Shown::Answers));
+        findings.push(Finding::new(text, Shown::Answers));
         // stable: questions that are equally far apart stay in the study's order
-        asked.sort_by(|a, b| spread(&b.1).total_cmp(&spread(&a.1)));
-        let apart = asked.iter().filter(|(_, medians)| spread(medians) > 0.0).take(TOLD);
-        found.extend(apart.map(|(question, medians)| sentence(environment, question, medians)));
+        answered.sort_by(|a, b| spread(&b.1).total_cmp(&spread(&a.1)));
+        let apart = answered.iter().filter(|(_, medians)| spread(medians) > 0.0).take(NAMED);
+        findings.extend(apart.map(|(question, medians)| sentence(environment, question, medians)));
     }
-    found
+    findings
 }
 
 type Medians<'a> = Vec<(&'a Mode, Median)>;
@@ -51,11 +52,11 @@ fn medians<'a>(
     environment: &Environment,
     question: &Question,
 ) -> Medians<'a> {
-    let of_mode = |mode: &'a Mode| {
+    let medians = study.modes.iter().filter_map(|mode| {
         let median = median_of(tally, environment, mode, question)?;
         Some((mode, median.turned_back(question)))
-    };
-    study.modes.iter().filter_map(of_mode).collect()
+    });
+    medians.collect()
 }
 
 /// How far apart the modes' medians lie, in points.

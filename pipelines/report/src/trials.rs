@@ -110,8 +110,8 @@ impl<'a> Trials<'a> {
     /// Number of trials with this word, and of trials with any.
     pub(crate) fn count(&self, metric: &str, word: &str) -> Result<(usize, usize), TableError> {
         let words = self.metrics.words(metric)?;
-        let of: Vec<&str> = self.rows.iter().filter_map(|row| words[*row]).collect();
-        Ok((of.iter().filter(|w| **w == word).count(), of.len()))
+        let present: Vec<&str> = self.rows.iter().filter_map(|row| words[*row]).collect();
+        Ok((present.iter().filter(|w| **w == word).count(), present.len()))
     }
 }
 

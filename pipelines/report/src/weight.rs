@@ -18,28 +18,13 @@ pub(crate) const RATED_V: f64 = 48.0;
 pub fn weight_facts(study: &Setup, calibration: &Calibration) -> Option<Vec<Fact>> {
     let masses = study.masses?;
     let used_v = hybrid(study)?.motor_max_v?;
-    Some(facts(masses.motor_kg * 1e3, masses.brake_kg * 1e3, used_v, calibration))
-}
-
-/// Whether masses and modes allow a table of weights.
-pub fn is_weighed(study: &Setup) -> bool {
-    study.masses.is_some() && hybrid(study).is_some_and(|mode| mode.motor_max_v.is_some())
-}
-
-/// Masses, g: of brake and a motor as large as the hybrid mode needs it, and of the motor. None
-/// without masses or without a mode of both actuators.
-pub(crate) fn masses_g(study: &Setup) -> Option<[f64; 2]> {
-    let masses = study.masses?;
-    let share = hybrid(study)?.motor_max_v? / RATED_V;
-    Some([(masses.motor_kg * share + masses.brake_kg) * 1e3, masses.motor_kg * 1e3])
-}
-
-fn facts(motor_g: f64, brake_g: f64, used_v: f64, calibration: &Calibration) -> Vec<Fact> {
+    let motor_g = masses.motor_kg * 1e3;
+    let brake_g = masses.brake_kg * 1e3;
     let share = used_v / RATED_V;
     let force_n = calibration.motor.force_n(used_v);
     let small_g = motor_g * share;
     let hybrid_g = small_g + brake_g;
-    vec![
+    Some(vec![
         Fact::new("motor, mass", Some(motor_g), "g").printed(88.0),
         Fact::new("brake, mass", Some(brake_g), "g").printed(27.0),
         Fact::new("motor voltage in the hybrid mode", Some(used_v), "V").printed(8.0),
@@ -57,7 +42,20 @@ fn facts(motor_g: f64, brake_g: f64, used_v: f64, calibration: &Calibration) -> 
         Fact::new("share of the motor's power at stall", Some(share * share), "1")
             .printed(1.0 / 6.0)
             .remarked("power goes with the voltage squared: 1/36, not 1/6"),
-    ]
+    ])
+}
+
+/// Whether masses and modes allow a table of weights.
+pub fn is_weighed(study: &Setup) -> bool {
+    study.masses.is_some() && hybrid(study).is_some_and(|mode| mode.motor_max_v.is_some())
+}
+
+/// Masses, g: of brake and a motor as large as the hybrid mode needs it, and of the motor. None
+/// without masses or without a mode of both actuators.
+pub(crate) fn masses_g(study: &Setup) -> Option<[f64; 2]> {
+    let masses = study.masses?;
+    let share = hybrid(study)?.motor_max_v? / RATED_V;
+    Some([(masses.motor_kg * share + masses.brake_kg) * 1e3, masses.motor_kg * 1e3])
 }
 
 /// The notes below the table of weights.

@@ -86,8 +86,10 @@ pub(super) const SOFTWARE: &str = concat!("zwidth ", env!("CARGO_PKG_VERSION"));
 pub(crate) fn acquire(root: &Path, command: &AcquireArgs, screen: &Screen) -> anyhow::Result<Exit> {
     let AcquireArgs { participant, session, .. } = command;
     let mut bench = bench(root, command.study.clone(), command.rate)?;
+    // The plan takes the bench apart, and `raw` is opened after that.
     let layout = bench.layout.clone();
     let lock = lock(&layout, "zwidth acquire")?;
+    // Before the session is looked at: what a kill left in its journal becomes trials first.
     put_in_order_and_tell(&layout, &lock, screen);
     if let Some(own) = own_study(&RealFiles, &bench.layout, participant, session)? {
         bench = bench.by(own, command.rate)?;
@@ -104,6 +106,7 @@ pub(crate) fn acquire(root: &Path, command: &AcquireArgs, screen: &Screen) -> an
     }
     let keys = keys(&command.keys, bench.study.design.blinded)?;
     let plan = Plan {
+        // A device that is slower than the study's loop sets the rate.
         rate_hz: bench.study.control.rate_hz.min(device.capabilities().rate_hz),
         layout: bench.layout,
         study: bench.study,
@@ -136,55 +139,53 @@ pub(crate) fn acquire(root: &Path, command: &AcquireArgs, screen: &Screen) -> an
     // Before the terminal is taken: what is told of it would not be seen there.
     let way = if command.auto { None } else { way(&layout, &lock, screen) };
     let mut front = beside(front(command, Arc::clone(&options.stop))?, way);
-    let utc = |_: f64| super::recover::now();
     let parts = Parts {
         device: &mut *device,
         clock: &mut *clock,
         files: &raw,
         front: &mut *front,
-        utc: &utc,
+        utc: &|_: f64| super::recover::now(),
     };
     let outcome = run(&plan, laid, &options, parts);
     drop(front); // the terminal is given back before anything is printed on it
     Ok(tell(&plan, &outcome?, &resume(root, command, plan.study.design.blinded), screen))
 }
 
-/// The simulated device's seed: the one asked for, else the one the session began with, so that it
-/// goes on with the same device and person. A blinded session's seed stands nowhere, so its device
-/// has one of its own.
+/// The simulated device's seed: that of the command line, else the one the session began with, so
+/// that it goes on with the same device and person. A blinded session's seed stands nowhere, so its
+/// device has one of its own.
 fn device_seed(bench: &Bench, command: &AcquireArgs) -> u64 {
     if bench.study.design.blinded {
         return mixed(0, &["device", command.study.as_str()]);
     }
     let path = bench.layout.session(&command.participant, &command.session);
-    let begun = || from_json::<SessionRecord>(&read_beside(&path).ok()??).ok()?.seed;
-    command.seed.or_else(begun).unwrap_or_else(|| seed_of(&bench.study))
+    command
+        .seed
+        .or_else(|| from_json::<SessionRecord>(&read_beside(&path).ok()??).ok()?.seed)
+        .unwrap_or_else(|| seed_of(&bench.study))
 }
 
-/// Who sits before it.
+/// What the experimenter sees and types into, or what acts in their place.
 fn front(command: &AcquireArgs, stop: Arc<AtomicBool>) -> anyhow::Result<Box<dyn Front>> {
-    let plain = |stop| Plain::new(BufReader::new(stdin()), stdout(), stop, !command.auto);
-    let terminal = |stop| Terminal::open(Look::from_env(command.ascii), stop);
-    Ok(match (command.plain, command.auto) {
-        (true, true) => Box::new(Auto::new(plain(stop))),
-        (true, false) => Box::new(plain(stop)),
-        (false, true) => Box::new(Auto::new(terminal(stop)?)),
-        (false, false) => Box::new(terminal(stop)?),
-    })
+    if command.plain {
+        let plain = Plain::new(BufReader::new(stdin()), stdout(), stop, !command.auto);
+        return Ok(if command.auto { Box::new(Auto::new(plain)) } else { Box::new(plain) });
+    }
+    let terminal = Terminal::open(Look::from_env(command.ascii), stop)?;
+    Ok(if command.auto { Box::new(Auto::new(terminal)) } else { Box::new(terminal) })
 }
 
 /// What became of the session, and how to go on with it.
 fn tell(plan: &Plan, outcome: &Outcome, resume: &str, screen: &Screen) -> Exit {
     let Outcome { done, total, timing, .. } = outcome;
     if timing.ticks > 0 {
-        let ms = |s: f64| s * 1e3;
         screen.say(format!(
             "{} ticks, {} missed; late by {:.3} ms (median), {:.3} ms (99 %), {:.3} ms (most)",
             timing.ticks,
             timing.missed,
-            ms(timing.lateness.percentile_s(50.0)),
-            ms(timing.lateness.percentile_s(99.0)),
-            ms(timing.lateness.max_s()),
+            timing.lateness.percentile_s(50.0) * 1e3,
+            timing.lateness.percentile_s(99.0) * 1e3,
+            timing.lateness.max_s() * 1e3,
         ));
     }
     let session = format!("{} {} {}", plan.layout.study(), plan.participant, plan.session);
@@ -242,17 +243,19 @@ fn resume(root: &Path, command: &AcquireArgs, blinded: bool) -> String {
     words.extend((!last).then(|| study.to_string()));
     words.extend(shell_option("-p", "--participant", participant.as_str()));
     words.extend(shell_option("-s", "--session", session.as_str()));
-    let mut with = |name: &str, value: Option<String>| {
-        words.extend(value.into_iter().flat_map(|value| shell_option(name, name, &value)));
-    };
-    with("--device", (*device != DeviceSpec::Twin).then(|| device.to_string()));
-    with("--rate", rate.map(|hz| hz.to_string()));
-    with("--seed", seed.filter(|_| !blinded).map(|seed| seed.to_string()));
     let markers: Vec<String> = command.markers.iter().map(ToString::to_string).collect();
-    with("--markers", (!markers.is_empty()).then(|| markers.join(",")));
-    with("--by", command.by.as_ref().map(ToString::to_string));
-    with("--key", command.keys.folder.as_ref().map(|folder| folder.display().to_string()));
-    with("--root", (root != Path::new("")).then(|| root.display().to_string()));
+    let options = [
+        ("--device", (*device != DeviceSpec::Twin).then(|| device.to_string())),
+        ("--rate", rate.map(|hz| hz.to_string())),
+        ("--seed", seed.filter(|_| !blinded).map(|seed| seed.to_string())),
+        ("--markers", (!markers.is_empty()).then(|| markers.join(","))),
+        ("--by", command.by.as_ref().map(ToString::to_string)),
+        ("--key", command.keys.folder.as_ref().map(|folder| folder.display().to_string())),
+        ("--root", (root != Path::new("")).then(|| root.display().to_string())),
+    ];
+    for (name, value) in options {
+        words.extend(value.into_iter().flat_map(|value| shell_option(name, name, &value)));
+    }
     let switches = [
         ("--plain", *plain),
         ("--ascii", *ascii),

@@ -2,13 +2,13 @@
 
 use std::collections::BTreeMap;
 
-/// So many lines that are alike are listed one by one.
+/// The most lines that are alike of which each is listed.
 const LISTED: usize = 3;
-/// Of more, so many are named.
+/// How many of the others are named where they are counted.
 const NAMED: usize = 3;
 
 /// The lines in order of the first of each kind: of more than three that are alike the first is
-/// whole, and the others are counted. A line begins with whom it is about, up to `, ` or `: `.
+/// whole, and the others are counted. A line begins with its subject, up to `, ` or `: `.
 pub(crate) fn once(lines: &[String], all: bool) -> Vec<String> {
     let mut kinds: Vec<Vec<&String>> = Vec::new();
     let mut places = BTreeMap::new();
@@ -19,29 +19,33 @@ pub(crate) fn once(lines: &[String], all: bool) -> Vec<String> {
             None => kinds.push(vec![line]),
         }
     }
-    let told = |alike: Vec<&String>| match alike.as_slice() {
-        [first, others @ ..] if !all && others.len() >= LISTED => {
-            vec![(*first).clone(), counted(others)]
+    let mut reported = Vec::new();
+    for alike in kinds {
+        match alike.as_slice() {
+            [first, others @ ..] if !all && others.len() >= LISTED => {
+                reported.extend([(*first).clone(), counted(others)]);
+            }
+            _ => reported.extend(alike.into_iter().cloned()),
         }
-        _ => alike.into_iter().cloned().collect(),
-    };
-    kinds.into_iter().flat_map(told).collect()
+    }
+    reported
 }
 
-/// What is left of a line without whom it is about and without its numbers.
+/// What is left of a line without its subject and without its numbers.
 fn kind(line: &str) -> String {
-    let said = &line[of(line).len()..];
-    said.chars().filter(|sign| !sign.is_ascii_digit() && *sign != '.').collect()
+    let rest = &line[subject(line).len()..];
+    // Dots go with the digits: 0.5 and 12 are numbers alike.
+    rest.chars().filter(|sign| !sign.is_ascii_digit() && *sign != '.').collect()
 }
 
-/// Whom a line is about.
-fn of(line: &str) -> &str {
+/// What a line is about.
+fn subject(line: &str) -> &str {
     let end = [", ", ": "].iter().filter_map(|mark| line.find(mark)).min();
     &line[..end.unwrap_or(0)]
 }
 
 fn counted(others: &[&String]) -> String {
-    let named: Vec<&str> = others.iter().take(NAMED).map(|line| of(line)).collect();
+    let named: Vec<&str> = others.iter().take(NAMED).map(|line| subject(line)).collect();
     let more = match others.len() - named.len() {
         0 => String::new(),
         n => format!(" and {n} more"),

@@ -12,7 +12,7 @@ use clap::ValueEnum;
 use std::collections::BTreeMap;
 use std::path::Path;
 use zwidth_device::{Device as _, Person, SweepPoint, Twin, brake_sweep, motor_sweep};
-use zwidth_store::{Layout, Quantity, Raw, RealFiles, Sweep, hex_blake3, record_sweep};
+use zwidth_store::{Quantity, Raw, RealFiles, Sweep, hex_blake3, record_sweep};
 use zwidth_study::{ActuatorId, Source, StudyId};
 
 /// An actuator that can be swept.
@@ -76,7 +76,9 @@ pub(crate) fn characterise(
             return Ok(Exit::Fine);
         }
     };
-    let first = free_number(&bench.layout, actuator)?;
+    let id = actuator_id(actuator)?;
+    // Earlier sweeps stay: numbering goes on at the first number without a file.
+    let first = (1..).find(|number| !bench.layout.sweep(&id, *number).exists()).unwrap_or(u32::MAX);
     for number in first..first.saturating_add(command.sweeps) {
         let software = super::acquire::SOFTWARE;
         let sweep = simulated_sweep(&bench, actuator, command.seed, number, software)?;
@@ -94,14 +96,13 @@ pub(super) fn simulated_sweep(
     number: u32,
     software: &str,
 ) -> anyhow::Result<Sweep> {
-    let points = match actuator {
+    let points: Vec<SweepPoint> = match actuator {
         Actuator::Motor => motor_sweep(&bench.twin, seed, number)?,
         // A brake's force is its level only while it slips.
         Actuator::Brake => {
             brake_sweep(&bench.twin, seed, number)?.into_iter().filter(|p| p.slipping).collect()
         }
     };
-    let id = actuator_id(actuator)?;
     let device =
         Twin::new(bench.twin.clone(), Person::typical(seed), seed)?.capabilities().name.clone();
     let file = [
@@ -114,29 +115,17 @@ pub(super) fn simulated_sweep(
     if !bench.study.design.blinded {
         file.insert("seed".to_owned(), seed.to_string());
     }
-    Ok(Sweep { file, ..sweep(id, number, &points) })
-}
-
-fn sweep(actuator: ActuatorId, number: u32, points: &[SweepPoint]) -> Sweep {
-    let quantity =
-        |name: &str, unit: &str| Quantity { name: name.to_owned(), unit: unit.to_owned() };
-    Sweep {
-        actuator,
+    Ok(Sweep {
+        actuator: actuator_id(actuator)?,
         sweep: number,
         source: Source::Twin,
-        command: quantity("voltage", "V"),
-        response: quantity("force", "N"),
+        command: Quantity { name: "voltage".to_owned(), unit: "V".to_owned() },
+        response: Quantity { name: "force".to_owned(), unit: "N".to_owned() },
         t_s: Some(points.iter().map(|p| p.t_s).collect()),
         command_values: points.iter().map(|p| p.voltage_v).collect(),
         response_values: points.iter().map(|p| p.force_n).collect(),
-        file: BTreeMap::new(),
-    }
-}
-
-/// The first number of which there is no sweep yet.
-fn free_number(layout: &Layout, actuator: Actuator) -> anyhow::Result<u32> {
-    let id = actuator_id(actuator)?;
-    Ok((1..).find(|number| !layout.sweep(&id, *number).exists()).unwrap_or(u32::MAX))
+        file,
+    })
 }
 
 fn actuator_id(actuator: Actuator) -> anyhow::Result<ActuatorId> {

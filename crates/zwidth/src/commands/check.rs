@@ -50,22 +50,24 @@ struct Line {
 
 pub(crate) fn check(root: &Path, command: &CheckArgs, screen: &Screen) -> anyhow::Result<Exit> {
     let bench = bench(root, command.study.clone(), command.rate)?;
+    // Held to the end, so that no session of the study is recorded meanwhile.
     let _lock = lock(&bench.layout, "zwidth check")?;
-    let nobody = "check".parse()?;
-    let none = "check".parse()?;
-    let mut device = open(&command.device, &bench.occasion(SEED, &nobody, &none))?;
+    // No session is recorded, and a device cannot be opened without the ids of one.
+    let participant = "check".parse()?;
+    let session = "check".parse()?;
+    let mut device = open(&command.device, &bench.occasion(SEED, &participant, &session))?;
     warn_of_calibration(&bench, &command.device, screen);
     let capabilities = device.capabilities().clone();
     let rate_hz = bench.study.control.rate_hz.min(capabilities.rate_hz);
     let mut guard = Guard::new(&capabilities, Limits::of(&bench.study)?, false);
     // A question is no result: it goes where messages go.
     let alone = checks_itself(&command.device);
-    let mut able = |step| {
-        if command.ask { asked(step, &mut stdin().lock(), &mut stderr()) } else { alone(step) }
+    let mut may_begin = |step| {
+        if command.ask { confirmed(step, &mut stdin().lock(), &mut stderr()) } else { alone(step) }
     };
     let stop = raised_by_signals()?;
     let mut clock = clock(command.fast, SEED);
-    let found = check_device(
+    let findings = check_device(
         &mut *device,
         &mut *clock,
         &mut guard,
@@ -73,20 +75,25 @@ pub(crate) fn check(root: &Path, command: &CheckArgs, screen: &Screen) -> anyhow
         rate_hz,
         command.mass,
         &stop,
-        &mut able,
+        &mut may_begin,
     )?;
-    if found.is_empty() {
+    if findings.is_empty() {
         bail!(
             "{}: a recorded trial cannot be checked; use --device twin or rig",
             capabilities.name
         );
     }
-    let lines: Vec<Line> = found.into_iter().map(line).collect();
+    let lines: Vec<Line> = findings.into_iter().map(line).collect();
     if screen.json {
         screen.listing(&lines)?;
     } else {
         screen.result(&capabilities.name);
-        lines.iter().for_each(|l| screen.result(text(l)));
+        for Line { name, value, unit, ok, about } in &lines {
+            let check = Check { name: name.clone(), value: *value, unit: unit.clone(), ok: *ok };
+            let verdict = if *ok { "ok" } else { "NOT GOOD ENOUGH" };
+            let about = if *ok { String::new() } else { format!("\n      {about}") };
+            screen.result(format!("  {name:<20} {:>12}  {verdict}{about}", check_value(&check)));
+        }
     }
     Ok(if lines.iter().all(|l| l.ok) { Exit::Fine } else { Exit::Failed })
 }
@@ -95,17 +102,10 @@ fn line(Finding { check, about }: Finding) -> Line {
     Line { name: check.name, value: check.value, unit: check.unit, ok: check.ok, about }
 }
 
-fn text(l: &Line) -> String {
-    let check = Check { name: l.name.clone(), value: l.value, unit: l.unit.clone(), ok: l.ok };
-    let verdict = if l.ok { "ok" } else { "NOT GOOD ENOUGH" };
-    let about = if l.ok { String::new() } else { format!("\n      {}", l.about) };
-    format!("  {:<20} {:>12}  {verdict}{about}", l.name, check_value(&check))
-}
-
 /// Says what a hand must do before a step, and waits for its answer: Enter when it is done, `s` to
 /// leave the step out. What moves the lever needs a `y`, and the end of the input consents to
 /// nothing.
-fn asked(step: Step, answers: &mut dyn BufRead, out: &mut dyn Write) -> bool {
+fn confirmed(step: Step, answers: &mut dyn BufRead, out: &mut dyn Write) -> bool {
     let (what, consent) = step_words(step);
     let key = if consent { "y lets them" } else { "Enter begins" };
     // Who cannot be asked has not consented.
@@ -128,7 +128,7 @@ mod tests {
 
     #[test]
     fn a_step_is_done_after_enter_and_one_that_moves_the_lever_after_a_yes_alone() {
-        let says = |step, mut line: &[u8]| asked(step, &mut line, &mut std::io::sink());
+        let says = |step, mut line: &[u8]| confirmed(step, &mut line, &mut std::io::sink());
         for step in [Step::Rest, Step::Load(0.2), Step::Hand] {
             assert!(says(step, b"\n") && says(step, b"y\n"), "{step:?}");
             assert!(!says(step, b"s\n") && !says(step, b""), "{step:?}");

@@ -48,6 +48,7 @@ pub(super) fn run_on(
     };
     match ended.code() {
         Some(0) => Ok(Exit::Fine),
+        // The program has the exit codes of this one.
         Some(3) => Ok(Exit::Partly),
         _ => bail!(
             "{study}: {PROGRAM} failed ({ended}); without a cluster, `zwidth run {study}` makes the same"

@@ -59,11 +59,15 @@ pub(crate) struct CompareArgs {
     pub(crate) metric: Option<String>,
 }
 
-pub(crate) fn compare(root: &Path, asked: &CompareArgs, screen: &Screen) -> anyhow::Result<Exit> {
-    let layout = super::study(root, asked.study.clone())?;
+pub(crate) fn compare(root: &Path, command: &CompareArgs, screen: &Screen) -> anyhow::Result<Exit> {
+    let layout = super::study(root, command.study.clone())?;
     let data = StudyData::load(&layout).map_err(|findings| super::join_findings(&findings))?;
-    let by = asked.by.unwrap_or_else(|| default_of(&data));
-    let metric = if by == By::Answer { String::new() } else { metric(&data, asked)? };
+    let by = match command.by {
+        Some(by) => by,
+        None if plan::compared(&data).is_empty() && plan::answers(&data).is_some() => By::Answer,
+        None => By::Mode,
+    };
+    let metric = if by == By::Answer { String::new() } else { metric(&data, command)? };
     if by == By::Answer && plan::answers(&data).is_none() {
         bail!("{} has no answers after several modes to compare", layout.study());
     }
@@ -71,7 +75,14 @@ pub(crate) fn compare(root: &Path, asked: &CompareArgs, screen: &Screen) -> anyh
     let printed = plan::comparison(&data, by.into(), &metric);
     let tables = printed.iter().map(plan::Printed::read).collect::<Result<Vec<_>, _>>()?;
     if tables.iter().all(|table| table.height() == 0) {
-        screen.warn(format!("there is nothing to compare: {}", why_empty(by, &metric)));
+        let why = match by {
+            By::Mode => format!("no trial that counts has a value of {metric}"),
+            By::Participant => "no participant took part more than once".to_owned(),
+            By::Session => "no participant came more than once".to_owned(),
+            By::Repeat => "no condition was repeated".to_owned(),
+            By::Answer => "no question was answered more than once".to_owned(),
+        };
+        screen.warn(format!("there is nothing to compare: {why}"));
         exit = Exit::Partly;
     }
     if screen.json {
@@ -81,7 +92,7 @@ pub(crate) fn compare(root: &Path, asked: &CompareArgs, screen: &Screen) -> anyh
     }
     let wording = Wording::of(&data.study);
     let width = screen.width();
-    if asked.by.is_none() && asked.metric.is_none() && by == By::Mode {
+    if command.by.is_none() && command.metric.is_none() && by == By::Mode {
         let rows = plan::verdicts(&data).map_err(|e| anyhow!("{e}"))?;
         if !rows.is_empty() {
             let lines = verdict_lines(&rows, width.unwrap_or(WIDTH));
@@ -110,14 +121,16 @@ const WIDTH: usize = 120;
 /// Characters of a plot, at most and at least.
 const PLOT: [usize; 2] = [61, 21];
 
-/// Every difference between modes: a heading a metric, and of each contrast a plot, on one axis for all
-/// that are measured by the same, its value and its verdict.
+/// Every difference between modes: a heading per metric, and of each contrast a plot, on one axis
+/// for all that are measured by the same, its value and its verdict.
 fn verdict_lines(rows: &[VerdictRow], width: usize) -> String {
-    let longest = |of: fn(&VerdictRow) -> String| {
-        rows.iter().map(|row| of(row).chars().count()).max().unwrap_or(0)
-    };
-    let place = longest(|row| row.place.clone());
-    let words = longest(|row| format!("{}  {}", row.value, row.judged()));
+    let mut place = 0;
+    let mut words = 0;
+    for row in rows {
+        place = place.max(row.place.chars().count());
+        words = words.max(format!("{}  {}", row.value, row.judged()).chars().count());
+    }
+    // Six blanks: two before the place, two on either side of the plot.
     let plot = width.saturating_sub(place + words + 6).clamp(PLOT[1], PLOT[0]);
     let mut lines = Vec::new();
     for of_axis in rows.chunk_by(|a, b| a.by == b.by) {
@@ -131,6 +144,7 @@ fn verdict_lines(rows: &[VerdictRow], width: usize) -> String {
             let ends = row.ends.into_iter().flatten();
             ends.chain([row.estimate]).chain(row.dots.iter().copied())
         });
+        // At least one unit: else a difference that is not felt would fill the axis.
         let most = all.map(f64::abs).fold(1.0, f64::max).ceil();
         lines.push(format!("Differences in {name}"));
         for of_metric in of_axis.chunk_by(|a, b| a.metric == b.metric) {
@@ -157,6 +171,7 @@ fn verdict_lines(rows: &[VerdictRow], width: usize) -> String {
 fn plotted(row: &VerdictRow, most: f64, width: usize) -> String {
     let half = (width / 2) as f64;
     let at = |value: f64| ((value / most).clamp(-1.0, 1.0) * half + half).round() as usize;
+    // An odd number of characters, so that zero has one. What is drawn later lies on top.
     let mut line = vec![' '; 2 * (width / 2) + 1];
     if row.by == MeasuredBy::Jnd {
         line[at(-1.0)..=at(1.0)].fill('░');
@@ -172,8 +187,8 @@ fn plotted(row: &VerdictRow, most: f64, width: usize) -> String {
     line.into_iter().collect()
 }
 
-/// Columns that matter least of a comparison, the very least first: a narrow window has them at the
-/// end.
+/// The columns of a comparison that matter least, the very least first: a narrow window shows them
+/// at the end.
 const LEAST: [&str; 26] = [
     "unit of analysis",
     "epsilon hf",
@@ -203,25 +218,8 @@ const LEAST: [&str; 26] = [
     "trials",
 ];
 
-/// Why a comparison has no row.
-fn why_empty(by: By, metric: &str) -> String {
-    match by {
-        By::Mode => format!("no trial that counts has a value of {metric}"),
-        By::Participant => "no participant took part more than once".to_owned(),
-        By::Session => "no participant came more than once".to_owned(),
-        By::Repeat => "no condition was repeated".to_owned(),
-        By::Answer => "no question was answered more than once".to_owned(),
-    }
-}
-
-/// The modes by their metrics, or by the answers where there is no metric.
-fn default_of(data: &StudyData) -> By {
-    let only_answers = plan::compared(data).is_empty() && plan::answers(data).is_some();
-    if only_answers { By::Answer } else { By::Mode }
-}
-
-/// The metric asked for, or the first.
-fn metric(data: &StudyData, asked: &CompareArgs) -> anyhow::Result<String> {
+/// The metric that the command names, or the first.
+fn metric(data: &StudyData, command: &CompareArgs) -> anyhow::Result<String> {
     let metrics = plan::compared(data);
     let Some(first) = metrics.first() else {
         let answers = plan::answers(data).map_or("", |_| " (its answers: --by answer)");
@@ -230,7 +228,7 @@ fn metric(data: &StudyData, asked: &CompareArgs) -> anyhow::Result<String> {
             data.layout.study()
         );
     };
-    let Some(wanted) = &asked.metric else { return Ok(first.clone()) };
+    let Some(wanted) = &command.metric else { return Ok(first.clone()) };
     match metrics.iter().find(|metric| *metric == wanted) {
         Some(metric) => Ok(metric.clone()),
         None if plan::is_metric(wanted) => bail!(
@@ -251,18 +249,20 @@ fn metric(data: &StudyData, asked: &CompareArgs) -> anyhow::Result<String> {
 
 /// Makes what is missing of the stage.
 pub(super) fn make(data: &StudyData, screen: &Screen) -> anyhow::Result<Exit> {
-    let found = findings(&RealFiles, data);
-    let jobs = plan::jobs(data, &found);
+    let findings = findings(&RealFiles, data);
+    let jobs = plan::jobs(data, &findings);
     let only = Some("compare".to_owned());
-    let known = hashes_read(data);
-    let options = Options { only, known, ..Options::default() };
+    // The study's files were hashed when they were loaded: not a second time.
+    let options = Options { only, known: hashes_read(data), ..Options::default() };
     let results = Results::new(&data.layout, &Unsynced);
     let bars = screen.bars(lengths(&jobs, &wanted(&jobs, &results, &options)?));
     let done = run_jobs(&jobs, &results, &options, &|report| bars.done(report.stage, &report.name));
+    // Before an error is returned: it would be printed among the bars.
     bars.clear();
     let done = done?;
     let mut exit = Exit::Fine;
-    let read_with_care = found.left_out.iter().chain(&found.with_care).map(ToString::to_string);
+    let read_with_care =
+        findings.left_out.iter().chain(&findings.with_care).map(ToString::to_string);
     let mut read_with_care: Vec<String> = read_with_care.collect();
     for report in done.reports {
         read_with_care.extend(report.care);

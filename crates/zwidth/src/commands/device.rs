@@ -31,9 +31,9 @@ pub(super) struct Bench {
     pub(super) rig: Option<Settings>,
 }
 
-/// The study, with the rate asked for, and what two files beside its `study.toml` say where they
-/// are there: `calibration.toml` (else the prototype's nominal one), `twin.toml`, the simulated
-/// device's parameters, and `rig.toml`, what a host must be told of a rig.
+/// The study, with this rate if there is one, and what two files beside its `study.toml` say where
+/// they are there: `calibration.toml` (else the prototype's nominal one), `twin.toml`, the
+/// simulated device's parameters, and `rig.toml`, what a host must be told of a rig.
 pub(super) fn bench(root: &Path, id: StudyId, rate_hz: Option<f64>) -> anyhow::Result<Bench> {
     let layout = study(root, id)?;
     let mut study = read_study(&layout).map_err(|findings| join_findings(&findings))?;
@@ -45,20 +45,20 @@ pub(super) fn bench(root: &Path, id: StudyId, rate_hz: Option<f64>) -> anyhow::R
         }
         None => Calibration::thesis(),
     };
+    // As bytes: their hash goes into what is recorded.
     let study_toml = read_regular(&layout.study_toml(), MOST_BYTES)?;
     let twin = twin_parameters(&layout, study.device.lever_m)?;
-    let rig = rig_settings(&layout)?;
-    Ok(Bench { layout, study, study_toml, calibration, twin, rig })
-}
-
-/// What `raw/<study>/rig.toml` says, where it is there.
-fn rig_settings(layout: &Layout) -> anyhow::Result<Option<Settings>> {
     let path = layout.raw().join("rig.toml");
-    let Some(text) = read_beside(&path)? else { return Ok(None) };
-    let settings: Settings =
-        toml::from_str(&text).map_err(|e| anyhow!("{}: {e}", path.display()))?;
-    settings.check().with_context(|| path.display().to_string())?;
-    Ok(Some(settings))
+    let rig = match read_beside(&path)? {
+        Some(text) => {
+            let settings: Settings =
+                toml::from_str(&text).map_err(|e| anyhow!("{}: {e}", path.display()))?;
+            settings.check().with_context(|| path.display().to_string())?;
+            Some(settings)
+        }
+        None => None,
+    };
+    Ok(Bench { layout, study, study_toml, calibration, twin, rig })
 }
 
 impl Bench {
@@ -95,10 +95,12 @@ impl Bench {
         }
     }
 
-    /// The same for a session that goes on by the study it began with, at the rate asked for.
+    /// The same for a session that goes on by the study it began with, at this rate if there is
+    /// one.
     pub(super) fn by(self, own: Study, rate_hz: Option<f64>) -> anyhow::Result<Self> {
         let rate_hz = rate_hz.unwrap_or(own.control.rate_hz);
         let study = Study { control: Control { rate_hz, ..own.control }, ..own };
+        // Its lever may be another one than that of the present study.toml.
         let twin = twin_parameters(&self.layout, study.device.lever_m)?;
         Ok(Self { study, twin, ..self })
     }
@@ -112,6 +114,7 @@ fn twin_parameters(layout: &Layout, lever_m: Option<f64>) -> anyhow::Result<Twin
     twin.lever_m = lever_m.unwrap_or(twin.lever_m);
     let Some(text) = read_beside(&path)? else { return Ok(twin) };
     let named: toml::Table = text.parse().map_err(|e| anyhow!("{}: {e}", path.display()))?;
+    // The device has one lever: two files that name it could disagree.
     if named.contains_key("lever_m") {
         bail!(
             "{}: lever_m belongs in study.toml, as device.lever_m; take it out here",
@@ -149,17 +152,28 @@ pub(super) fn raised_by_signals() -> anyhow::Result<Arc<AtomicBool>> {
         .context("cannot set up Ctrl-C, so a trial could not be stopped; start the program again")
 }
 
-/// The folder of seals: the one asked for, else `zwidth/` in the user's state folder (XDG:
+/// The folder of seals: the one that is named, else `zwidth/` in the user's state folder (XDG:
 /// `~/.local/state`). A user without one needs none for a study that is not `blinded`.
-pub(super) fn keys(asked: &Keys, blinded: bool) -> anyhow::Result<PathBuf> {
-    let variable = |name| std::env::var_os(name).filter(|v| !v.is_empty()).map(PathBuf::from);
-    let home = || variable("HOME").map(|home| home.join(".local").join("state"));
-    let state = || variable("XDG_STATE_HOME").or_else(home).or_else(|| variable("LOCALAPPDATA"));
-    let folder = asked.folder.clone().or_else(|| state().map(|state| state.join("zwidth")));
-    let folder = folder.or_else(|| (!blinded).then(PathBuf::new));
-    folder.context(
-        "there is no state folder for this user; name a folder for the seals with --key DIR",
-    )
+pub(super) fn keys(keys: &Keys, blinded: bool) -> anyhow::Result<PathBuf> {
+    if let Some(folder) = &keys.folder {
+        return Ok(folder.clone());
+    }
+    let state = variable("XDG_STATE_HOME")
+        .or_else(|| Some(variable("HOME")?.join(".local").join("state")))
+        .or_else(|| variable("LOCALAPPDATA"));
+    match state {
+        Some(state) => Ok(state.join("zwidth")),
+        None if !blinded => Ok(PathBuf::new()),
+        None => bail!(
+            "there is no state folder for this user; name a folder for the seals with --key DIR"
+        ),
+    }
+}
+
+/// The folder that an environment variable names.
+fn variable(name: &str) -> Option<PathBuf> {
+    // One that is set to nothing counts as not set (XDG Base Directory Specification).
+    std::env::var_os(name).filter(|value| !value.is_empty()).map(PathBuf::from)
 }
 
 /// 32 random bytes of the system's.

@@ -84,33 +84,38 @@ struct Entry {
     shows: String,
 }
 
-pub(crate) fn figure(root: &Path, asked: &FigureArgs, screen: &Screen) -> anyhow::Result<Exit> {
-    let layout = study(root, asked.study.clone())?;
+pub(crate) fn figure(root: &Path, command: &FigureArgs, screen: &Screen) -> anyhow::Result<Exit> {
+    let layout = study(root, command.study.clone())?;
     let data = StudyData::load(&layout).map_err(|findings| join_findings(&findings))?;
     let captions = plan::captions(&data);
-    let Some(name) = &asked.name else {
-        let has_form = asked.size.is_some() || asked.bare || asked.text || asked.out.is_some();
-        if has_form || !asked.font_file.is_empty() {
-            bail!("name the figure that is to be made; `zwidth figure {}` lists them", asked.study);
+    let Some(name) = &command.name else {
+        let has_form =
+            command.size.is_some() || command.bare || command.text || command.out.is_some();
+        if has_form || !command.font_file.is_empty() {
+            bail!(
+                "name the figure that is to be made; `zwidth figure {}` lists them",
+                command.study
+            );
         }
-        let entry = |(name, shows)| Entry { name, shows };
-        return list(captions.into_iter().map(entry).collect(), screen);
+        let entries = captions.into_iter().map(|(name, shows)| Entry { name, shows });
+        return list(entries.collect(), screen);
     };
     if !captions.iter().any(|(stem, _)| stem == name) {
         let names = captions.iter().map(|(stem, _)| stem.as_str());
-        bail!(no_figure(&asked.study, name, names));
+        bail!(no_figure(&command.study, name, names));
     }
-    let folder = folder(&layout, asked)?;
+    let folder = folder(&layout, command)?;
     let origin = make(&data, name)?;
     let (figure, problems) = plan::describe(&data, name)
-        .ok_or_else(|| anyhow!(no_figure(&asked.study, name, [])))?
+        .ok_or_else(|| anyhow!(no_figure(&command.study, name, [])))?
         .map_err(|error| anyhow!("{name} cannot be drawn: {error}"))?;
-    let font = match asked.font_file.as_slice() {
+    let font = match command.font_file.as_slice() {
         [] => plan::font(&data).map_err(|error| anyhow!("{error}"))?,
         files => Some(font(files)?),
     };
-    let figure = Figure { font, ..resized(figure, asked) };
-    let files = write(name, figure, &folder, origin, asked)?;
+    let (width_mm, height_mm) = command.size.unwrap_or((figure.width_mm, figure.height_mm));
+    let figure = Figure { font, width_mm, height_mm, bare: command.bare, ..figure };
+    let files = write(name, figure, &folder, origin, command)?;
     problems.iter().for_each(|problem| screen.warn(format!("left out: {problem}")));
     if screen.json {
         screen.listing(&files)?;
@@ -138,11 +143,12 @@ fn list(figures: Vec<Entry>, screen: &Screen) -> anyhow::Result<Exit> {
 }
 
 /// Where the files go, which may not be among recordings nor among what a run makes.
-fn folder(layout: &Layout, asked: &FigureArgs) -> anyhow::Result<PathBuf> {
-    let Some(folder) = &asked.out else { return Ok(layout.reports().join(REMADE)) };
-    let real = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_owned());
+fn folder(layout: &Layout, command: &FigureArgs) -> anyhow::Result<PathBuf> {
+    let Some(folder) = &command.out else { return Ok(layout.reports().join(REMADE)) };
     let own = [layout.raw(), layout.derived(), layout.reports().join("figures")];
-    if let Some(taken) = own.iter().find(|taken| real(folder).starts_with(real(taken))) {
+    // By their real places, so that no link leads into them.
+    let real_folder = real(folder);
+    if let Some(taken) = own.iter().find(|taken| real_folder.starts_with(real(taken))) {
         bail!(
             "{} is inside {}; choose another folder with --out",
             folder.display(),
@@ -150,6 +156,11 @@ fn folder(layout: &Layout, asked: &FigureArgs) -> anyhow::Result<PathBuf> {
         );
     }
     Ok(folder.clone())
+}
+
+/// A path without links, where it exists.
+fn real(path: &Path) -> PathBuf {
+    path.canonicalize().unwrap_or_else(|_| path.to_owned())
 }
 
 /// Makes the figure as a run does, with all that it needs, so that nothing stale is drawn; what its
@@ -169,32 +180,24 @@ fn make(data: &StudyData, name: &str) -> anyhow::Result<Option<String>> {
             bail!("{} could not be made: {why}", report.name);
         }
     }
+    // All forms of a figure hold the same origin; the first output is its SVG.
     let svg = std::fs::read(&job.outputs[0])?;
     Ok(origins(&svg).into_iter().next())
 }
 
-/// The figure as large and as bare as it was asked for.
-fn resized(figure: Figure, asked: &FigureArgs) -> Figure {
-    let (width_mm, height_mm) = match asked.size {
-        Some((width_mm, height_mm)) => (width_mm, height_mm),
-        None => (figure.width_mm, figure.height_mm),
-    };
-    Figure { width_mm, height_mm, bare: asked.bare, ..figure }
-}
-
-/// The font of files that were named.
+/// The font of the named files.
 fn font(files: &[PathBuf]) -> anyhow::Result<Font> {
     if files.len() > Font::MOST_FILES {
         bail!("--font-file: give at most one file for each of upright, italic and bold");
     }
-    let file = |path: &PathBuf| -> anyhow::Result<FontFile> {
+    let mut fonts = Vec::new();
+    for path in files {
         let name = path.display().to_string();
         let bytes = read_named(path, Font::MOST_BYTES)
             .with_context(|| format!("the font file {name} cannot be read"))?;
-        Ok(FontFile { name, bytes: Arc::new(bytes) })
-    };
-    let files: Vec<FontFile> = files.iter().map(file).collect::<anyhow::Result<_>>()?;
-    Ok(Font::new(&files)?)
+        fonts.push(FontFile { name, bytes: Arc::new(bytes) });
+    }
+    Ok(Font::new(&fonts)?)
 }
 
 fn write(
@@ -202,14 +205,16 @@ fn write(
     figure: Figure,
     folder: &Path,
     origin: Option<String>,
-    asked: &FigureArgs,
+    command: &FigureArgs,
 ) -> anyhow::Result<Vec<PathBuf>> {
     let source = match &figure.mark {
         Some(mark) => mark.clone(),
-        None => format!("the study {}", asked.study),
+        None => format!("the study {}", command.study),
     };
-    let told = origin.iter().map(|origin| format!("\n{origin}\n"));
-    let caption = caption_text(&figure) + &told.collect::<String>();
+    let mut caption = caption_text(&figure);
+    if let Some(origin) = &origin {
+        caption = format!("{caption}\n{origin}\n");
+    }
     let size = match figure.height_mm {
         Some(height_mm) => format!("{} x {height_mm} mm", figure.width_mm),
         None => format!("{} mm wide", figure.width_mm),
@@ -228,16 +233,16 @@ fn write(
     let mut output = Output::new(folder, made_from.collect());
     output.text(name, "txt", &caption)?;
     let drawing = output.drawn(figure)?;
-    for format in &asked.format {
+    for format in &command.format {
         let bytes = match format {
-            FigureFormat::Svg if asked.text => {
-                drawing.svg_with_text(asked.font.as_deref())?.into_bytes()
+            FigureFormat::Svg if command.text => {
+                drawing.svg_with_text(command.font.as_deref())?.into_bytes()
             }
             FigureFormat::Svg => drawing.svg()?.into_bytes(),
             FigureFormat::Pdf => drawing.pdf()?,
-            FigureFormat::Png => drawing.png(asked.dpi)?,
+            FigureFormat::Png => drawing.png(command.dpi)?,
         };
-        output.form(name, format.extension(), &bytes)?;
+        output.write(name, format.extension(), &bytes)?;
     }
     Ok(output.files)
 }

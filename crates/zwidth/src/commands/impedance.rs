@@ -29,7 +29,7 @@ const DAMPINGS: [f64; 8] = [0.0, 1.0, 2.0, 4.0, 6.0, 8.0, 10.0, 12.0];
 const REPEATS: u32 = 3;
 /// How long a push is followed, s.
 const FOLLOWED_S: f64 = 3.3;
-/// How far a release misses the push that is asked for, as a share of it.
+/// How far a release misses the intended push, as a share of it.
 const MISSES: f64 = 0.01;
 const MODES: [DriveMode; 3] = [DriveMode::Active, DriveMode::Hybrid, DriveMode::Passive];
 
@@ -53,6 +53,8 @@ pub(super) fn impedance(
     let bar = screen.bar(probes.len());
     let mut searches = Vec::new();
     let mut before = 0;
+    // A search's place in this list is the number of its sweep, by which one that exists is
+    // skipped: with another order some would be made twice, and others never.
     for (number, probe) in (1..).zip(probes) {
         let path = bench.layout.sweep(&id, number);
         bar.set_message(words(&probe));
@@ -61,10 +63,10 @@ pub(super) fn impedance(
             searches.push(recorded(&sweep, &path)?);
             before += 1;
         } else {
-            let found = made(bench, &probe, seed, number)?;
-            let sweep = sweep(bench, id.clone(), number, &probe, &found, seed);
+            let outcome = search_on_twin(bench, &probe, seed, number)?;
+            let sweep = sweep(bench, id.clone(), number, &probe, &outcome, seed);
             record_sweep(raw, &bench.layout, &now(), &sweep)?;
-            searches.push((probe, found));
+            searches.push((probe, outcome));
         }
         bar.inc(1);
     }
@@ -72,7 +74,7 @@ pub(super) fn impedance(
     if before > 0 {
         screen.say(format!("{before} of {} searches were there", searches.len()));
     }
-    written(root, bench, &regions(&searches), screen)
+    write(root, bench, &regions(&searches), screen)
 }
 
 fn words(probe: &Probe) -> String {
@@ -82,10 +84,10 @@ fn words(probe: &Probe) -> String {
 }
 
 /// One search on the simulated device, whose counts begin anywhere and whose pushes miss a little.
-fn made(bench: &Bench, probe: &Probe, seed: u64, number: u32) -> anyhow::Result<Found> {
-    let draw = |what: u64| share(seed, u64::from(number), what);
-    let device = device(bench, probe, draw(1));
-    let push_m = probe.push_m * (1.0 + MISSES * (2.0 * draw(2) - 1.0));
+fn search_on_twin(bench: &Bench, probe: &Probe, seed: u64, number: u32) -> anyhow::Result<Found> {
+    let number = u64::from(number);
+    let device = device(bench, probe, share(seed, number, 1));
+    let push_m = probe.push_m * (1.0 + MISSES * (2.0 * share(seed, number, 2) - 1.0));
     let device = PushedWall { push_m, ..device };
     let ticks = (FOLLOWED_S / device.wall.period_s) as usize;
     search(|stiffness| device.with_stiffness(stiffness).push(ticks)).with_context(|| words(probe))
@@ -96,6 +98,7 @@ fn share(seed: u64, number: u64, what: u64) -> f64 {
     let mut z = seed ^ (number << 8 | what).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    // The upper 53 bits: as many as an f64 holds without rounding.
     ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
 }
 
@@ -119,7 +122,7 @@ fn device(bench: &Bench, probe: &Probe, count_zero: f64) -> PushedWall {
 }
 
 /// Highest voltages of motor and brake, V, of the study's mode that uses the same actuators; none
-/// if it has none.
+/// if there is no such mode.
 fn voltages(study: &Study, mode: DriveMode) -> Option<[f64; 2]> {
     let own = study.modes.iter().find(|own| {
         let [motor, brake] = [ActuatorKind::Motor, ActuatorKind::Brake].map(|kind| own.has(kind));
@@ -142,11 +145,9 @@ fn sweep(
     actuator: ActuatorId,
     number: u32,
     probe: &Probe,
-    found: &Found,
+    outcome: &Found,
     seed: u64,
 ) -> Sweep {
-    let quantity =
-        |name: &str, unit: &str| Quantity { name: name.to_owned(), unit: unit.to_owned() };
     let mut file = vec![
         ("study_blake3", hex_blake3(&bench.study_toml)),
         ("device", "twin".to_owned()),
@@ -155,8 +156,8 @@ fn sweep(
         ("push_m", probe.push_m.to_string()),
         ("wall_damping_ns_per_m", probe.damping_ns_per_m.to_string()),
         ("repeat", probe.repeat.to_string()),
-        ("ending", found.ending.as_str().to_owned()),
-        ("went_on", found.tried.iter().map(|t| if t.goes_on { '1' } else { '0' }).collect()),
+        ("ending", outcome.ending.as_str().to_owned()),
+        ("went_on", outcome.tried.iter().map(|t| if t.goes_on { '1' } else { '0' }).collect()),
     ];
     // The orders of a blinded study may be drawn with the same seed.
     if !bench.study.design.blinded {
@@ -166,11 +167,11 @@ fn sweep(
         actuator,
         sweep: number,
         source: Source::Twin,
-        command: quantity("wall stiffness", "N/m"),
-        response: quantity("swing that goes on", "m"),
+        command: Quantity { name: "wall stiffness".to_owned(), unit: "N/m".to_owned() },
+        response: Quantity { name: "swing that goes on".to_owned(), unit: "m".to_owned() },
         t_s: None,
-        command_values: found.tried.iter().map(|t| t.stiffness_n_per_m).collect(),
-        response_values: found.tried.iter().map(|t| t.swing_m).collect(),
+        command_values: outcome.tried.iter().map(|t| t.stiffness_n_per_m).collect(),
+        response_values: outcome.tried.iter().map(|t| t.swing_m).collect(),
         file: file.into_iter().map(|(key, value)| (key.to_owned(), value)).collect(),
     }
 }
@@ -184,15 +185,15 @@ fn recorded(sweep: &Sweep, path: &Path) -> anyhow::Result<(Probe, Found)> {
         )
     };
     let key = |name: &str| sweep.file.get(name).ok_or_else(|| damaged(name));
-    let number =
-        |name: &str| -> anyhow::Result<f64> { key(name)?.parse().map_err(|_| damaged(name)) };
     let mode = MODES.into_iter().find(|mode| key("mode").is_ok_and(|word| word == mode.as_str()));
     let ending =
         Ending::ALL.into_iter().find(|e| key("ending").is_ok_and(|word| word == e.as_str()));
     let probe = Probe {
         mode: mode.ok_or_else(|| damaged("mode"))?,
-        push_m: number("push_m")?,
-        damping_ns_per_m: number("wall_damping_ns_per_m")?,
+        push_m: key("push_m")?.parse().map_err(|_| damaged("push_m"))?,
+        damping_ns_per_m: key("wall_damping_ns_per_m")?
+            .parse()
+            .map_err(|_| damaged("wall_damping_ns_per_m"))?,
         repeat: key("repeat")?.parse().map_err(|_| damaged("repeat"))?,
     };
     // A letter per value.
@@ -210,7 +211,7 @@ fn recorded(sweep: &Sweep, path: &Path) -> anyhow::Result<(Probe, Found)> {
     Ok((probe, Found { tried: tried.collect(), ending }))
 }
 
-fn written(root: &Path, bench: &Bench, regions: &[Region], screen: &Screen) -> anyhow::Result<()> {
+fn write(root: &Path, bench: &Bench, regions: &[Region], screen: &Screen) -> anyhow::Result<()> {
     let study = bench.layout.study();
     let folder = root.join("reports").join(study.as_str()).join("impedance");
     let source = "SYNTHETIC: the simulated device, not measured".to_owned();
@@ -232,41 +233,47 @@ fn written(root: &Path, bench: &Bench, regions: &[Region], screen: &Screen) -> a
     output.table("zwidth", &z_widths_table(&z_widths(regions))?)?;
     let frequencies = frequency(bench, &mut output, screen)?;
     if screen.json {
-        return screen.listing(&regions.iter().map(told).collect::<Vec<_>>());
+        return screen.listing(&regions.iter().map(region_line).collect::<Vec<_>>());
     }
-    regions.iter().for_each(|region| screen.result(told(region)));
+    regions.iter().for_each(|region| screen.result(region_line(region)));
     frequencies.iter().for_each(|line| screen.result(line));
     let pictures = output.files.iter().filter(|path| path.extension().is_some_and(|e| e == "png"));
     pictures.for_each(|path| screen.result(path.display().to_string()));
     Ok(())
 }
 
-/// Impedance against frequency, where the study's recorded trials say anything of it; a line a
+/// Impedance against frequency, where the study's recorded trials tell it; one line per
 /// condition.
 fn frequency(bench: &Bench, output: &mut Output, screen: &Screen) -> anyhow::Result<Vec<String>> {
-    let data = StudyData::load(&bench.layout).map_err(|found| super::join_findings(&found))?;
-    let found = zwidth_plan::responses(&data).map_err(|e| anyhow!("{e}"))?;
-    found.problems.iter().for_each(|problem| screen.warn(problem));
-    if found.responses.is_empty() {
+    let data =
+        StudyData::load(&bench.layout).map_err(|findings| super::join_findings(&findings))?;
+    let responses = zwidth_plan::responses(&data).map_err(|e| anyhow!("{e}"))?;
+    responses.problems.iter().for_each(|problem| screen.warn(problem));
+    if responses.responses.is_empty() {
         return Ok(Vec::new());
     }
-    let responses = found.responses.iter();
-    let points = responses
-        .flat_map(|([environment, mode], response)| impedance_points(environment, mode, response));
-    let points: Vec<_> = points.collect();
+    let points: Vec<_> = responses
+        .responses
+        .iter()
+        .flat_map(|([environment, mode], response)| impedance_points(environment, mode, response))
+        .collect();
     let notes = [
         "Force over velocity at the lever's end, H1; Hann windows that overlap by half, all trials that count. Bands: \
          intervals. Dotted: coherence that chance alone stays below; |Z| and phase are drawn where it is exceeded. A \
          mass has +90°, a damper 0°, a spring −90°. Friction, counts and brakes are not linear."
             .to_owned(),
     ];
-    let mark = zwidth_figures::mark(found.sources);
+    let mark = zwidth_figures::mark(responses.sources);
     output.figure("frequency", zwidth_figures::impedance_frequency(&points, &notes, mark))?;
     output.table("frequency", &Table::of_rows(&points)?)?;
-    Ok(found.responses.iter().map(|([environment, mode], r)| heard(environment, mode, r)).collect())
+    let lines = responses
+        .responses
+        .iter()
+        .map(|([environment, mode], response)| response_line(environment, mode, response));
+    Ok(lines.collect())
 }
 
-fn heard(environment: &str, mode: &str, response: &Response) -> String {
+fn response_line(environment: &str, mode: &str, response: &Response) -> String {
     let above: Vec<f64> = response
         .points
         .iter()
@@ -294,31 +301,33 @@ fn linear(bench: &Bench) -> anyhow::Result<Vec<[f64; 2]>> {
     let wall = bare(&bench.twin, 1.0 / bench.study.control.rate_hz);
     let end = DAMPINGS[DAMPINGS.len() - 1];
     let count = FINE * (DAMPINGS.len() - 1);
-    let at = |i: usize| end * i as f64 / count as f64;
-    let one = |b: f64| -> anyhow::Result<[f64; 2]> {
-        let wall = SampledWall { wall_damping_ns_per_m: b, ..wall };
-        Ok([b, wall.stiffest_stable()?.unwrap_or(f64::NAN)])
-    };
-    (0..=count).map(|i| one(at(i))).collect()
+    let mut boundary = Vec::new();
+    for i in 0..=count {
+        let damping = end * i as f64 / count as f64;
+        let wall = SampledWall { wall_damping_ns_per_m: damping, ..wall };
+        boundary.push([damping, wall.stiffest_stable()?.unwrap_or(f64::NAN)]);
+    }
+    Ok(boundary)
 }
 
-fn told(region: &Region) -> String {
+fn region_line(region: &Region) -> String {
     let [area, low, high] = region.area();
     let least = if region.is_censored() { "≥ " } else { "" };
-    let stiffness = |bound: Option<&Bound>| {
-        bound.map_or("none".to_owned(), |bound| {
-            let least = if bound.is_censored { "≥ " } else { "" };
-            format!("{least}{:.0}", bound.stiffness_n_per_m)
-        })
-    };
     format!(
         "{}, push {} mm: K(0) {} N/m, largest K {} N/m at B = {} N s/m, area {least}{area:.0} ({low:.0} to {high:.0}) N²·s/m² \
          over B from 0 to {}",
         region.mode.as_str(),
         1e3 * region.push_m,
-        stiffness(region.undamped()),
-        stiffness(region.stiffest()),
+        stiffness_words(region.undamped()),
+        stiffness_words(region.stiffest()),
         region.stiffest().map_or(0.0, |bound| bound.damping_ns_per_m),
         region.end_ns_per_m(),
     )
+}
+
+fn stiffness_words(bound: Option<&Bound>) -> String {
+    bound.map_or("none".to_owned(), |bound| {
+        let least = if bound.is_censored { "≥ " } else { "" };
+        format!("{least}{:.0}", bound.stiffness_n_per_m)
+    })
 }

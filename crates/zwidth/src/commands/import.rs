@@ -48,6 +48,7 @@ fn guessed(
     if map.exists() {
         bail!("{} exists already; name another file with --map", map.display());
     }
+    // Another program may have made the file since: it is not overwritten.
     let mut new = std::fs::File::create_new(map)
         .with_context(|| format!("cannot write {}", map.display()))?;
     new.write_all(text.as_bytes()).with_context(|| format!("cannot write {}", map.display()))?;

@@ -15,7 +15,6 @@ use zwidth_ladder::{
     Ladder, Loop, Settings, effects, effects_table, interactions_table, ladder as climb, models,
     models_table, own, possible, reason, told,
 };
-use zwidth_runner::Provenance;
 use zwidth_simulate::ModelScene;
 use zwidth_store::StudyData;
 use zwidth_study::{Control, Perception, StudyId, counted};
@@ -53,19 +52,25 @@ struct Outcome {
     error: Option<String>,
 }
 
-/// A ladder, what its files are called, and whether its force was simulated.
-type Climbed = (String, Ladder, bool);
+/// The ladder of a scene or a condition.
+struct Climbed {
+    /// What its files are called.
+    name: String,
+    ladder: Ladder,
+    /// Whether its force was simulated.
+    synthetic: bool,
+}
 
-pub(crate) fn ladder(root: &Path, asked: &LadderArgs, screen: &Screen) -> anyhow::Result<Exit> {
-    let folder = asked.out.clone().unwrap_or_else(|| root.join("reports").join("ladder"));
+pub(crate) fn ladder(root: &Path, command: &LadderArgs, screen: &Screen) -> anyhow::Result<Exit> {
+    let folder = command.out.clone().unwrap_or_else(|| root.join("reports").join("ladder"));
     let mut outcomes = Vec::new();
-    for name in named(root, asked)? {
-        match climbed(root, &name, asked, screen) {
+    for name in named(root, command)? {
+        match climb_all(root, &name, command, screen) {
             Ok(ladders) => {
                 let rows: Vec<LadderRows> =
-                    ladders.iter().map(|(_, ladder, _)| rows(ladder)).collect();
-                for ladder in &ladders {
-                    outcomes.push(written(&folder, asked, ladder, &rows)?);
+                    ladders.iter().map(|climbed| rows(&climbed.ladder)).collect();
+                for climbed in &ladders {
+                    outcomes.push(write(&folder, command, climbed, &rows)?);
                 }
             }
             Err(error) => outcomes.push(Outcome {
@@ -85,18 +90,28 @@ pub(crate) fn ladder(root: &Path, asked: &LadderArgs, screen: &Screen) -> anyhow
     if screen.json {
         screen.listing(&outcomes)?;
     } else {
-        outcomes.iter().for_each(|outcome| tell(outcome, screen));
+        for Outcome { scene, told, files, error, .. } in &outcomes {
+            if let Some(error) = error {
+                screen.warn(format!("skipped: {error}"));
+            }
+            if let Some((first, others)) = told.split_first() {
+                screen.result(format!("{scene}: {first}"));
+                others.iter().for_each(|line| screen.result(format!("  {line}")));
+            }
+            let pictures = files.iter().filter(|path| path.extension().is_some_and(|e| e == "png"));
+            pictures.for_each(|path| screen.result(format!("  {}", path.display())));
+        }
     }
     Ok(if failed == 0 { Exit::Fine } else { Exit::Partly })
 }
 
-/// What is asked for, each once; all studies by default.
-fn named(root: &Path, asked: &LadderArgs) -> anyhow::Result<Vec<PathBuf>> {
-    let mut named = if asked.scenes.is_empty() {
+/// The scenes and studies that the command names, each once; all studies by default.
+fn named(root: &Path, command: &LadderArgs) -> anyhow::Result<Vec<PathBuf>> {
+    let mut named = if command.scenes.is_empty() {
         let all = super::studies(root, Vec::new())?;
         all.iter().map(|layout| PathBuf::from(layout.study().as_str())).collect()
     } else {
-        asked.scenes.clone()
+        command.scenes.clone()
     };
     let mut seen: Vec<PathBuf> = Vec::new();
     named.retain(|name| {
@@ -105,6 +120,7 @@ fn named(root: &Path, asked: &LadderArgs) -> anyhow::Result<Vec<PathBuf>> {
             true
         }
     });
+    // Files are named by the stem alone: a/sine.toml and b/sine.toml would be one.
     for (i, name) in named.iter().enumerate() {
         if let Some(other) = named[..i].iter().find(|other| stem(other) == stem(name)) {
             let a = other.display();
@@ -119,14 +135,15 @@ fn stem(path: &Path) -> String {
     path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-fn climbed(
+/// The ladder of a scene's file, or those of a study's conditions.
+fn climb_all(
     root: &Path,
     name: &Path,
-    asked: &LadderArgs,
+    command: &LadderArgs,
     screen: &Screen,
 ) -> anyhow::Result<Vec<Climbed>> {
     if name.extension().is_some_and(|extension| extension == "toml") {
-        return Ok(vec![of_scene(name, asked, screen)?]);
+        return Ok(vec![climb_scene(name, command, screen)?]);
     }
     let id = name.to_str().ok_or_else(|| anyhow!("{}", no_study(name)))?;
     let id = StudyId::new(id).with_context(|| {
@@ -134,14 +151,14 @@ fn climbed(
     })?;
     let layout = study(root, id)?;
     let data = StudyData::load(&layout).map_err(|findings| super::join_findings(&findings))?;
-    let bar = screen.bar(asked.points);
-    let begun = |condition: &str| {
-        let points = counted(asked.points, "points");
+    let bar = screen.bar(command.points);
+    let begin = |condition: &str| {
+        let points = counted(command.points, "points");
+        // A line that is printed while the bar is drawn would run into it.
         bar.suspend(|| screen.say(format!("{condition}: {points}")));
         bar.reset();
     };
-    let point = || bar.inc(1);
-    let ladders = zwidth_plan::ladders(&data, asked.points, asked.rate, &begun, &point);
+    let ladders = zwidth_plan::ladders(&data, command.points, command.rate, &begin, &|| bar.inc(1));
     bar.finish_and_clear();
     let ladders = ladders.map_err(|error| anyhow!("{}: {error}", layout.study()))?;
     if ladders.is_empty() {
@@ -150,30 +167,33 @@ fn climbed(
             layout.study()
         );
     }
-    let named = |(key, ladder, synthetic)| (format!("{}.{key}", layout.study()), ladder, synthetic);
-    Ok(ladders.into_iter().map(named).collect())
+    let ladders = ladders.into_iter().map(|(key, ladder, synthetic)| {
+        let name = format!("{}.{key}", layout.study());
+        Climbed { name, ladder, synthetic }
+    });
+    Ok(ladders.collect())
 }
 
 /// The ladder of a scene's file, over the terms that it can have.
-fn of_scene(path: &Path, asked: &LadderArgs, screen: &Screen) -> anyhow::Result<Climbed> {
+fn climb_scene(path: &Path, command: &LadderArgs, screen: &Screen) -> anyhow::Result<Climbed> {
     let text = crate::text::scene(path)?;
-    let at = || path.display().to_string();
-    let scene = ModelScene::from_toml(&text).with_context(at)?;
+    let shown = path.display().to_string();
+    let scene = ModelScene::from_toml(&text).with_context(|| shown.clone())?;
     let velocity = Velocity::new(Control::default().velocity)?;
     let settings = Settings {
-        looped: Loop { period_s: asked.rate.map_or(THESIS_PERIOD_S, |hz| 1.0 / hz), velocity },
-        points: asked.points,
+        looped: Loop { period_s: command.rate.map_or(THESIS_PERIOD_S, |hz| 1.0 / hz), velocity },
+        points: command.points,
         bounds: Perception::default(),
         offered: possible(&scene),
     };
-    let points = counted(asked.points, "points");
+    let points = counted(command.points, "points");
     let models = 1_usize << settings.offered.len();
-    screen.say(format!("{}: {models} models at {points}", at()));
-    let bar = screen.bar(asked.points);
+    screen.say(format!("{shown}: {models} models at {points}"));
+    let bar = screen.bar(command.points);
     let ladder = climb(&scene, &settings, &own, &|| bar.inc(1));
     bar.finish_and_clear();
-    let ladder = ladder.with_context(at)?;
-    Ok((stem(path), ladder, false))
+    let ladder = ladder.with_context(|| shown)?;
+    Ok(Climbed { name: stem(path), ladder, synthetic: false })
 }
 
 /// What a figure is drawn from.
@@ -182,13 +202,26 @@ fn rows(ladder: &Ladder) -> LadderRows {
 }
 
 /// Writes a ladder, its figure on axes that hold those of all conditions, `beside`.
-fn written(
+fn write(
     folder: &Path,
-    asked: &LadderArgs,
-    (name, ladder, synthetic): &Climbed,
+    command: &LadderArgs,
+    Climbed { name, ladder, synthetic }: &Climbed,
     beside: &[LadderRows],
 ) -> anyhow::Result<Outcome> {
-    let mut output = Output::new(folder, origin(ladder, asked, *synthetic));
+    let source = match synthetic {
+        true => "SYNTHETIC: model runs under a simulated force, not measured",
+        false => "model runs, not measured",
+    };
+    let mut made_from = BTreeMap::from([
+        ("source".to_owned(), source.to_owned()),
+        ("scene".to_owned(), ladder.scene.clone()),
+        ("points".to_owned(), ladder.points.to_string()),
+        ("version".to_owned(), zwidth_ladder::VERSION.to_string()),
+    ]);
+    if let Some(rate_hz) = command.rate {
+        made_from.insert("rate_hz".to_owned(), rate_hz.to_string());
+    }
+    let mut output = Output::new(folder, made_from);
     let table = models_table(ladder)?;
     let figure = zwidth_figures::ladder(&rows(ladder), beside, table.notes(), *synthetic);
     output.figure(name, figure)?;
@@ -208,35 +241,4 @@ fn written(
         files: output.files,
         error: None,
     })
-}
-
-fn tell(outcome: &Outcome, screen: &Screen) {
-    if let Some(error) = &outcome.error {
-        screen.warn(format!("skipped: {error}"));
-    }
-    let mut lines = outcome.told.iter();
-    if let Some(first) = lines.next() {
-        screen.result(format!("{}: {first}", outcome.scene));
-    }
-    lines.for_each(|line| screen.result(format!("  {line}")));
-    let pictures = outcome.files.iter().filter(|path| path.extension().is_some_and(|e| e == "png"));
-    pictures.for_each(|path| screen.result(format!("  {}", path.display())));
-}
-
-/// What the files of a ladder say of their making.
-fn origin(ladder: &Ladder, asked: &LadderArgs, synthetic: bool) -> Provenance {
-    let source = match synthetic {
-        true => "SYNTHETIC: model runs under a simulated force, not measured",
-        false => "model runs, not measured",
-    };
-    let mut provenance = BTreeMap::from([
-        ("source".to_owned(), source.to_owned()),
-        ("scene".to_owned(), ladder.scene.clone()),
-        ("points".to_owned(), ladder.points.to_string()),
-        ("version".to_owned(), zwidth_ladder::VERSION.to_string()),
-    ]);
-    if let Some(rate_hz) = asked.rate {
-        provenance.insert("rate_hz".to_owned(), rate_hz.to_string());
-    }
-    provenance
 }

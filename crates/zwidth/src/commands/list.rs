@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use zwidth_acquire::left_to_do;
 use zwidth_store::{GAPS, LOST, Layout, SessionLog, StudyData, TrialEntry};
-use zwidth_study::{Channel, Condition, Kind, StudyId};
+use zwidth_study::{Channel, Kind, StudyId};
 
 #[derive(Serialize)]
 struct Listing {
@@ -78,16 +78,16 @@ fn listing(layout: &Layout) -> anyhow::Result<Listing> {
         *sweeps.entry(sweep.actuator.to_string()).or_default() += 1;
     }
     let trials = data.by_session();
-    let of_session = |log: &SessionLog| {
-        let of = (&log.record.participant, &log.record.session);
-        session(&data, log, trials.get(&of).map_or(&[], Vec::as_slice))
-    };
+    let sessions = data.sessions.par_iter().map(|log| {
+        let id = (&log.record.participant, &log.record.session);
+        session(&data, log, trials.get(&id).map_or(&[], Vec::as_slice))
+    });
     Ok(Listing {
         study: layout.study().to_string(),
         title: data.study.title.clone(),
         schema: data.study.schema.number(),
         channels: data.study.channels.clone(),
-        sessions: data.sessions.par_iter().map(of_session).collect(),
+        sessions: sessions.collect(),
         sweeps,
         unreadable: data.problems.iter().map(ToString::to_string).collect(),
     })
@@ -112,30 +112,34 @@ fn session(data: &StudyData, log: &SessionLog, trials: &[&TrialEntry]) -> Sessio
             .collect(),
         lost: in_footers(trials, LOST),
         gaps: in_footers(trials, GAPS),
+        // The conditions of a sealed session's trials are not known.
         missing: if sealed { Vec::new() } else { missing(data, trials) },
     }
 }
 
 /// What the files of trials say of themselves under a key of their footers.
 fn in_footers(trials: &[&TrialEntry], key: &str) -> Vec<String> {
-    let line = |t: &&TrialEntry| Some(format!("trial {}: {}", t.meta.trial, t.said.file.get(key)?));
-    trials.iter().filter_map(line).collect()
+    trials
+        .iter()
+        .filter_map(|t| Some(format!("trial {}: {}", t.meta.trial, t.said.file.get(key)?)))
+        .collect()
 }
 
 /// Conditions with fewer repeats than the design wants, for sessions that have samples at all.
 fn missing(data: &StudyData, trials: &[&TrialEntry]) -> Vec<String> {
     let repeats = data.study.design.repeats as usize;
-    let have =
-        |c: &Condition| trials.iter().filter(|t| t.counts() && t.meta.condition() == *c).count();
-    let line = |c: &Condition| {
-        let n = have(c);
-        (n < repeats).then(|| format!("{} × {}: {n} of {repeats}", c.environment, c.mode))
-    };
+    // A session of answers alone lacks no trial.
     if trials.is_empty() {
-        Vec::new()
-    } else {
-        data.study.conditions().iter().filter_map(line).collect()
+        return Vec::new();
     }
+    let mut lines = Vec::new();
+    for c in data.study.conditions() {
+        let n = trials.iter().filter(|t| t.counts() && t.meta.condition() == c).count();
+        if n < repeats {
+            lines.push(format!("{} × {}: {n} of {repeats}", c.environment, c.mode));
+        }
+    }
+    lines
 }
 
 fn text(l: &Listing) -> String {
@@ -146,22 +150,25 @@ fn text(l: &Listing) -> String {
             "  {} {}  {} trials, {} familiarisation ({}{masked})",
             s.participant, s.session, s.trials, s.familiarisation, s.source
         ));
-        let command = |verb: &str| {
-            format!("`zwidth {verb} {} -p {} -s {}`", l.study, s.participant, s.session)
-        };
+        let session = format!("{} -p {} -s {}", l.study, s.participant, s.session);
         if s.to_go > 0 {
-            lines.push(format!("    unfinished: {} trials to go; {}", s.to_go, command("acquire")));
+            lines.push(format!(
+                "    unfinished: {} trials to go; `zwidth acquire {session}`",
+                s.to_go
+            ));
         } else if s.sealed {
-            lines.push(format!("    sealed: {}", command("unseal")));
+            lines.push(format!("    sealed: `zwidth unseal {session}`"));
         }
         lines.extend(s.left_out.iter().map(|t| format!("    left out: {t}")));
         lines.extend(s.lost.iter().map(|t| format!("    lost: {t}")));
         lines.extend(s.gaps.iter().map(|t| format!("    gaps: {t}")));
         lines.extend(s.missing.iter().map(|t| format!("    missing: {t}")));
     }
-    let channel =
-        |c: &Channel| format!("  channel {} ({}): {}", c.id.as_str(), c.unit, c.description);
-    lines.extend(l.channels.iter().map(channel));
+    lines.extend(
+        l.channels
+            .iter()
+            .map(|c| format!("  channel {} ({}): {}", c.id.as_str(), c.unit, c.description)),
+    );
     lines.extend(l.sweeps.iter().map(|(actuator, n)| format!("  {actuator}  {n} sweeps")));
     lines.extend(l.unreadable.iter().map(|e| format!("  unreadable: {e}")));
     lines.join("\n")

@@ -43,7 +43,7 @@ pub(super) enum Place {
     Outside,
 }
 
-/// The records of a study's jobs; those that are not believed are told.
+/// The records of a study's jobs; warns of those that are not believed.
 ///
 /// # Errors
 /// A link on the way to their file.
@@ -56,16 +56,17 @@ pub(super) fn records(layout: &Layout, screen: &Screen) -> anyhow::Result<Record
 /// Where `typed` leads, taken from the current folder, or else from the root.
 pub(super) fn place(root: &Path, typed: &Path) -> Place {
     let real_root = real(if root.as_os_str().is_empty() { Path::new(".") } else { root });
+    // From the current folder first, as every program reads a path.
     let candidates = [real(typed), real(&real_root.join(typed))];
     let inside = candidates.iter().filter_map(|p| p.strip_prefix(&real_root).ok());
     let shown = inside.map(|p| p.to_string_lossy().replace('\\', "/"));
     shown
-        .map(|path| of(&path))
+        .map(|path| place_below_root(&path))
         .find(|place| !matches!(place, Place::Outside))
         .unwrap_or(Place::Outside)
 }
 
-fn of(path: &str) -> Place {
+fn place_below_root(path: &str) -> Place {
     let mut parts = path.split('/');
     let folder = parts.next();
     let study = parts.next().and_then(|id| StudyId::new(id).ok());
@@ -94,7 +95,7 @@ pub(super) fn is_a_copy(root: &Path, path: &str) -> bool {
 }
 
 /// A job that made a file, as its study's records have it.
-pub(super) struct Made {
+pub(super) struct Maker {
     pub(super) layout: Layout,
     pub(super) records: Records,
     pub(super) job: String,
@@ -108,7 +109,7 @@ pub(super) struct Made {
 ///
 /// # Errors
 /// It cannot be read; nothing in it, nor its content, is known under this root.
-pub(super) fn copies(root: &Path, typed: &Path, screen: &Screen) -> anyhow::Result<Vec<Made>> {
+pub(super) fn copies(root: &Path, typed: &Path, screen: &Screen) -> anyhow::Result<Vec<Maker>> {
     let bytes = read_named(typed, MOST_BYTES).with_context(|| {
         format!(
             "cannot read {}, which is under neither derived/ nor reports/ (--root chooses where)",
@@ -118,22 +119,24 @@ pub(super) fn copies(root: &Path, typed: &Path, screen: &Screen) -> anyhow::Resu
     let origins = origins(&bytes);
     let content = hex_blake3(&bytes);
     let extension = typed.extension();
-    let mut found = Vec::new();
-    for layout in with_records(root) {
+    let mut makers = Vec::new();
+    for layout in studies_with_records(root) {
         let records = records(&layout, screen)?;
         for (job, record) in records.iter() {
             let same =
                 record.outputs.iter().find(|(_, hash)| **hash == content).map(|(path, _)| path);
+            // The origin before the content: several jobs may make the same bytes.
             let by = match same {
                 _ if origins.contains(&record.origin) => FoundBy::Origin,
                 Some(_) => FoundBy::Content,
                 None => continue,
             };
-            let alike =
-                || record.outputs.keys().find(|path| Path::new(path).extension() == extension);
-            let path = same.or_else(alike).or_else(|| record.outputs.keys().next());
+            let mut outputs = record.outputs.keys();
+            let path = same
+                .or_else(|| outputs.clone().find(|path| Path::new(path).extension() == extension))
+                .or_else(|| outputs.next());
             let path = path.cloned().unwrap_or_default();
-            found.push(Made {
+            makers.push(Maker {
                 layout: layout.clone(),
                 records: records.clone(),
                 job: job.to_owned(),
@@ -142,18 +145,19 @@ pub(super) fn copies(root: &Path, typed: &Path, screen: &Screen) -> anyhow::Resu
             });
         }
     }
-    if found.is_empty() {
-        bail!("{}", unknown(root, typed, &origins));
+    if makers.is_empty() {
+        bail!("{}", unknown_copy(root, typed, &origins));
     }
-    Ok(found)
+    Ok(makers)
 }
 
 /// The studies that were run.
-fn with_records(root: &Path) -> Vec<Layout> {
+fn studies_with_records(root: &Path) -> Vec<Layout> {
     let folders = std::fs::read_dir(root.join("derived")).into_iter().flatten().flatten();
     let mut ids: Vec<StudyId> = folders
         .filter_map(|entry| StudyId::new(entry.file_name().to_string_lossy()).ok())
         .collect();
+    // A folder is listed in no order of its own.
     ids.sort();
     ids.into_iter()
         .map(|id| Layout::new(root, id))
@@ -161,7 +165,7 @@ fn with_records(root: &Path) -> Vec<Layout> {
         .collect()
 }
 
-fn unknown(root: &Path, typed: &Path, origins: &[String]) -> String {
+fn unknown_copy(root: &Path, typed: &Path, origins: &[String]) -> String {
     let file = typed.display();
     let root = if root.as_os_str().is_empty() { Path::new(".") } else { root };
     let root = root.display();
@@ -190,12 +194,15 @@ pub(super) fn no_job(path: &str, study: &StudyId, outputs: &[&str]) -> String {
             "no job makes {path}: `zwidth simulate` wrote it, and the file itself holds the solver and the scene"
         );
     }
-    let name = |path: &str| path.rsplit('/').next().unwrap_or_default().to_owned();
-    let names: Vec<String> = outputs.iter().map(|o| name(o)).collect();
-    let near = did_you_mean(&name(path), names.iter().map(String::as_str));
+    // A mistyped folder would outweigh the name.
+    let near = did_you_mean(file_name(path), outputs.iter().map(|output| file_name(output)));
     format!(
         "no job of {study} makes {path}{near} (`zwidth run {study} --dry-run --fresh` lists the jobs)"
     )
+}
+
+fn file_name(path: &str) -> &str {
+    path.rsplit('/').next().unwrap_or_default()
 }
 
 /// What to say of a raw file.
@@ -209,11 +216,13 @@ mod tests {
 
     #[test]
     fn a_place_is_told_by_its_first_two_folders() {
-        assert!(matches!(of("reports/s/figures/a.svg"), Place::Results(s, _) if s.as_str() == "s"));
-        assert!(matches!(of("derived/s/a.parquet"), Place::Results(..)));
-        assert!(matches!(of("raw/s/study.toml"), Place::Raw(_)));
+        assert!(
+            matches!(place_below_root("reports/s/figures/a.svg"), Place::Results(s, _) if s.as_str() == "s")
+        );
+        assert!(matches!(place_below_root("derived/s/a.parquet"), Place::Results(..)));
+        assert!(matches!(place_below_root("raw/s/study.toml"), Place::Raw(_)));
         for outside in ["", "derived", "reports/..", "other/s/a", "README.md"] {
-            assert!(matches!(of(outside), Place::Outside), "{outside}");
+            assert!(matches!(place_below_root(outside), Place::Outside), "{outside}");
         }
     }
 

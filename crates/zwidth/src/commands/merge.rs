@@ -6,7 +6,7 @@ use crate::screen::Screen;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use zwidth_runner::{Share, merge as merge_shards};
-use zwidth_study::StudyId;
+use zwidth_study::{StudyId, counted};
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct MergeArgs {
@@ -32,12 +32,11 @@ pub(crate) fn merge(root: &Path, command: &MergeArgs, screen: &Screen) -> anyhow
     let sharded = Sharded::load(root, &command.study, &command.from)?;
     let (own, others) = sharded.results();
     let bar = screen.bar(0);
-    let progress = |all: usize| {
-        bar.set_length(all as u64);
-        bar.inc(1);
-    };
     let merged =
-        merge_shards(&sharded.jobs, &own, &others, &sharded.known, &sharded.seen, &progress)?;
+        merge_shards(&sharded.jobs, &own, &others, &sharded.hashes, &sharded.seen, &|all| {
+            bar.set_length(all as u64);
+            bar.inc(1);
+        })?;
     bar.finish_and_clear();
     let survey = &merged.survey;
     survey.remarks.iter().for_each(|remark| screen.warn(remark.to_string()));
@@ -61,6 +60,7 @@ pub(crate) fn merge(root: &Path, command: &MergeArgs, screen: &Screen) -> anyhow
     } else {
         screen.result(text(&outcome));
     }
+    // Without a shard at all there was nothing to fail at.
     let nothing = outcome.merged.is_empty() && !outcome.refused.is_empty();
     let has_findings = !survey.remarks.is_empty() || !sharded.left_out.is_empty();
     let is_whole = outcome.refused.is_empty() && missing.is_empty() && !has_findings;
@@ -77,10 +77,10 @@ fn text(outcome: &Outcome) -> String {
         let why = if refused.is_empty() { ": there is no manifest of one" } else { "" };
         return format!("{study}: no shard was merged{why}");
     }
-    let count = |n: usize, one: &str| format!("{n} {one}{}", if n == 1 { "" } else { "s" });
-    let mut parts = vec![format!("{} merged", count(merged.len(), "shard")), count(*jobs, "job")];
+    let mut parts =
+        vec![format!("{} merged", counted(merged.len(), "shards")), counted(*jobs, "jobs")];
     if *copied > 0 {
-        parts.push(format!("{} copied", count(*copied, "file")));
+        parts.push(format!("{} copied", counted(*copied, "files")));
     }
     let left = [(refused.len(), "refused"), (missing.len(), "incomplete")];
     parts.extend(left.into_iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{n} {what}")));

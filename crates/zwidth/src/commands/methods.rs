@@ -21,15 +21,15 @@ pub(crate) struct MethodsArgs {
 /// The forms of the methods, by the extensions of their files.
 fn methods_forms() -> impl TypedValueParser<Value = MethodsForm> {
     PossibleValuesParser::new(MethodsForm::ALL.map(|(word, _)| word)).try_map(|word| {
-        let found = MethodsForm::ALL.into_iter().find(|(known, _)| *known == word);
-        found.map(|(_, form)| form).ok_or_else(|| format!("'{word}' is not a format"))
+        let form = MethodsForm::ALL.into_iter().find(|(name, _)| *name == word);
+        form.map(|(_, form)| form).ok_or_else(|| format!("'{word}' is not a format"))
     })
 }
 
-pub(crate) fn methods(root: &Path, asked: &MethodsArgs, screen: &Screen) -> anyhow::Result<Exit> {
-    let layout = super::study(root, asked.study.clone())?;
+pub(crate) fn methods(root: &Path, command: &MethodsArgs, screen: &Screen) -> anyhow::Result<Exit> {
+    let layout = super::study(root, command.study.clone())?;
     let data = StudyData::load(&layout).map_err(|findings| super::join_findings(&findings))?;
     let parts = parts(&data.study, &plan::recorded(&data), env!("CARGO_PKG_VERSION"));
-    screen.file(&asked.format.written(&parts));
+    screen.file(&command.format.written(&parts));
     Ok(Exit::Fine)
 }

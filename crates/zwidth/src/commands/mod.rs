@@ -41,48 +41,52 @@ pub(crate) mod why;
 use anyhow::{Context as _, bail};
 use near::did_you_mean;
 use std::ffi::OsString;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use zwidth_runner::HashesRead;
 use zwidth_store::{FirstErrors, Layout, SessionLog, StoreError, StudyData};
 use zwidth_study::{ParticipantId, SessionId, StudyId};
 
-/// The studies named, or all there are under `raw/`.
+/// The named studies, or all there are under `raw/`.
 fn studies(root: &Path, named: Vec<StudyId>) -> anyhow::Result<Vec<Layout>> {
     let ids = if named.is_empty() { all(root)? } else { named };
     ids.into_iter().map(|id| study(root, id)).collect()
 }
 
-/// Folders of studies that no command can name, if all studies are asked for: none of them is
+/// Folders of studies that no command can name, where all studies are meant: none of them is
 /// passed by without a word.
 fn nameless(root: &Path, named: &[StudyId]) -> Vec<StoreError> {
     let folders = if named.is_empty() { std::fs::read_dir(root.join("raw")).ok() } else { None };
-    let finding = |path: PathBuf| {
-        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let why = StudyId::new(name.as_str()).err().filter(|_| is_study(&path))?.why;
+    let mut findings = Vec::new();
+    for entry in folders.into_iter().flatten().flatten() {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        let Some(error) = StudyId::new(name.as_str()).err().filter(|_| is_study(&entry.path()))
+        else {
+            continue;
+        };
         let what = format!(
-            "the study in the folder {name:?} is left out, because its name cannot be a study's: {why}"
+            "the study in the folder {name:?} is left out, because its name cannot be a study's: {}",
+            error.why
         );
-        Some(StoreError::new(
+        findings.push(StoreError::new(
             &root.join("raw"),
             what,
             "rename the folder, and study.id in its study.toml",
-        ))
-    };
-    let mut found: Vec<StoreError> =
-        folders.into_iter().flatten().flatten().filter_map(|entry| finding(entry.path())).collect();
-    found.sort_by(|a, b| a.what.cmp(&b.what));
-    found
+        ));
+    }
+    // A folder is listed in the file system's order, which differs between machines.
+    findings.sort_by(|a, b| a.what.cmp(&b.what));
+    findings
 }
 
 /// The studies below the folder that these arguments name, where they could not be parsed.
 pub(crate) fn studies_of(arguments: impl Iterator<Item = OsString>) -> String {
-    let root = root_of(arguments).or_else(|| std::env::var_os("ZWIDTH_ROOT"));
-    let there = all(Path::new(&root.unwrap_or_default())).unwrap_or_default();
-    there.iter().map(StudyId::as_str).collect::<Vec<_>>().join(", ")
+    let root = root_argument(arguments).or_else(|| std::env::var_os("ZWIDTH_ROOT"));
+    let studies = all(Path::new(&root.unwrap_or_default())).unwrap_or_default();
+    studies.iter().map(StudyId::as_str).collect::<Vec<_>>().join(", ")
 }
 
-/// What stands after `--root`.
-fn root_of(mut arguments: impl Iterator<Item = OsString>) -> Option<OsString> {
+/// The value of `--root`.
+fn root_argument(mut arguments: impl Iterator<Item = OsString>) -> Option<OsString> {
     while let Some(argument) = arguments.next() {
         match argument.to_str()?.strip_prefix("--root") {
             Some("") => return arguments.next(),
@@ -97,10 +101,10 @@ fn root_of(mut arguments: impl Iterator<Item = OsString>) -> Option<OsString> {
 fn study(root: &Path, id: StudyId) -> anyhow::Result<Layout> {
     let layout = Layout::new(root, id);
     if !is_study(&layout.raw()) {
-        let there = all(root).unwrap_or_default();
-        let there: Vec<&str> = there.iter().map(StudyId::as_str).collect();
+        let existing = all(root).unwrap_or_default();
+        let existing: Vec<&str> = existing.iter().map(StudyId::as_str).collect();
         let id = layout.study();
-        if there.is_empty() {
+        if existing.is_empty() {
             bail!(
                 "there is no study '{id}': {} is missing; go to the folder that has raw/ or name it with --root, \
                  or make a new study with `zwidth new {id}`",
@@ -110,9 +114,9 @@ fn study(root: &Path, id: StudyId) -> anyhow::Result<Layout> {
         bail!(
             "there is no study '{id}': {} is missing{}; there {} {}; make a new one with `zwidth new {id}`",
             layout.study_toml().display(),
-            did_you_mean(id.as_str(), there.iter().copied()),
-            if there.len() == 1 { "is" } else { "are" },
-            there.join(", "),
+            did_you_mean(id.as_str(), existing.iter().copied()),
+            if existing.len() == 1 { "is" } else { "are" },
+            existing.join(", "),
         );
     }
     Ok(layout)
@@ -167,33 +171,38 @@ fn is_study(folder: &Path) -> bool {
     ["study.toml", "trials", "sweeps", "sessions"].iter().any(|name| folder.join(name).exists())
 }
 
-/// Lines of an error: of more the first are told, and how many others there are.
+/// The most lines of an error: of more the first are printed, and how many others there are.
 const MOST_LINES: usize = 20;
 
-/// Several findings as one error, a line each.
+/// Several findings as one error, one line each.
 fn join_findings(findings: &[StoreError]) -> anyhow::Error {
     let lines: Vec<String> = findings.iter().take(MOST_LINES).map(ToString::to_string).collect();
     as_lines(lines, findings.len().saturating_sub(MOST_LINES))
 }
 
-/// The same for recordings that go into one import, of which many have the same wrong with them:
-/// that is said once.
+/// The same for recordings that go into one import, of which many have the same fault: it is
+/// reported once.
 fn sum_up(findings: &FirstErrors) -> anyhow::Error {
-    let mut said: Vec<(&StoreError, usize)> = Vec::new();
-    let mut untold = findings.more();
+    let mut kinds: Vec<(&StoreError, usize)> = Vec::new();
+    let mut unlisted = findings.more();
     for finding in findings.iter() {
-        match said.iter().position(|(first, _)| is_alike(first, finding)) {
-            Some(alike) => said[alike].1 += 1,
-            None if said.len() == MOST_LINES => untold += 1,
-            None => said.push((finding, 0)),
+        let alike = kinds.iter().position(|(first, _)| {
+            first.path != finding.path
+                && (&first.column, first.row) == (&finding.column, finding.row)
+                && (&first.what, &first.remedy) == (&finding.what, &finding.remedy)
+        });
+        match alike {
+            Some(alike) => kinds[alike].1 += 1,
+            None if kinds.len() == MOST_LINES => unlisted += 1,
+            None => kinds.push((finding, 0)),
         }
     }
-    let line = |(first, more): &(&StoreError, usize)| match more {
+    let lines = kinds.iter().map(|(first, more)| match more {
         0 => first.to_string(),
         1 => format!("{first} (and so in 1 more file)"),
         more => format!("{first} (and so in {more} more files)"),
-    };
-    as_lines(said.iter().map(line).collect(), untold)
+    });
+    as_lines(lines.collect(), unlisted)
 }
 
 /// Lines as one error, with a last one that says how many more there are.
@@ -215,12 +224,6 @@ fn thousands(number: usize) -> String {
         text.push(digit);
     }
     text
-}
-
-/// Whether two files have the same thing wrong with them.
-fn is_alike(a: &StoreError, b: &StoreError) -> bool {
-    a.path != b.path
-        && (&a.column, a.row, &a.what, &a.remedy) == (&b.column, b.row, &b.what, &b.remedy)
 }
 
 #[cfg(test)]

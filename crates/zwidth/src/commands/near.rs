@@ -2,9 +2,9 @@
 
 use strsim::normalized_damerau_levenshtein;
 
-/// Names that share less than this with what was typed are no help: half of the letters.
+/// Names that share less than this with the typed one are no help: half of the letters.
 const ALIKE: f64 = 0.5;
-/// So many are told at most.
+/// The most names that are suggested.
 const MOST: usize = 3;
 
 /// The names most like `typed`, best first; none that is not alike.
@@ -15,6 +15,7 @@ pub(super) fn near<'a>(typed: &str, names: impl IntoIterator<Item = &'a str>) ->
         .filter(|(share, _)| *share >= ALIKE)
         .collect();
     alike.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(b.1)));
+    // Equal names stand side by side after the sort.
     alike.dedup();
     alike.into_iter().map(|(_, name)| name).take(MOST).collect()
 }
@@ -23,7 +24,7 @@ pub(super) fn near<'a>(typed: &str, names: impl IntoIterator<Item = &'a str>) ->
 pub(super) fn did_you_mean<'a>(typed: &str, names: impl IntoIterator<Item = &'a str>) -> String {
     match near(typed, names).as_slice() {
         [] => String::new(),
-        found => format!("; did you mean {}?", found.join(", ")),
+        names => format!("; did you mean {}?", names.join(", ")),
     }
 }
 

@@ -50,6 +50,7 @@ fn write_single(layout: &Layout, file: &Path) -> anyhow::Result<()> {
     let Some(name) = named.filter(|_| is_html) else {
         bail!("{} must end in .html", file.display());
     };
+    // Links resolved, so that none leads into raw/.
     let folder = folder.canonicalize();
     let folder = folder.with_context(|| {
         format!("the folder of {} does not exist; make it first", file.display())
@@ -86,10 +87,11 @@ impl Report<'_> {
             })?;
         let bytes = Results::new(self.layout, &RealFiles)
             .read(&named, self.left)
-            .and_then(|found| {
-                found.unwrap_or_else(|| Err(StoreError::new(&named, "it is missing", AGAIN)))
+            .and_then(|content| {
+                content.unwrap_or_else(|| Err(StoreError::new(&named, "it is missing", AGAIN)))
             })
             .map_err(io::Error::other)?;
+        // `read` refuses more than what is left, so this cannot fall below zero.
         self.left -= bytes.len() as u64;
         Ok(bytes)
     }

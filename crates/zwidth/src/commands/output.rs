@@ -40,11 +40,6 @@ impl<'a> Output<'a> {
         Ok(draw(&Figure { provenance, ..figure })?)
     }
 
-    /// Writes a figure in one form.
-    pub(super) fn form(&mut self, name: &str, form: &str, bytes: &[u8]) -> anyhow::Result<()> {
-        self.write(name, form, bytes)
-    }
-
     /// Writes a table as Parquet and CSV, in SI units and radians.
     pub(in crate::commands) fn table(&mut self, name: &str, table: &Table) -> anyhow::Result<()> {
         let parquet = table.to_parquet(&self.provenance, &self.path(name, "parquet"))?;
@@ -57,7 +52,13 @@ impl<'a> Output<'a> {
         self.write(name, extension, text.as_bytes())
     }
 
-    fn write(&mut self, name: &str, extension: &str, bytes: &[u8]) -> anyhow::Result<()> {
+    /// Writes a file, and keeps its path.
+    pub(super) fn write(
+        &mut self,
+        name: &str,
+        extension: &str,
+        bytes: &[u8],
+    ) -> anyhow::Result<()> {
         let path = self.path(name, extension);
         replace(&RealFiles, &path, bytes)?;
         self.files.push(path);

@@ -97,11 +97,11 @@ struct Spread {
     source: String,
 }
 
-pub(crate) fn power(root: &Path, asked: &PowerArgs, screen: &Screen) -> anyhow::Result<Exit> {
-    let layout = super::study(root, asked.study.clone())?;
+pub(crate) fn power(root: &Path, command: &PowerArgs, screen: &Screen) -> anyhow::Result<Exit> {
+    let layout = super::study(root, command.study.clone())?;
     let data = StudyData::load(&layout).map_err(|findings| super::join_findings(&findings))?;
-    let metric = asked.metric.clone().unwrap_or_else(|| data.study.compare.primary.to_string());
-    let spread = spread(&data, asked, &metric, screen)?;
+    let metric = command.metric.clone().unwrap_or_else(|| data.study.compare.primary.to_string());
+    let spread = spread(&data, command, &metric, screen)?;
     let repeats = usize::try_from(data.study.design.repeats)?;
     let planned = Plan {
         participant_sd: spread.participant,
@@ -109,19 +109,20 @@ pub(crate) fn power(root: &Path, asked: &PowerArgs, screen: &Screen) -> anyhow::
         residual_sd: spread.residual,
         repeats,
         modes: data.study.modes.len(),
-        difference: asked.difference,
-        participants: asked.participants.map_or(Ok(PARTICIPANTS), usize::try_from)?,
+        difference: command.difference,
+        participants: command.participants.map_or(Ok(PARTICIPANTS), usize::try_from)?,
     };
     let simulation = Simulation {
         test: PlannedTest::PairedT,
+        // Bonferroni: each contrast is tested at its share of alpha.
         alpha: data.study.compare.alpha / data.study.compare.contrasts.len().max(1) as f64,
-        studies: usize::try_from(asked.studies)?,
-        seed: asked.seed,
+        studies: usize::try_from(command.studies)?,
+        seed: command.seed,
     };
     // In participants of all simulated studies.
     let bar = screen.bar(0);
     let each = planned.participants * simulation.studies;
-    let found = power::power(&planned, &simulation)?;
+    let estimated = power::power(&planned, &simulation)?;
     let needed = power::participants_for(TARGET, &planned, &simulation, &|searched| {
         advance(&bar, searched, each, (HALVINGS + 1) * each);
     })?;
@@ -149,13 +150,13 @@ pub(crate) fn power(root: &Path, asked: &PowerArgs, screen: &Screen) -> anyhow::
         alpha: simulation.alpha,
         seed: simulation.seed,
         studies: simulation.studies,
-        power: found.estimate,
-        power_ci_low: found.ci_low,
-        power_ci_high: found.ci_high,
+        power: estimated.estimate,
+        power_ci_low: estimated.ci_low,
+        power_ci_high: estimated.ci_high,
         participants_needed: needed.map(|(participants, _)| participants),
         smallest_difference: smallest,
     };
-    if asked.plan {
+    if command.plan {
         // The plan says how many trials there were before it.
         if let Some(unread) = data.problems.iter().find(|problem| problem.by_system) {
             bail!("{unread}; no plan was written");
@@ -172,7 +173,7 @@ pub(crate) fn power(root: &Path, asked: &PowerArgs, screen: &Screen) -> anyhow::
     if screen.json {
         screen.listing(&result)?;
     } else {
-        tell(&result, screen);
+        screen.result(sentences(&result).join("\n"));
     }
     Ok(Exit::Fine)
 }
@@ -185,16 +186,17 @@ fn advance(bar: &ProgressBar, searched: Searched, before: usize, next: usize) {
     bar.set_position(done as u64);
 }
 
-/// The SDs given, or those of the study's own trials.
+/// The SDs of the command, or those of the study's own trials.
 fn spread(
     data: &StudyData,
-    asked: &PowerArgs,
+    command: &PowerArgs,
     metric: &str,
     screen: &Screen,
 ) -> anyhow::Result<Spread> {
-    if let (Some(participant_mode), Some(residual)) = (asked.participant_mode_sd, asked.residual_sd)
+    if let (Some(participant_mode), Some(residual)) =
+        (command.participant_mode_sd, command.residual_sd)
     {
-        let participant = asked.participant_sd.unwrap_or(0.0);
+        let participant = command.participant_sd.unwrap_or(0.0);
         return Ok(Spread {
             participant,
             participant_mode,
@@ -235,32 +237,28 @@ fn widest(
     repeats: f64,
     study: &Study,
 ) -> Option<Spread> {
-    let spread = |row: &ModeDifference| {
+    let spreads = contrasts.iter().filter_map(|row| {
         let model = models.iter().find(|model| model.environment == row.environment)?;
         let is_of_people = row.unit_of_analysis == UnitOfAnalysis::Participants;
         let residual = model.residual_sd.filter(|_| is_of_people)?;
         let variance = row.difference_std_error?.powi(2) * row.n as f64;
         let of_repeats = 2.0 * residual.powi(2) / (repeats * row.sessions?.max(1) as f64);
+        // An estimated variance can come out below that of the repeats alone.
         let own = ((variance - of_repeats).max(0.0) / 2.0).sqrt();
-        let known = study.environments.iter().find(|e| e.id == row.environment);
+        let environment = study.environments.iter().find(|e| e.id == row.environment);
         let source = format!(
             "{}, {}: the contrast in which participants differ most",
-            known.map_or(row.environment.as_str(), |e| e.label.as_str()),
+            environment.map_or(row.environment.as_str(), |e| e.label.as_str()),
             contrast_label(&study.modes, &row.contrast)
         );
         let participant = model.participant_sd?;
         Some((variance, Spread { participant, participant_mode: own, residual, source }))
-    };
-    let all = contrasts.iter().filter_map(spread);
-    all.max_by(|(a, _), (b, _)| a.total_cmp(b)).map(|(_, spread)| spread)
-}
-
-fn tell(result: &Planned, screen: &Screen) {
-    screen.result(told(result).join("\n"));
+    });
+    spreads.max_by(|(a, _), (b, _)| a.total_cmp(b)).map(|(_, spread)| spread)
 }
 
 /// The result in sentences.
-fn told(result: &Planned) -> [String; 4] {
+fn sentences(result: &Planned) -> [String; 4] {
     let Planned { metric, difference, participants, studies, alpha, source, .. } = result;
     let named = plan::metric_in_words(metric).map(|words| format!("{words} ({metric})"));
     let [power, low, high] =

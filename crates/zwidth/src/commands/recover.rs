@@ -63,9 +63,12 @@ fn accepted(layout: &Layout, lock: &StudyLock, command: &RecoverArgs) -> anyhow:
     let accepted =
         accept_study(&raw, layout, &now(), only).map_err(|findings| join_findings(&findings))?;
     let file = layout.study_toml().display().to_string();
-    let line = |what| Line { file: file.clone(), what, ok: true };
     let none = accepted.is_empty().then(|| "study.toml: no change waits to be accepted".to_owned());
-    Ok(accepted.into_iter().chain(none).map(line).collect())
+    Ok(accepted
+        .into_iter()
+        .chain(none)
+        .map(|what| Line { file: file.clone(), what, ok: true })
+        .collect())
 }
 
 /// The right to write to a study.
@@ -88,7 +91,7 @@ pub(super) fn put_in_order_and_tell(layout: &Layout, lock: &StudyLock, screen: &
 fn put_in_order(layout: &Layout, lock: &StudyLock) -> Vec<Line> {
     recover_study(&Raw::mends(&RealFiles, layout, lock), layout, &now())
         .into_iter()
-        .map(|found| match found {
+        .map(|repair| match repair {
             Ok(done) => {
                 Line { file: done.path.display().to_string(), what: done.to_string(), ok: true }
             }

@@ -123,35 +123,45 @@ pub(crate) fn run(root: &Path, command: &RunArgs, screen: &Screen) -> anyhow::Re
 
 fn one(layout: &Layout, command: &RunArgs, screen: &Screen) -> anyhow::Result<Outcome> {
     let start = Instant::now();
-    // Who asks for everything afresh wants nothing taken for what it was.
+    // --fresh: no file is taken for what an earlier run saw of it.
     let seen = if command.fresh { Seen::nothing(layout) } else { Seen::of(layout) };
     let data = StudyData::load_seen(&seen, layout).map_err(|findings| join_findings(&findings))?;
-    let found = findings(&RealFiles, &data);
-    let jobs = planned(&data, &found, command);
+    let findings = findings(&RealFiles, &data);
+    let jobs = needed_jobs(&data, &findings, command);
     check_only(&jobs, layout.study(), command)?;
     let options = Options {
         fresh: command.fresh,
         dry_run: command.dry_run,
         only: command.only.clone(),
         shard: command.shard,
+        // Hashed when the study was loaded: not a second time.
         known: hashes_read(&data),
         seen: Arc::new(seen),
         without_origin: command.without_origin,
     };
     let of_plan: Vec<StoreError> = plan::plan_finding(layout).into_iter().collect();
-    let left_out: Vec<String> = words(&found.left_out).chain(plan::chosen_in_vain(&data)).collect();
+    let left_out: Vec<String> =
+        words(&findings.left_out).chain(plan::chosen_in_vain(&data)).collect();
     // The jobs have what they need of it.
     drop(data);
     // Not waited for: what a power cut spoils no longer has the hash in its record, and is made
     // again.
     let results = Results::new(layout, &Unsynced);
-    tell_waiting(&results, layout, command, screen)?;
+    // A run does not see what shards have made until it is merged.
+    let waiting = if command.shard.is_some() { 0 } else { waiting(&results)? };
+    if waiting > 0 {
+        let study = layout.study();
+        let shards =
+            if waiting == 1 { "1 shard is".to_owned() } else { format!("{waiting} shards are") };
+        screen.warn(format!(
+            "{study}: {shards} not merged, and the results are made again; `zwidth merge {study}` first"
+        ));
+    }
     let bars = screen.bars(lengths(&jobs, &wanted(&jobs, &results, &options)?));
-    let done = |report: &Report| bars.done(report.stage, &report.name);
-    let done = run_jobs(&jobs, &results, &options, &done);
+    let done = run_jobs(&jobs, &results, &options, &|report| bars.done(report.stage, &report.name));
     bars.clear();
     let Done { reports, remarks } = done?;
-    let with_care = words(&found.with_care).chain(words(&of_plan)).chain(words(&remarks));
+    let with_care = words(&findings.with_care).chain(words(&of_plan)).chain(words(&remarks));
     let problems = reports.iter().flat_map(|r| r.problems.iter().cloned());
     let outcome = Outcome {
         left_out: sorted(left_out.into_iter().chain(problems)),
@@ -168,68 +178,52 @@ fn one(layout: &Layout, command: &RunArgs, screen: &Screen) -> anyhow::Result<Ou
     Ok(outcome)
 }
 
-/// A run does not see what shards have made until it is merged.
-fn tell_waiting(
-    results: &Results,
-    layout: &Layout,
-    command: &RunArgs,
-    screen: &Screen,
-) -> anyhow::Result<()> {
-    let waiting = if command.shard.is_some() { 0 } else { waiting(results)? };
-    if waiting > 0 {
-        let study = layout.study();
-        let shards =
-            if waiting == 1 { "1 shard is".to_owned() } else { format!("{waiting} shards are") };
-        screen.warn(format!(
-            "{study}: {shards} not merged, and the results are made again; `zwidth merge {study}` first"
-        ));
-    }
-    Ok(())
-}
-
-/// How many jobs of each stage a run looks at.
+/// How many jobs of each stage a run needs.
 pub(super) fn lengths(jobs: &[Job], wanted: &[bool]) -> Vec<(&'static str, usize)> {
-    let of = |stage: &str| {
-        jobs.iter().zip(wanted).filter(|(job, wanted)| **wanted && job.stage.name == stage).count()
-    };
-    plan::STAGES.into_iter().map(|stage| (stage, of(stage))).filter(|(_, n)| *n > 0).collect()
+    let mut lengths = Vec::new();
+    for stage in plan::STAGES {
+        let of_stage = jobs.iter().zip(wanted).filter(|(job, _)| job.stage.name == stage);
+        let n = of_stage.filter(|(_, wanted)| **wanted).count();
+        if n > 0 {
+            lengths.push((stage, n));
+        }
+    }
+    lengths
 }
 
-/// The jobs among which are all that a run looks at.
-fn planned(data: &StudyData, found: &Findings, command: &RunArgs) -> Vec<Job> {
-    let stage = command.only.as_deref();
-    stage.and_then(|stage| plan::jobs_of_stage(data, stage)).unwrap_or_else(|| {
-        let mut jobs = plan::jobs(data, found);
-        jobs.extend(on_demand(data, &jobs, command));
-        jobs
-    })
+/// The jobs among which are all that a run needs.
+fn needed_jobs(data: &StudyData, findings: &Findings, command: &RunArgs) -> Vec<Job> {
+    let only = command.only.as_deref();
+    if let Some(jobs) = only.and_then(|stage| plan::jobs_of_stage(data, stage)) {
+        return jobs;
+    }
+    let mut jobs = plan::jobs(data, findings);
+    if let Some(only) = only
+        && !plan::STAGES.contains(&only)
+        && !jobs.iter().any(|job| job.is_called(only))
+    {
+        jobs.extend(plan::on_demand(data, only));
+    }
+    jobs
 }
 
-/// The figure that `--only` asks for, where a run makes it on demand alone.
-fn on_demand(data: &StudyData, jobs: &[Job], command: &RunArgs) -> Option<Job> {
-    let only = command.only.as_deref()?;
-    let is_there = plan::STAGES.contains(&only) || jobs.iter().any(|job| job.is_called(only));
-    if is_there { None } else { plan::on_demand(data, only) }
-}
-
-/// `--only` must name something there is.
+/// `--only` must name something that exists.
 fn check_only(jobs: &[Job], study: &StudyId, command: &RunArgs) -> anyhow::Result<()> {
     let Some(only) = &command.only else { return Ok(()) };
     if jobs.iter().any(|job| job.is_called(only)) {
         return Ok(());
     }
-    let named = |stage: &str| -> Vec<&str> {
-        jobs.iter().filter(|j| j.stage.name == stage).filter_map(Job::stem).collect()
-    };
-    let has = |stage: &&str| jobs.iter().any(|job| job.stage.name == *stage);
-    let stages: Vec<&str> = plan::STAGES.into_iter().filter(has).collect();
+    let mut stages = plan::STAGES.to_vec();
+    stages.retain(|stage| jobs.iter().any(|job| job.stage.name == *stage));
     if plan::STAGES.contains(&only.as_str()) {
         anyhow::bail!(
             "--only {only}: this study has nothing for that stage to make; those that have are {}",
             stages.join(", ")
         );
     }
-    let names = stages.iter().copied().chain(named("figures")).chain(named("tables"));
+    let has_stem = |job: &&Job| ["figures", "tables"].contains(&job.stage.name);
+    let stems = jobs.iter().filter(has_stem).filter_map(Job::stem);
+    let names = stages.iter().copied().chain(stems);
     anyhow::bail!(
         "--only {only}: there is no such stage, figure or table{} (stages: {}; `zwidth figure {study}` lists the \
          figures, `zwidth table {study}` the tables)",
@@ -249,12 +243,6 @@ fn sorted(lines: impl Iterator<Item = String>) -> Vec<String> {
 
 /// What the jobs made and failed to make; the rest is empty.
 fn outcome(layout: &Layout, reports: &[Report], seconds: f64) -> Outcome {
-    let entry = |r: &Report, why: &str| Entry {
-        stage: r.stage,
-        name: r.name.clone(),
-        why: why.to_owned(),
-        seconds: r.took.as_secs_f64(),
-    };
     let made = reports.iter().filter_map(|r| match &r.verdict {
         JobEnd::Made(why) => Some(entry(r, why)),
         _ => None,
@@ -271,6 +259,15 @@ fn outcome(layout: &Layout, reports: &[Report], seconds: f64) -> Outcome {
         left_out: Vec::new(),
         read_with_care: Vec::new(),
         seconds,
+    }
+}
+
+fn entry(report: &Report, why: &str) -> Entry {
+    Entry {
+        stage: report.stage,
+        name: report.name.clone(),
+        why: why.to_owned(),
+        seconds: report.took.as_secs_f64(),
     }
 }
 
@@ -293,17 +290,27 @@ fn tell(
         }
     }
     if screen.verbose || command.dry_run {
-        outcome.made.iter().for_each(|e| screen.say(of_job(e, screen.verbose)));
+        for Entry { name, why, seconds, .. } in &outcome.made {
+            let took = if screen.verbose { format!("{seconds:>8.2} s  ") } else { String::new() };
+            screen.say(format!("  {took}{name}: {why}"));
+        }
     }
-    let told = |lines: &Vec<String>| once(lines, screen.verbose).into_iter();
-    told(&outcome.left_out).for_each(|what| screen.warn(format!("left out: {what}")));
-    told(&outcome.read_with_care).for_each(|what| screen.warn(format!("read with care: {what}")));
+    // Failures are summed up too: one file can stop every figure.
     let failed = outcome.failed.iter().map(|e| format!("{} could not be made: {}", e.name, e.why));
-    // One file can stop every figure.
-    told(&failed.collect()).for_each(|what| screen.warn(what));
-    let of = command.shard.map(|shard| format!(", shard {shard}")).unwrap_or_default();
+    let failed: Vec<String> = failed.collect();
+    let warnings = [
+        ("left out: ", &outcome.left_out),
+        ("read with care: ", &outcome.read_with_care),
+        ("", &failed),
+    ];
+    for (prefix, lines) in warnings {
+        for line in once(lines, screen.verbose) {
+            screen.warn(format!("{prefix}{line}"));
+        }
+    }
+    let shard = command.shard.map(|shard| format!(", shard {shard}")).unwrap_or_default();
     screen.result(format!(
-        "{}{of}: {} {verb}, {} up to date, in {:.2} s",
+        "{}{shard}: {} {verb}, {} up to date, in {:.2} s",
         outcome.study,
         outcome.made.len(),
         outcome.up_to_date,
@@ -321,10 +328,4 @@ fn tell(
             layout.study()
         ));
     }
-}
-
-/// A job that was made, and why; how long it took for whoever asks where the time went.
-fn of_job(entry: &Entry, timed: bool) -> String {
-    let Entry { name, why, seconds, .. } = entry;
-    if timed { format!("  {seconds:>8.2} s  {name}: {why}") } else { format!("  {name}: {why}") }
 }

@@ -13,7 +13,8 @@ use zwidth_study::StudyId;
 /// A study that was shared out.
 pub(super) struct Sharded {
     pub(super) jobs: Vec<Job>,
-    pub(super) known: HashesRead,
+    /// The hashes of the raw files, as they were read.
+    pub(super) hashes: HashesRead,
     pub(super) seen: Arc<Seen>,
     /// Recordings that are left out of it, and why.
     pub(super) left_out: Vec<StoreError>,
@@ -42,23 +43,23 @@ impl Sharded {
                 );
             }
             // A folder that is named twice, or is the study's own, has its shards once.
-            if !others.iter().chain([&own]).any(|known| is_same(known, &other)) {
+            if !others.iter().chain([&own]).any(|listed| is_same(listed, &other)) {
                 others.push(other);
             }
         }
         let seen = Seen::of(&own);
         let data =
             StudyData::load_seen(&seen, &own).map_err(|findings| join_findings(&findings))?;
-        let found = findings(&RealFiles, &data);
-        let jobs = plan::jobs(&data, &found);
-        let left_out = found.left_out;
-        Ok(Self { left_out, jobs, known: hashes_read(&data), seen: Arc::new(seen), own, others })
+        let findings = findings(&RealFiles, &data);
+        let jobs = plan::jobs(&data, &findings);
+        let left_out = findings.left_out;
+        Ok(Self { left_out, jobs, hashes: hashes_read(&data), seen: Arc::new(seen), own, others })
     }
 
     /// The study's own results, and those in the other data folders.
     pub(super) fn results(&self) -> (Results<'_>, Vec<Results<'_>>) {
-        let results = |layout| Results::new(layout, &Unsynced);
-        (results(&self.own), self.others.iter().map(results).collect())
+        let others = self.others.iter().map(|layout| Results::new(layout, &Unsynced));
+        (Results::new(&self.own, &Unsynced), others.collect())
     }
 }
 
@@ -68,7 +69,7 @@ fn is_same(a: &Layout, b: &Layout) -> bool {
     a.is_ok_and(|a| b.is_ok_and(|b| a == b))
 }
 
-/// Names of jobs that people are shown of a shard.
+/// The most names of jobs that are printed of a shard.
 const NAMES: usize = 4;
 
 /// How a shard stands, on a line that begins with it.

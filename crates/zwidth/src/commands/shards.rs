@@ -35,11 +35,10 @@ pub(crate) fn shards(root: &Path, command: &ShardsArgs, screen: &Screen) -> anyh
     let sharded = Sharded::load(root, &command.study, &command.from)?;
     let (own, others) = sharded.results();
     let bar = screen.bar(0);
-    let progress = |all: usize| {
+    let survey = survey(&sharded.jobs, &own, &others, &sharded.hashes, &sharded.seen, &|all| {
         bar.set_length(all as u64);
         bar.inc(1);
-    };
-    let survey = survey(&sharded.jobs, &own, &others, &sharded.known, &sharded.seen, &progress)?;
+    })?;
     bar.finish_and_clear();
     survey.remarks.iter().for_each(|remark| screen.warn(remark.to_string()));
     survey.refused.iter().for_each(|error| screen.error(&anyhow::anyhow!("{error}")));
@@ -47,12 +46,17 @@ pub(crate) fn shards(root: &Path, command: &ShardsArgs, screen: &Screen) -> anyh
         screen.say("The manifests do not say how many shards there are: as one (--of N)");
     }
     let shares = survey.shares(&sharded.jobs, command.of);
-    let told: Vec<&Share> =
+    let listed: Vec<&Share> =
         shares.iter().filter(|share| !command.missing || !share.missing.is_empty()).collect();
     if screen.json {
-        screen.listing(&told.iter().map(|share| entry(share)).collect::<Vec<_>>())?;
+        let entries = listed.iter().map(|share| Entry {
+            shard: share.shard.to_string(),
+            jobs: share.jobs,
+            missing: &share.missing,
+        });
+        screen.listing(&entries.collect::<Vec<_>>())?;
     } else {
-        told.iter().for_each(|share| screen.result(line(share)));
+        listed.iter().for_each(|share| screen.result(line(share)));
     }
     let missing: usize = shares.iter().map(|share| share.missing.len()).sum();
     let jobs: usize = shares.iter().map(|share| share.jobs).sum();
@@ -61,8 +65,4 @@ pub(crate) fn shards(root: &Path, command: &ShardsArgs, screen: &Screen) -> anyh
     let has_findings = !survey.remarks.is_empty() || !sharded.left_out.is_empty();
     let is_whole = missing == 0 && survey.refused.is_empty() && !has_findings;
     Ok(if is_whole { Exit::Fine } else { Exit::Partly })
-}
-
-fn entry<'a>(share: &'a Share) -> Entry<'a> {
-    Entry { shard: share.shard.to_string(), jobs: share.jobs, missing: &share.missing }
 }

@@ -20,18 +20,21 @@ pub(crate) struct TableArgs {
     /// The table; omit it to list the tables
     pub(crate) name: Option<String>,
     /// The form in which to print it
-    #[arg(long, default_value = Format::Markdown.extension(), value_parser = text_formats())]
+    #[arg(long, default_value = Format::Markdown.extension(), value_parser = format_parser())]
     pub(crate) format: Format,
 }
 
 /// The formats of a table that are text, by the extensions of their files.
-fn text_formats() -> impl TypedValueParser<Value = Format> {
-    let text = || Format::ALL.into_iter().filter(|format| format.is_text());
-    let values = text().map(|f| PossibleValue::new(f.extension()).help(f.about()));
-    PossibleValuesParser::new(values).try_map(move |word| {
-        let of_word = text().find(|format| format.extension() == word);
-        of_word.ok_or_else(|| format!("'{word}' is not a format"))
+fn format_parser() -> impl TypedValueParser<Value = Format> {
+    let values = text_formats().map(|f| PossibleValue::new(f.extension()).help(f.about()));
+    PossibleValuesParser::new(values).try_map(|word| {
+        let format = text_formats().find(|format| format.extension() == word);
+        format.ok_or_else(|| format!("'{word}' is not a format"))
     })
+}
+
+fn text_formats() -> impl Iterator<Item = Format> {
+    Format::ALL.into_iter().filter(|format| format.is_text())
 }
 
 #[derive(Serialize)]
@@ -41,15 +44,15 @@ struct Entry {
     rows: usize,
 }
 
-pub(crate) fn table(root: &Path, asked: &TableArgs, screen: &Screen) -> anyhow::Result<Exit> {
-    let layout = super::study(root, asked.study.clone())?;
+pub(crate) fn table(root: &Path, command: &TableArgs, screen: &Screen) -> anyhow::Result<Exit> {
+    let layout = super::study(root, command.study.clone())?;
     let data = StudyData::load(&layout).map_err(|findings| super::join_findings(&findings))?;
     let printed: Vec<_> =
         plan::printed_tables(&data).into_iter().filter(plan::Printed::exists).collect();
     if printed.is_empty() {
-        bail!("{} has no tables yet; make them with `zwidth run {}`", asked.study, asked.study);
+        bail!("{} has no tables yet; make them with `zwidth run {}`", command.study, command.study);
     }
-    let Some(name) = &asked.name else {
+    let Some(name) = &command.name else {
         let mut entries = Vec::new();
         let mut unread = Vec::new();
         for table in &printed {
@@ -63,26 +66,26 @@ pub(crate) fn table(root: &Path, asked: &TableArgs, screen: &Screen) -> anyhow::
         return Ok(if unread.is_empty() { Exit::Fine } else { Exit::Partly });
     };
     let Some(table) = printed.iter().find(|table| table.name() == *name) else {
-        let all: Vec<String> = printed.iter().map(plan::Printed::name).collect();
-        let names = || all.iter().map(String::as_str);
+        let names: Vec<String> = printed.iter().map(plan::Printed::name).collect();
         // `contrasts` for contrasts_stiffness_n_per_rad, and others of its kind.
-        let begun = names().find(|table| table.starts_with(name.as_str()));
-        let begun = begun.map(|table| format!("; there is {table}"));
+        let hint = match names.iter().find(|table| table.starts_with(name.as_str())) {
+            Some(table) => format!("; there is {table}"),
+            None => did_you_mean(name, names.iter().map(String::as_str)),
+        };
         bail!(
-            "{} has no table '{name}'{} (`zwidth table {}` lists them)",
-            asked.study,
-            begun.unwrap_or_else(|| did_you_mean(name, names())),
-            asked.study
+            "{} has no table '{name}'{hint} (`zwidth table {}` lists them)",
+            command.study,
+            command.study
         );
     };
     let table = match table.read() {
         Ok(table) => table,
         Err(error) => {
             screen.warn(format!("unreadable: {error}"));
-            bail!("{} has no table '{name}' that can be read", asked.study);
+            bail!("{} has no table '{name}' that can be read", command.study);
         }
     };
-    let wanted = [(asked.format, Path::new(name))];
+    let wanted = [(command.format, Path::new(name))];
     for bytes in plan::write_table(&table, &wanted, &Wording::of(&data.study), &BTreeMap::new())? {
         screen.file(&String::from_utf8(bytes)?);
     }

@@ -2,7 +2,7 @@
 //! last run.
 
 use super::locate::{
-    FoundBy, Made, Place, Traced, copies, is_a_copy, is_raw, no_job, place, records,
+    FoundBy, Maker, Place, Traced, copies, is_a_copy, is_raw, no_job, place, records,
 };
 use super::study;
 use super::why::short;
@@ -14,7 +14,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::sync::Arc;
 use zwidth_plan as plan;
-use zwidth_runner::{Record, Source, Step, Trace, trace as follow};
+use zwidth_runner::{Record, Source, Trace, trace as follow};
 use zwidth_store::file_blake3;
 
 /// What `--json` prints of a file.
@@ -55,32 +55,27 @@ struct Raw {
     now: Option<String>,
 }
 
-impl Raw {
-    fn is_as_it_was(&self) -> bool {
-        self.now.as_ref() == Some(&self.source.blake3)
-    }
-}
-
 pub(crate) fn trace(root: &Path, command: &Traced, screen: &Screen) -> anyhow::Result<Exit> {
-    let made = find_made(root, &command.path, screen)?;
-    let found =
-        made.iter().map(|made| trace_behind(root, made)).collect::<anyhow::Result<Vec<_>>>()?;
+    let makers = find_makers(root, &command.path, screen)?;
+    let traces =
+        makers.iter().map(|maker| trace_behind(root, maker)).collect::<anyhow::Result<Vec<_>>>()?;
     if screen.json {
-        screen.listing(&found)?;
+        screen.listing(&traces)?;
     } else {
-        found.iter().for_each(|behind| screen.result(text(behind)));
+        traces.iter().for_each(|behind| screen.result(text(behind)));
     }
     Ok(Exit::Fine)
 }
 
 /// The job behind the path, or the jobs behind a copy: of a file with several tables in it there
 /// are several.
-fn find_made(root: &Path, typed: &Path, screen: &Screen) -> anyhow::Result<Vec<Made>> {
+fn find_makers(root: &Path, typed: &Path, screen: &Screen) -> anyhow::Result<Vec<Maker>> {
     let (id, path) = match place(root, typed) {
         Place::Raw(path) => bail!(is_raw(&path)),
         Place::Outside => return copies(root, typed, screen),
         Place::Results(id, path) => (id, path),
     };
+    // Not the name of a study, although it stands where one would.
     if path.starts_with("reports/simulate/") {
         bail!(no_job(&path, &id, &[]));
     }
@@ -88,7 +83,7 @@ fn find_made(root: &Path, typed: &Path, screen: &Screen) -> anyhow::Result<Vec<M
     let records = records(&layout, screen)?;
     if let Some(job) = records.maker(&path) {
         let job = job.to_owned();
-        return Ok(vec![Made { layout, records, job, by: FoundBy::Path, path }]);
+        return Ok(vec![Maker { layout, records, job, by: FoundBy::Path, path }]);
     }
     if is_a_copy(root, &path) {
         return copies(root, &root.join(&path), screen);
@@ -102,42 +97,49 @@ fn find_made(root: &Path, typed: &Path, screen: &Screen) -> anyhow::Result<Vec<M
     bail!(no_job(&path, id, &outputs))
 }
 
-fn trace_behind(root: &Path, made: &Made) -> anyhow::Result<Behind> {
-    let found = follow(&made.records, &made.job)
-        .ok_or_else(|| anyhow!("no run recorded {}; run its study again", made.job))?;
-    let parameters_from = parameters_from(made, &found);
+fn trace_behind(root: &Path, maker: &Maker) -> anyhow::Result<Behind> {
+    let trace = follow(&maker.records, &maker.job)
+        .ok_or_else(|| anyhow!("no run recorded {}; run its study again", maker.job))?;
+    let parameters_from = parameters_from(maker, &trace);
+    // Not a raw file and made by no job any more: the chain ends there, as where it is lost.
     let (raw, gone): (Vec<_>, Vec<_>) =
-        found.sources.into_iter().partition(|s| s.path.starts_with("raw/"));
-    let now = |path: &str| file_blake3(&root.join(path)).ok();
-    let own = found.steps[0].record.clone();
-    let job =
-        |step: Step| Job { job: step.job.to_owned(), record: Arc::unwrap_or_clone(step.record) };
+        trace.sources.into_iter().partition(|s| s.path.starts_with("raw/"));
+    // Nearest first: the file's own job is the first step.
+    let own = trace.steps[0].record.clone();
+    let jobs = trace
+        .steps
+        .into_iter()
+        .map(|step| Job { job: step.job.to_owned(), record: Arc::unwrap_or_clone(step.record) });
+    let raw = raw.into_iter().map(|source| {
+        let now = file_blake3(&root.join(&source.path)).ok();
+        Raw { now, source }
+    });
     Ok(Behind {
-        path: made.path.clone(),
-        found_by: made.by,
-        study: made.layout.study().to_string(),
-        job: made.job.clone(),
+        path: maker.path.clone(),
+        found_by: maker.by,
+        study: maker.layout.study().to_string(),
+        job: maker.job.clone(),
         origin: own.origin.clone(),
-        recorded: own.outputs.get(&made.path).cloned(),
-        now: now(&made.path),
+        recorded: own.outputs.get(&maker.path).cloned(),
+        now: file_blake3(&root.join(&maker.path)).ok(),
         parameters_from,
-        jobs: found.steps.into_iter().map(job).collect(),
-        raw: raw.into_iter().map(|source| Raw { now: now(&source.path), source }).collect(),
-        lost: found.lost.into_iter().chain(gone).collect(),
+        jobs: jobs.collect(),
+        raw: raw.collect(),
+        lost: trace.lost.into_iter().chain(gone).collect(),
     })
 }
 
 /// Where the parameters come from: what was planned, the record and the log of each session whose
 /// trials are behind it (they tell which trials count, their modes, and the calibration in force),
 /// and scenes that are built in.
-fn parameters_from(made: &Made, found: &Trace) -> Vec<String> {
-    let layout = &made.layout;
+fn parameters_from(maker: &Maker, trace: &Trace) -> Vec<String> {
+    let layout = &maker.layout;
     let shown = |path: &Path| layout.shown(path).to_string_lossy().replace('\\', "/");
     let mut files = Vec::new();
-    if found.steps.iter().any(|step| !step.record.parameters.is_empty()) {
+    if trace.steps.iter().any(|step| !step.record.parameters.is_empty()) {
         files.push(shown(&layout.study_toml()));
     }
-    let trials = found.sources.iter().filter_map(|s| trial(&s.path));
+    let trials = trace.sources.iter().filter_map(|s| trial(&s.path));
     let sessions: BTreeSet<_> = trials.map(|t| (t.participant, t.session)).collect();
     for (participant, session) in sessions {
         if let (Ok(participant), Ok(session)) = (participant.parse(), session.parse()) {
@@ -145,7 +147,7 @@ fn parameters_from(made: &Made, found: &Trace) -> Vec<String> {
             files.push(shown(&layout.events(&participant, &session)));
         }
     }
-    files.extend(found.steps.iter().filter_map(|step| plan::built_in(step.job)).map(str::to_owned));
+    files.extend(trace.steps.iter().filter_map(|step| plan::built_in(step.job)).map(str::to_owned));
     files
 }
 
@@ -158,9 +160,9 @@ struct Trial<'a> {
 }
 
 fn trial(path: &str) -> Option<Trial<'_>> {
-    let (_, of) = path.split_once("/trials/participant=")?;
-    let (participant, of) = of.split_once("/session=")?;
-    let (session, file) = of.split_once("/trial-")?;
+    let (_, rest) = path.split_once("/trials/participant=")?;
+    let (participant, rest) = rest.split_once("/session=")?;
+    let (session, file) = rest.split_once("/trial-")?;
     let number = file.strip_suffix(".parquet")?.parse().ok()?;
     Some(Trial { participant, session, number })
 }
@@ -179,7 +181,8 @@ fn text(b: &Behind) -> String {
     }
     lines.push(format!("Raw files in which it ends: {}", b.raw.len()));
     for raw in &b.raw {
-        let since = if raw.is_as_it_was() { "" } else { "  changed since" };
+        let is_unchanged = raw.now.as_ref() == Some(&raw.source.blake3);
+        let since = if is_unchanged { "" } else { "  changed since" };
         lines.push(format!("  {}  {}{since}", short(Some(&raw.source.blake3)), raw.source.path));
     }
     if !b.lost.is_empty() {
@@ -204,7 +207,7 @@ fn content(b: &Behind) -> String {
     }
 }
 
-/// Derived files with their hashes, one a line; trials by session, in one line each: the chain's
+/// Derived files with their hashes, one per line; trials by session, in one line each: the chain's
 /// end has their hashes.
 fn inputs(inputs: &BTreeMap<String, String>) -> Vec<String> {
     let mut trials: BTreeMap<(&str, &str), Vec<String>> = BTreeMap::new();

@@ -73,8 +73,9 @@ pub(crate) fn twin(root: &Path, command: &TwinArgs, screen: &Screen) -> anyhow::
     let bench = bench(root, command.study.clone(), command.rate)?;
     let lock = lock(&bench.layout, "zwidth twin")?;
     let sessions = sessions(command)?;
-    refuse_what_is_there(&bench.layout, &sessions)?;
+    refuse_existing(&bench.layout, &sessions)?;
     let keys = keys(&command.keys, bench.study.design.blinded)?;
+    // Without waiting for the disk: what a power cut spoils can be simulated again.
     let raw = Raw::adds(&Unsynced, &bench.layout, &lock).with_vault(&keys);
     let bar = screen.bar(sessions.len());
     let outcomes: Vec<anyhow::Result<Outcome>> = sessions
@@ -89,8 +90,8 @@ pub(crate) fn twin(root: &Path, command: &TwinArgs, screen: &Screen) -> anyhow::
     // Empty, unless a trial could not be made a file: `verify` tells of that.
     let _ = raw.remove_folder(&bench.layout.journals());
     bar.finish_and_clear();
-    let told = tell(command, &sessions, outcomes, screen);
-    told.and_then(|exit| swept.map(|()| exit)).with_context(|| {
+    let outcome = tell(command, &sessions, outcomes, screen);
+    outcome.and_then(|exit| swept.map(|()| exit)).with_context(|| {
         format!(
             "{} is not whole; if nothing but this simulation is in {}, remove all of it before `zwidth twin` makes it again",
             command.study,
@@ -108,15 +109,17 @@ fn make_study(layout: &Layout, command: &TwinArgs) -> anyhow::Result<()> {
     let repeats = 6_u32.checked_mul(command.scale).with_context(|| {
         format!("--scale {} is too large; the largest is {MOST_SCALE}", command.scale)
     })?;
+    // In the text, not in a parsed study, so that the template's comments stay.
     let mut text =
         template(layout.study()).replace("\nrepeats = 6\n", &format!("\nrepeats = {repeats}\n"));
     if let Some(rate_hz) = command.rate {
+        // `{:?}`, because TOML takes a number without a decimal point for an integer.
         text = text.replace("\nrate_hz = 1000.0\n", &format!("\nrate_hz = {rate_hz:?}\n"));
     }
     if path.exists() {
         // One that says the same is of a simulation that was interrupted.
         ensure!(
-            read_beside(&path)?.is_some_and(|there| there == text),
+            read_beside(&path)?.is_some_and(|existing| existing == text),
             "--scale sets the repeats of a new study, and {} exists already; edit its repeats instead",
             path.display()
         );
@@ -138,10 +141,7 @@ fn sessions(command: &TwinArgs) -> anyhow::Result<Vec<(ParticipantId, SessionId)
     Ok(sessions)
 }
 
-fn refuse_what_is_there(
-    layout: &Layout,
-    sessions: &[(ParticipantId, SessionId)],
-) -> anyhow::Result<()> {
+fn refuse_existing(layout: &Layout, sessions: &[(ParticipantId, SessionId)]) -> anyhow::Result<()> {
     let mut paths =
         sessions.iter().map(|(participant, session)| layout.session(participant, session));
     let sweeps = layout.sweeps();
@@ -197,11 +197,16 @@ fn one(
     let mut clock =
         SimulatedClock::new(mixed(seed, &["clock", participant.as_str(), session.as_str()]));
     let begin = begin(participant, session)?;
-    let utc = |now_s: f64| later(begin, now_s);
     let mut auto = Auto::new(Nobody);
     let mut careful = Careful::new(Nobody);
     let front: &mut dyn Front = if command.untidy { &mut careful } else { &mut auto };
-    let parts = Parts { device: &mut device, clock: &mut clock, files: raw, front, utc: &utc };
+    let parts = Parts {
+        device: &mut device,
+        clock: &mut clock,
+        files: raw,
+        front,
+        utc: &|now_s: f64| later(begin, now_s),
+    };
     Ok(run(&plan, laid, &options, parts)?)
 }
 
@@ -217,10 +222,10 @@ fn secret(seed: u64, participant: &ParticipantId, session: &SessionId) -> anyhow
 
 /// When a simulated session begins: no clock is looked at.
 fn begin(participant: &ParticipantId, session: &SessionId) -> anyhow::Result<Timestamp> {
-    let day = |id: &str| i64::from(number(id).unwrap_or(1)) - 1; // each of its ids has a number
-    let days = day(participant.as_str())
-        + WEEK_DAYS * day(session.as_str())
-        + YEAR_DAYS * i64::from(VERSION - 1);
+    // Each id of a simulated study has a number.
+    let [participant, session] =
+        [participant.as_str(), session.as_str()].map(|id| i64::from(number(id).unwrap_or(1)) - 1);
+    let days = participant + WEEK_DAYS * session + YEAR_DAYS * i64::from(VERSION - 1);
     Ok(Timestamp::from_second(EPOCH_S + DAY_S * days)?)
 }
 
@@ -235,14 +240,15 @@ fn sweep_all(bench: &Bench, raw: &Raw, seed: u64) -> anyhow::Result<()> {
         .iter()
         .flat_map(|(actuator, n)| (1..=*n).map(|number| (*actuator, number)))
         .collect();
-    let record = |(actuator, number): &(Actuator, u32)| {
+    let sweeps = all.par_iter().map(|(actuator, number)| {
         let sweep = simulated_sweep(bench, *actuator, seed, *number, SOFTWARE)?;
         let path = bench.layout.sweep(&sweep.actuator, *number);
         let bytes = sweep_bytes(&sweep, &path)?;
         write_new(raw, &path, &bytes)?;
         Ok((sweep.actuator, *number, hex_blake3(&bytes)))
-    };
-    let sweeps = all.par_iter().map(record).collect::<anyhow::Result<Vec<_>>>()?;
+    });
+    let sweeps = sweeps.collect::<anyhow::Result<Vec<_>>>()?;
+    // In one go after all are written: the order of threads must not show in the log.
     let utc = Timestamp::from_second(EPOCH_S)?.to_string();
     Ok(log_sweeps(raw, &bench.layout, &utc, &sweeps)?)
 }

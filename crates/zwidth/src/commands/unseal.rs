@@ -52,6 +52,7 @@ pub(crate) fn unseal(root: &Path, command: &UnsealArgs, screen: &Screen) -> anyh
         );
     }
     let seal = vault::find(&RealFiles, &keys(&command.keys, true)?, layout.study(), &log.record)?;
+    // Before anything is written: a seal that does not fit the order must not open it.
     seal.opened(&log.record.trials)?;
     let raw = Raw::adds(&RealFiles, &layout, &lock);
     commit_events(&raw, &layout, &now(), &[(&log.events_path, &[seal.event()])])?;

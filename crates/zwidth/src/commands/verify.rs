@@ -7,7 +7,7 @@ use crate::screen::Screen;
 use serde::Serialize;
 use std::path::Path;
 use zwidth_store::{Layout, RealFiles, StoreError, read_study, study_notes};
-use zwidth_study::{Study, StudyId};
+use zwidth_study::StudyId;
 
 #[derive(Serialize)]
 struct Finding<'a> {
@@ -24,8 +24,8 @@ pub(crate) fn verify(root: &Path, named: Vec<StudyId>, screen: &Screen) -> anyho
     let checked: Vec<(StudyId, Vec<StoreError>)> = studies(root, named)?
         .into_iter()
         .map(|l| {
-            let asked = read_study(&l).map(|study| zwidth_plan::asked_in_vain(&study));
-            let vain = asked.unwrap_or_default().into_iter();
+            let vain = read_study(&l).map(|study| zwidth_plan::asked_in_vain(&study));
+            let vain = vain.unwrap_or_default().into_iter();
             let vain = vain.map(|what| StoreError::new(&l.study_toml(), what, "correct it there"));
             let bar = screen.bar(0).with_message(l.study().to_string());
             let findings = zwidth_store::verify_with(&l, &|all| {
@@ -33,8 +33,8 @@ pub(crate) fn verify(root: &Path, named: Vec<StudyId>, screen: &Screen) -> anyho
                 bar.inc(1);
             });
             bar.finish_and_clear();
-            let found = findings.into_iter().chain(vain);
-            (l.study().clone(), found.chain(zwidth_plan::plan_finding(&l)).collect())
+            let findings = findings.into_iter().chain(vain);
+            (l.study().clone(), findings.chain(zwidth_plan::plan_finding(&l)).collect())
         })
         .collect();
     if screen.json {
@@ -49,7 +49,8 @@ pub(crate) fn verify(root: &Path, named: Vec<StudyId>, screen: &Screen) -> anyho
             let notes = study_notes(&RealFiles, &Layout::new(root, study.clone()));
             notes.iter().for_each(|note| screen.result(format!("{study}: note: {note}")));
             let schema = read_study(&Layout::new(root, study.clone()));
-            let schema = schema.map_or_else(|_| String::new(), |s| in_words(&s));
+            let schema = schema
+                .map_or_else(|_| String::new(), |s| format!(" (schema {})", s.schema.number()));
             screen.result(match findings.len() {
                 0 => format!("{study}: no findings{schema}"),
                 1 => format!("{study}: 1 finding{schema}"),
@@ -59,11 +60,6 @@ pub(crate) fn verify(root: &Path, named: Vec<StudyId>, screen: &Screen) -> anyho
     }
     let clean = nameless.is_empty() && checked.iter().all(|(_, findings)| findings.is_empty());
     Ok(if clean { Exit::Fine } else { Exit::Failed })
-}
-
-/// Which form the study's trial files have.
-fn in_words(study: &Study) -> String {
-    format!(" (schema {})", study.schema.number())
 }
 
 fn finding<'a>(study: &'a str, f: &'a StoreError) -> Finding<'a> {

@@ -7,10 +7,10 @@ use crate::exit::Exit;
 use crate::screen::Screen;
 use anyhow::{anyhow, bail};
 use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 use zwidth_plan as plan;
-use zwidth_runner::{Again, Change, FileChange, Record, State, states};
+use zwidth_runner::{Again, Change, Record, states};
 use zwidth_store::{Layout, RealFiles, StudyData, findings};
 
 /// What `--json` prints of a file.
@@ -37,7 +37,7 @@ struct Last {
     record: Record,
 }
 
-/// A job that would be made again before the one asked about.
+/// A job that would be made again before the file's own.
 #[derive(Serialize)]
 struct Behind {
     job: String,
@@ -46,8 +46,9 @@ struct Behind {
     reasons: Vec<Change>,
 }
 
-/// A file asked about: its study, its path relative to the root, and for a copy its job.
-struct Asked {
+/// The file that the command names: its study, its path relative to the root, and for a copy its
+/// job.
+struct Target {
     layout: Layout,
     path: String,
     job: Option<String>,
@@ -55,9 +56,11 @@ struct Asked {
 }
 
 pub(crate) fn why(root: &Path, command: &Traced, screen: &Screen) -> anyhow::Result<Exit> {
-    let found = find_asked(root, &command.path, screen)?;
-    let whys =
-        found.iter().map(|asked| one(root, asked, screen)).collect::<anyhow::Result<Vec<_>>>()?;
+    let targets = find_targets(root, &command.path, screen)?;
+    let whys = targets
+        .iter()
+        .map(|target| one(root, target, screen))
+        .collect::<anyhow::Result<Vec<_>>>()?;
     if screen.json {
         screen.listing(&whys)?;
     } else {
@@ -66,80 +69,78 @@ pub(crate) fn why(root: &Path, command: &Traced, screen: &Screen) -> anyhow::Res
     Ok(Exit::Fine)
 }
 
-fn find_asked(root: &Path, typed: &Path, screen: &Screen) -> anyhow::Result<Vec<Asked>> {
+fn find_targets(root: &Path, typed: &Path, screen: &Screen) -> anyhow::Result<Vec<Target>> {
     match place(root, typed) {
         Place::Raw(path) => bail!(is_raw(&path)),
         Place::Results(id, path) if path.starts_with("reports/simulate/") => {
             bail!(no_job(&path, &id, &[]))
         }
         Place::Results(_, path) if is_a_copy(root, &path) => {
-            found_copies(root, &root.join(path), screen)
+            copy_targets(root, &root.join(path), screen)
         }
         Place::Results(id, path) => {
-            Ok(vec![Asked { layout: study(root, id)?, path, job: None, by: FoundBy::Path }])
+            Ok(vec![Target { layout: study(root, id)?, path, job: None, by: FoundBy::Path }])
         }
-        Place::Outside => found_copies(root, typed, screen),
+        Place::Outside => copy_targets(root, typed, screen),
     }
 }
 
 /// The jobs behind a copy.
-fn found_copies(root: &Path, typed: &Path, screen: &Screen) -> anyhow::Result<Vec<Asked>> {
-    let made = copies(root, typed, screen)?.into_iter();
-    Ok(made.map(|m| Asked { layout: m.layout, path: m.path, job: Some(m.job), by: m.by }).collect())
+fn copy_targets(root: &Path, typed: &Path, screen: &Screen) -> anyhow::Result<Vec<Target>> {
+    let makers = copies(root, typed, screen)?.into_iter();
+    Ok(makers
+        .map(|m| Target { layout: m.layout, path: m.path, job: Some(m.job), by: m.by })
+        .collect())
 }
 
-fn one(root: &Path, asked: &Asked, screen: &Screen) -> anyhow::Result<Why> {
-    let layout = &asked.layout;
+fn one(root: &Path, target: &Target, screen: &Screen) -> anyhow::Result<Why> {
+    let layout = &target.layout;
     let data = StudyData::load(layout).map_err(|findings| join_findings(&findings))?;
     let mut jobs = plan::jobs(&data, &findings(&RealFiles, &data));
-    let file = root.join(&asked.path);
+    let file = root.join(&target.path);
     if !jobs.iter().any(|job| job.outputs.contains(&file)) {
         let stem = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         jobs.extend(plan::on_demand(&data, &stem));
     }
-    let makes = |outputs: &[PathBuf]| outputs.contains(&file);
     let job = jobs.iter().find(|job| {
-        asked.job.as_ref().is_some_and(|name| job.name == *name) || makes(&job.outputs)
+        target.job.as_ref().is_some_and(|name| job.name == *name) || job.outputs.contains(&file)
     });
     let job = job.ok_or_else(|| {
         let outputs =
             jobs.iter().flat_map(|j| &j.outputs).map(|o| layout.shown(o).to_string_lossy());
         let outputs: Vec<String> = outputs.map(|o| o.into_owned()).collect();
         anyhow!(no_job(
-            &asked.path,
+            &target.path,
             layout.study(),
             &outputs.iter().map(String::as_str).collect::<Vec<_>>()
         ))
     })?;
     let records = records(layout, screen)?;
-    let mut found = states(&jobs, layout.root(), &records, |j| j.name == job.name);
-    let at = found
+    let mut states = states(&jobs, layout.root(), &records, |j| j.name == job.name);
+    let at = states
         .iter()
         .position(|s| s.job.name == job.name)
-        .ok_or_else(|| anyhow!("{}: {DEFECT}", asked.path))?;
-    let own = found.remove(at);
+        .ok_or_else(|| anyhow!("{}: {DEFECT}", target.path))?;
+    let own = states.remove(at);
     let record = records.get(&job.name).map(Arc::unwrap_or_clone);
+    let first = states.into_iter().filter(|state| state.again() != Again::No);
+    let first = first.map(|state| Behind {
+        job: state.job.name.clone(),
+        stage: state.job.stage.name,
+        again: state.again(),
+        reasons: state.changes,
+    });
     Ok(Why {
-        path: asked.path.clone(),
-        found_by: asked.by,
+        path: target.path.clone(),
+        found_by: target.by,
         study: layout.study().to_string(),
         job: job.name.clone(),
         stage: job.stage.name,
         again: own.again(),
         reasons: own.changes,
         last_made: record.map(|record| Last { dated: dated(&file), record }),
-        first: found.into_iter().filter(|s| s.again() != Again::No).map(explain).collect(),
+        first: first.collect(),
     })
-}
-
-fn explain(state: State) -> Behind {
-    let again = state.again();
-    Behind {
-        job: state.job.name.clone(),
-        stage: state.job.stage.name,
-        again,
-        reasons: state.changes,
-    }
 }
 
 /// The file's date, in UTC.
@@ -202,28 +203,24 @@ fn last_made(last: &Last) -> Vec<String> {
 /// A change with what it was and what it is.
 fn describe_change(change: &Change) -> String {
     match change {
-        Change::Input(file) | Change::Output(file) => format!("{change}{}", hashes(file)),
+        Change::Input(file) | Change::Output(file) => {
+            let [recorded, now] = [file.recorded.as_ref(), file.now.as_ref()].map(short);
+            match (&file.recorded, &file.now) {
+                (Some(_), Some(_)) => format!("{change} (recorded {recorded}, now {now})"),
+                (Some(_), None) => format!("{change} (recorded {recorded})"),
+                (None, Some(_)) => format!("{change} (now {now})"),
+                (None, None) => change.to_string(),
+            }
+        }
         Change::Parameters { fields } => {
-            let mut told: Vec<String> =
+            let mut differences: Vec<String> =
                 fields.iter().take(FIELDS).map(ToString::to_string).collect();
             if fields.len() > FIELDS {
-                told.push(format!("and {} more", fields.len() - FIELDS));
+                differences.push(format!("and {} more", fields.len() - FIELDS));
             }
-            format!("{change}: {}", told.join("; "))
+            format!("{change}: {}", differences.join("; "))
         }
         _ => change.to_string(),
-    }
-}
-
-/// What a file was and what it is, as far as there is something to tell.
-fn hashes(file: &FileChange) -> String {
-    match (&file.recorded, &file.now) {
-        (Some(recorded), Some(now)) => {
-            format!(" (recorded {}, now {})", short(Some(recorded)), short(Some(now)))
-        }
-        (Some(recorded), None) => format!(" (recorded {})", short(Some(recorded))),
-        (None, Some(now)) => format!(" (now {})", short(Some(now))),
-        (None, None) => String::new(),
     }
 }
 
@@ -239,7 +236,7 @@ pub(super) fn short(hash: Option<&String>) -> &str {
     hash.map_or("nothing", |hash| hash.get(..DIGITS).unwrap_or("missing"))
 }
 
-/// Parameters that differ of which people are told one by one.
+/// The most parameters that differ which are listed one by one.
 const FIELDS: usize = 5;
 
 #[cfg(test)]

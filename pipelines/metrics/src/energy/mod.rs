@@ -13,10 +13,10 @@ use zwidth_numerics::zigzag::{Leg, zigzag};
 /// against the counts of the angle sensor, short against the movement of a hand.
 pub(crate) const HALF_S: f64 = 0.025;
 
-/// So much of the work exchanged may be a sensor's scale and the straight lines between samples.
+/// This share of the work exchanged may be a sensor's scale and the straight lines between samples.
 const WORK_SHARE: f64 = 0.01;
-/// And so much of the lever's energy of motion the error of its speed: a parabola through 50 ms of
-/// angles where the lever meets something.
+/// And this share of the lever's energy of motion the error of its speed: a parabola through 50 ms
+/// of angles where the lever meets something.
 const MOTION_SHARE: f64 = 0.1;
 
 /// As fast as before: to this share of the square.
@@ -42,9 +42,9 @@ const SAME_SPEED: f64 = 0.05;
 ///   have at its end what they had at its beginning.
 ///
 /// One is **active** below −(1 % of ∫|F dx| + L δ (F_max − F_min) + 10 % of ½ M L² θ̇_from²), δ the
-/// smallest step between recorded angles. Without a known mass the observer is told only where the
-/// lever is as fast as at the beginning (to 5 % of the square) or faster: less speed could explain
-/// any energy given. All null without angle, force or lever length.
+/// smallest step between recorded angles. Without a known mass the observer has a value only where
+/// the lever is as fast as at the beginning (to 5 % of the square) or faster: less speed could
+/// explain any energy given. All null without angle, force or lever length.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct EnergyObserver {
     /// Contacts with the wall; null without a wall.
@@ -76,19 +76,20 @@ pub(crate) fn energy_observer(
     let derivator = Derivator::new(&t, &theta, HALF_S);
     let mut motion = Motion { t: &t, theta: &theta, derivator };
     let at_wall: Option<Vec<Exchange>> = wall_rad
-        .map(|wall| contacts(&theta, wall).iter().map(|c| motion.of_contact(c, wall)).collect());
+        .map(|wall| contacts(&theta, wall).iter().map(|c| motion.contact(c, wall)).collect());
     let closed = loops(&theta, REBOUND_SHARE * range(&theta));
-    let closed: Vec<Exchange> = closed.iter().map(|closed| motion.of_loop(closed)).collect();
+    let closed: Vec<Exchange> = closed.iter().map(|closed| motion.closed_loop(closed)).collect();
+    // No more than three columns at a time (`signals`).
     drop(t);
     let count_m = lever_m * resolution_rad(&theta);
     let Some(force) = signals.force() else { return Ok(EnergyObserver::default()) };
     let work = Work { theta: &theta, force: &force, lever_m, mass_kg, count_m };
-    let at_wall = at_wall.map(|contacts| told(&contacts, |of| work.observed(of)));
-    let closed = told(&closed, |of| work.observed(of));
+    let at_wall = at_wall.map(|contacts| tally(&contacts, &work));
+    let closed = tally(&closed, &work);
     Ok(EnergyObserver {
-        wall_contacts: at_wall.map(|found| found.all),
-        wall_contacts_active: at_wall.map(|found| found.active),
-        wall_contact_energy_min_j: at_wall.and_then(|found| found.least_j),
+        wall_contacts: at_wall.map(|tally| tally.all),
+        wall_contacts_active: at_wall.map(|tally| tally.active),
+        wall_contact_energy_min_j: at_wall.and_then(|tally| tally.least_j),
         closed_loops: Some(closed.all),
         closed_loops_active: Some(closed.active),
         closed_loop_energy_min_j: closed.least_j,
@@ -101,20 +102,21 @@ struct Observed {
     bound_j: f64,
 }
 
-/// What all contacts, or all loops, come to.
+/// All contacts, or all loops, together.
 #[derive(Debug, Clone, Copy)]
-struct Told {
+struct Tally {
     all: i64,
     active: i64,
     least_j: Option<f64>,
 }
 
-fn told(all: &[Exchange], observe: impl Fn(&Exchange) -> Option<Observed>) -> Told {
-    let found: Vec<Observed> = all.iter().filter_map(observe).collect();
-    Told {
-        all: all.len() as i64,
-        active: found.iter().map(|o| i64::from(o.least_j < -o.bound_j)).sum(),
-        least_j: found.iter().map(|o| o.least_j).reduce(f64::min),
+fn tally(exchanges: &[Exchange], work: &Work) -> Tally {
+    let observed: Vec<Observed> =
+        exchanges.iter().filter_map(|exchange| work.observed(exchange)).collect();
+    Tally {
+        all: exchanges.len() as i64,
+        active: observed.iter().map(|o| i64::from(o.least_j < -o.bound_j)).sum(),
+        least_j: observed.iter().map(|o| o.least_j).reduce(f64::min),
     }
 }
 
@@ -130,7 +132,8 @@ impl Place {
         Self { i, share: 0.0 }
     }
 
-    fn of(self, values: &[f64]) -> f64 {
+    /// The value of a signal there, with straight lines between its samples.
+    fn value(self, values: &[f64]) -> f64 {
         let next = values[(self.i + 1).min(values.len() - 1)];
         values[self.i] + self.share * (next - values[self.i])
     }
@@ -173,13 +176,13 @@ impl Motion<'_> {
         Passed { at, speed_rad_s: here + at.share * (next - here) }
     }
 
-    fn of_contact(&mut self, contact: &Contact, wall: f64) -> Exchange {
+    fn contact(&mut self, contact: &Contact, wall: f64) -> Exchange {
         let last = self.theta.len() - 1;
         let from = match contact.first.checked_sub(1) {
             Some(before) => crossing(self.theta, before, wall),
             None => Place::sample(0),
         };
-        let began_s = from.of(self.t);
+        let began_s = from.value(self.t);
         let end = contact.last;
         let t = self.t;
         let before = (0..=from.i).rev().take_while(|i| t[*i] >= began_s - HALF_S);
@@ -198,7 +201,7 @@ impl Motion<'_> {
         }
     }
 
-    fn of_loop(&mut self, closed: &[Place; 2]) -> Exchange {
+    fn closed_loop(&mut self, closed: &[Place; 2]) -> Exchange {
         let [from, to] = closed.map(|at| self.passed(at));
         let last = (to.at.i + 1).min(self.theta.len() - 1);
         Exchange { from, samples: (0, Vec::new()), to: Some(to), last }
@@ -224,8 +227,8 @@ impl Work<'_> {
 
     /// ∫F dx from a place's sample to the place, J.
     fn beyond_j(&self, at: Place) -> f64 {
-        let way = at.of(self.theta) - self.theta[at.i];
-        self.lever_m * way * (self.force[at.i] + at.of(self.force)) / 2.0
+        let way = at.value(self.theta) - self.theta[at.i];
+        self.lever_m * way * (self.force[at.i] + at.value(self.force)) / 2.0
     }
 
     /// The observer after some work, J; `None` where it cannot be told.
@@ -239,31 +242,30 @@ impl Work<'_> {
         Some(work_j + brought_j)
     }
 
-    fn observed(&self, of: &Exchange) -> Option<Observed> {
-        let began = of.from.speed_rad_s;
-        let (first, speeds) = &of.samples;
+    fn observed(&self, exchange: &Exchange) -> Option<Observed> {
+        let Exchange { from, samples: (first, speeds), to, last } = exchange;
+        let began = from.speed_rad_s;
         let mut least_j: Option<f64> = None;
-        let mut look = |work_j: f64, speed_rad_s: f64| {
-            let found = self.observer_j(work_j, began, speed_rad_s);
-            least_j = least_j.into_iter().chain(found).reduce(f64::min);
-        };
-        let mut work_j = -self.beyond_j(of.from.at);
+        // From the sample before the beginning on: the way up to it is taken off again.
+        let mut work_j = -self.beyond_j(from.at);
         let mut exchanged_j = 0.0;
-        for i in of.from.at.i..=of.last {
-            if let Some(speed) = i.checked_sub(*first).and_then(|place| speeds.get(place)) {
-                look(work_j, *speed);
+        for i in from.at.i..=*last {
+            let speed = i.checked_sub(*first).and_then(|place| speeds.get(place));
+            let at_sample = speed.map(|speed| (work_j, *speed));
+            let at_end = to.filter(|to| to.at.i == i);
+            let at_end = at_end.map(|to| (work_j + self.beyond_j(to.at), to.speed_rad_s));
+            for (work_j, speed_rad_s) in at_sample.into_iter().chain(at_end) {
+                let observed_j = self.observer_j(work_j, began, speed_rad_s);
+                least_j = least_j.into_iter().chain(observed_j).reduce(f64::min);
             }
-            if let Some(to) = of.to.filter(|to| to.at.i == i) {
-                look(work_j + self.beyond_j(to.at), to.speed_rad_s);
-            }
-            if i < of.last {
+            if i < *last {
                 let step_j = self.step_j(i);
                 (work_j, exchanged_j) = (work_j + step_j, exchanged_j + step_j.abs());
             }
         }
         let speed_m_s = self.lever_m * began;
         let motion_j = self.mass_kg.unwrap_or(0.0) * speed_m_s * speed_m_s / 2.0;
-        let force = range(&self.force[of.from.at.i..=of.last]);
+        let force = range(&self.force[from.at.i..=*last]);
         let bound_j = WORK_SHARE * exchanged_j + self.count_m * force + MOTION_SHARE * motion_j;
         Some(Observed { least_j: least_j?, bound_j })
     }

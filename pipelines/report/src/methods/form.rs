@@ -36,6 +36,7 @@ impl MethodsForm {
         match self {
             Self::Markdown => format!("## {}", escape_markdown(text)),
             Self::Latex => format!("\\subsection{{{}}}", escape_latex(text)),
+            // Headings are this program's own, without a sign that Typst would read.
             Self::Typst => format!("== {text}"),
         }
     }

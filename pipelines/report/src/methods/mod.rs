@@ -18,8 +18,8 @@ use crate::people::{count, counted, counting, sources as origins};
 use recorded::plain;
 use sources::Cited;
 use zwidth_study::{
-    ActuatorKind, Coordinate, Environment, Mode, ModeLaw, OrderScheme, ReplayModel, Scene, Study,
-    VelocityFilter,
+    ActuatorKind, Coordinate, Environment, Mode, ModeLaw, OrderScheme, ReplayModel, Scene, Spring,
+    Study, VelocityFilter,
 };
 use zwidth_tables::{given, in_coordinate};
 
@@ -53,8 +53,8 @@ pub fn methods(study: &Study, recorded: &Recorded, version: &str) -> Vec<Methods
                 "Model" => Coordinate::Rotational,
                 _ => study.coordinate,
             };
-            let told = paragraphs.iter().map(|text| in_coordinate(text, axis));
-            MethodsPart { heading, paragraphs: told.collect() }
+            let paragraphs = paragraphs.iter().map(|text| in_coordinate(text, axis));
+            MethodsPart { heading, paragraphs: paragraphs.collect() }
         })
         .collect();
     let sources = cited.listed();
@@ -68,33 +68,36 @@ fn apparatus(study: &Study, recorded: &Recorded) -> Vec<String> {
     let device = &study.device;
     let control = &study.control;
     let axis = study.coordinate;
+    // A questionnaire has no device.
     if study.environments.iter().all(|e| e.scene == Scene::None) {
         return Vec::new();
     }
-    let mut said = vec![format!("The device: {}.", device.name.trim_end_matches('.'))];
+    // A name that ends in a full stop must not get a second one.
+    let mut sentences = vec![format!("The device: {}.", device.name.trim_end_matches('.'))];
     if axis != Coordinate::Rotational {
-        said.push("It moved along a straight line.".to_owned());
+        sentences.push("It moved along a straight line.".to_owned());
     } else if let Some(lever) = device.lever_m {
-        said.push(format!(
+        sentences.push(format!(
             "The lever was {} mm long from its axis to the finger.",
             plain(lever * 1e3)
         ));
     }
     if let (Some(low), Some(high)) = (device.theta_min_rad, device.theta_max_rad) {
-        said.push(format!(
+        sentences.push(format!(
             "Its work space reached from {} to {}.",
             given(low, "rad", axis),
             given(high, "rad", axis)
         ));
     }
+    // What follows is this program's own loop, which took no part in the recordings of others.
     if recorded.is_foreign() {
-        return vec![said.join(" ")];
+        return vec![sentences.join(" ")];
     }
-    said.push(format!("The control loop ran at {} Hz.", plain(control.rate_hz)));
+    sentences.push(format!("The control loop ran at {} Hz.", plain(control.rate_hz)));
     if let Some(rate) = device.force_rate_hz {
-        said.push(format!("The force sensor gave {} new values per second.", plain(rate)));
+        sentences.push(format!("The force sensor gave {} new values per second.", plain(rate)));
     }
-    said.push(match control.velocity {
+    sentences.push(match control.velocity {
         VelocityFilter::Difference => {
             "Velocity was the difference of the last two angles over their time.".to_owned()
         }
@@ -105,20 +108,20 @@ fn apparatus(study: &Study, recorded: &Recorded) -> Vec<String> {
             1e3 / (core::f64::consts::PI * cutoff_hz)
         ),
     });
-    said.push(format!(
+    sentences.push(format!(
         "A trial stopped where the measured force exceeded {} N.",
         plain(control.force_limit_n)
     ));
-    vec![said.join(" ")]
+    vec![sentences.join(" ")]
 }
 
 fn conditions(study: &Study) -> Vec<String> {
     let environments: Vec<String> =
         study.environments.iter().filter_map(|e| environment(study, e)).collect();
     let modes: Vec<String> = study.modes.iter().filter_map(mode).collect();
-    let mut said = Vec::new();
+    let mut sentences = Vec::new();
     if !environments.is_empty() {
-        said.push(environments.join(" "));
+        sentences.push(environments.join(" "));
     }
     if !modes.is_empty() && !environments.is_empty() {
         let let_go = study.modes.iter().any(|mode| mode.has(ActuatorKind::Brake)).then(|| {
@@ -128,40 +131,39 @@ fn conditions(study: &Study) -> Vec<String> {
                 plain(study.control.let_go_n)
             )
         });
-        said.push(modes.join(" ") + &let_go.unwrap_or_default());
+        sentences.push(modes.join(" ") + &let_go.unwrap_or_default());
     }
-    said
+    sentences
 }
 
 fn environment(study: &Study, environment: &Environment) -> Option<String> {
     let axis = study.coordinate;
-    let spring = |spring: zwidth_study::Spring| {
-        format!(
-            "a virtual spring of {} that rests at {}",
-            given(spring.stiffness_n_per_rad, "N/rad", axis),
-            given(spring.rest_rad, "rad", axis)
-        )
-    };
     let rendered = match environment.scene {
         Scene::None => return None,
         Scene::Free => "no force".to_owned(),
-        Scene::Spring(of) => spring(of),
+        Scene::Spring(spring) => spring_words(spring, axis),
         Scene::Wall { wall_rad } => {
             format!("no force up to a wall at {}", given(wall_rad, "rad", axis))
         }
-        Scene::SpringWall { spring: of, wall_rad } => {
+        Scene::SpringWall { spring, wall_rad } => {
             let wall = given(wall_rad, "rad", axis);
-            format!("{}, with a wall from {wall} on", spring(of))
+            format!("{}, with a wall from {wall} on", spring_words(spring, axis))
         }
     };
     Some(format!("The environment '{}' rendered {rendered}.", environment.label))
 }
 
+fn spring_words(spring: Spring, axis: Coordinate) -> String {
+    format!(
+        "a virtual spring of {} that rests at {}",
+        given(spring.stiffness_n_per_rad, "N/rad", axis),
+        given(spring.rest_rad, "rad", axis)
+    )
+}
+
 fn mode(mode: &Mode) -> Option<String> {
-    let volts =
-        |max_v: Option<f64>| max_v.map(|v| format!(" (up to {} V)", plain(v))).unwrap_or_default();
-    let motor = volts(mode.motor_max_v);
-    let brake = volts(mode.brake_max_v);
+    let [motor, brake] = [mode.motor_max_v, mode.brake_max_v]
+        .map(|max_v| max_v.map(|v| format!(" (up to {} V)", plain(v))).unwrap_or_default());
     let law = match mode.law()? {
         ModeLaw::Active => format!("the motor{motor} gave the force on both ways"),
         ModeLaw::Passive => format!("the brake{brake} gave the force on both ways"),
@@ -175,10 +177,11 @@ fn mode(mode: &Mode) -> Option<String> {
 
 fn procedure(study: &Study, recorded: &Recorded) -> Vec<String> {
     let design = &study.design;
+    // How others ran their sessions is not known.
     if recorded.is_foreign() {
         return answered(study, recorded).into_iter().collect();
     }
-    let mut said = vec![format!(
+    let mut sentences = vec![format!(
         "Each condition (environment and mode) was to be presented {} per session.",
         match design.repeats {
             1 => "once".to_owned(),
@@ -186,7 +189,7 @@ fn procedure(study: &Study, recorded: &Recorded) -> Vec<String> {
         }
     )];
     if study.modes.len() > 1 {
-        said.push(
+        sentences.push(
             match design.order {
                 OrderScheme::Williams => {
                     "The order of the modes was drawn from Williams squares, a row for each repeat; \
@@ -201,37 +204,37 @@ fn procedure(study: &Study, recorded: &Recorded) -> Vec<String> {
         );
     }
     if design.familiarisation > 0 {
-        said.push(format!(
+        sentences.push(format!(
             "{} came first and {} not analysed.",
             count(design.familiarisation as usize, "practice trial"),
             if design.familiarisation == 1 { "was" } else { "were" }
         ));
     }
-    said.push(format!(
+    sentences.push(format!(
         "A trial took at most {} s, with at least {} s until the next.",
         plain(design.trial_limit_s),
         plain(design.pause_s)
     ));
     if design.blinded {
-        said.push("Modes were sealed until the session was over.".to_owned());
+        sentences.push("Modes were sealed until the session was over.".to_owned());
     }
-    said.extend(answered(study, recorded));
-    vec![said.join(" ")]
+    sentences.extend(answered(study, recorded));
+    vec![sentences.join(" ")]
 }
 
-/// What participants answered or, before the first answer, are to answer. What others asked is only
-/// known by its answers.
+/// What participants answered or, before the first answer, are to answer. Questions of others are
+/// only known by their answers.
 fn answered(study: &Study, recorded: &Recorded) -> Option<String> {
     let answered = match (recorded.answers || recorded.guesses, recorded.is_foreign()) {
         (true, _) => "Participants answered",
         (false, false) => "Participants were to answer",
         (false, true) => return None,
     };
-    let asked = study.questions.iter().map(|question| {
+    let questions = study.questions.iter().map(|question| {
         format!("“{}” ({})", question.text.trim_end_matches('.'), question.scale.name())
     });
-    let asked: Vec<String> = asked.collect();
-    (!asked.is_empty()).then(|| format!("{answered}: {}.", asked.join("; ")))
+    let questions: Vec<String> = questions.collect();
+    (!questions.is_empty()).then(|| format!("{answered}: {}.", questions.join("; ")))
 }
 
 fn data(recorded: &Recorded) -> Vec<String> {
@@ -248,17 +251,23 @@ fn data(recorded: &Recorded) -> Vec<String> {
     if counted.is_empty() {
         return Vec::new();
     }
-    let origin = origins(&recorded.sources)
-        .map(|told| format!("{} {}", told.mark.unwrap_or_default(), told.text).trim().to_owned());
+    let origin = origins(&recorded.sources).map(|origins| {
+        format!("{} {}", origins.mark.unwrap_or_default(), origins.text).trim().to_owned()
+    });
     let sentence = format!("The data comprise {}.", counted.join(", "));
     let foreign = "[TODO: describe how they were taken; the program does not know it.]".to_owned();
     let foreign = recorded.is_foreign().then_some(foreign);
-    let made: Vec<&str> = recorded.made_by_import.iter().map(String::as_str).collect();
-    let made = (!made.is_empty()).then(|| {
-        format!("Not recorded but computed when the recordings were imported: {}.", made.join("; "))
+    let computed: Vec<&str> = recorded.made_by_import.iter().map(String::as_str).collect();
+    let computed = (!computed.is_empty()).then(|| {
+        let list = computed.join("; ");
+        format!("Not recorded but computed when the recordings were imported: {list}.")
     });
     vec![
-        [origin, Some(sentence), foreign, made].into_iter().flatten().collect::<Vec<_>>().join(" "),
+        [origin, Some(sentence), foreign, computed]
+            .into_iter()
+            .flatten()
+            .collect::<Vec<_>>()
+            .join(" "),
     ]
 }
 
@@ -270,23 +279,24 @@ fn measures(study: &Study, recorded: &Recorded, cited: &mut Cited) -> Vec<String
     let axis = study.coordinate;
     let onset = given(analysis.onset_rad_s, "rad/s", axis);
     let offset = given(analysis.offset_rad_s, "rad/s", axis);
-    let has = |is: fn(&Scene) -> bool| study.environments.iter().any(|e| is(&e.scene));
-    let wall = if has(|scene| scene.wall_rad().is_some()) { "wall contact, " } else { "" };
-    let mut said = vec![format!(
+    let has_wall = study.environments.iter().any(|e| e.scene.wall_rad().is_some());
+    let has_spring = study.environments.iter().any(|e| e.scene.spring().is_some());
+    let wall = if has_wall { "wall contact, " } else { "" };
+    let mut sentences = vec![format!(
         "A movement began where |θ̇| first exceeded {onset} and ended where it fell below {offset} \
          after it had last exceeded {onset}. Compression is the way from its beginning to the first sample of \
          the largest θ, decompression the way back to the end. Smoothness is the spectral arc length \
          of |θ̇| {}.",
         cited.cite("balasubramanian")
     )];
-    if has(|scene| !matches!(scene, Scene::None | Scene::Free)) {
-        said.push(format!(
+    if study.environments.iter().any(|e| !matches!(e.scene, Scene::None | Scene::Free)) {
+        sentences.push(format!(
             "Repeats were averaged over time from the onset of movement, and over the angle with time \
              stretched so that start, {wall}reversal and end coincide."
         ));
     }
     if recorded.compared.iter().any(|metric| metric.starts_with("step_")) {
-        said.push(format!(
+        sentences.push(format!(
             "The step response is that of θ after the first step of its set-point: from θ₀, the angle \
              at the step, to θ_f, its mean over the last tenth of the time until the set-point changes \
              again or the recording ends. Rise time is that from 10 % to 90 % of the way, overshoot the \
@@ -295,8 +305,8 @@ fn measures(study: &Study, recorded: &Recorded, cited: &mut Cited) -> Vec<String
             cited.cite("ogata")
         ));
     }
-    if has(|scene| scene.spring().is_some()) {
-        said.push(format!(
+    if has_spring {
+        sentences.push(format!(
             "Force discrepancy is D(θ) = F(compression) − F(decompression) of the user's force at {} \
              equally spaced angles that both ways cover; its interval is that of a line through D with standard \
              errors that allow for correlated samples {}. Stiffness is the slope of F against θ over \
@@ -307,19 +317,19 @@ fn measures(study: &Study, recorded: &Recorded, cited: &mut Cited) -> Vec<String
             cited.cite("hudson")
         ));
     }
-    if has(|scene| scene.wall_rad().is_some()) {
-        said.push(
+    if has_wall {
+        sentences.push(
             "Penetration of the wall is the largest θ − θ_wall, with straight lines between samples."
                 .to_owned(),
         );
     }
-    said
+    sentences
 }
 
 fn model(study: &Study, recorded: &Recorded, cited: &mut Cited) -> Vec<String> {
-    let mut said = Vec::new();
+    let mut sentences = Vec::new();
     if recorded.identified {
-        said.push(format!(
+        sentences.push(format!(
             "Mass, damping, dry friction and lags of the actuators were fitted to every other repeat \
              of each condition by the balance of forces in weak form: the equation of motion times \
              hats of 100 ms, integrated, where the lever moved in one direction. Their standard \
@@ -336,17 +346,17 @@ fn model(study: &Study, recorded: &Recorded, cited: &mut Cited) -> Vec<String> {
             ReplayModel::Auto => "the cheapest model that a person could not tell from the fullest",
         };
         let fitted = if recorded.identified { ", and with the fitted plant" } else { "" };
-        said.push(format!(
+        sentences.push(format!(
             "The recorded force of each trial was put into M L θ̈ = F_O + F_ex − B θ̇ with {plant}{fitted}; \
              between switches the equation is linear and was solved by its exact flow. Model and \
              recording were compared by limits of agreement over trials {}.",
             cited.cite("bland")
         ));
     }
-    said
+    sentences
 }
 
-/// What is otherwise than in the plan that was deposited.
+/// How the analysis differs from the deposited plan.
 fn plan(recorded: &Recorded) -> Vec<String> {
     let sentences = recorded.plan.join(" ");
     let planned = "The analysis was planned in a file that lies beside the recordings.";

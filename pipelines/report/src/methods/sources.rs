@@ -1,6 +1,6 @@
 //! The papers from which the methods are taken.
 
-/// Key, how it is cited, the whole entry.
+/// Each source: its key, how it is cited, the whole entry.
 pub(super) const SOURCES: [(&str, &str, &str); 18] = [
     (
         "balasubramanian",
@@ -37,7 +37,7 @@ pub(super) struct Cited(Vec<&'static str>);
 impl Cited {
     /// `(Holm 1979)`; the source will be listed.
     pub(super) fn cite(&mut self, key: &str) -> String {
-        let Some((_, short, whole)) = SOURCES.iter().find(|(known, ..)| *known == key) else {
+        let Some((_, short, whole)) = SOURCES.iter().find(|(name, ..)| *name == key) else {
             return String::new();
         };
         if !self.0.contains(whole) {

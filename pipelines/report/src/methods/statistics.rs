@@ -8,37 +8,45 @@ pub(super) fn paragraphs(study: &Study, recorded: &Recorded, cited: &mut Cited) 
     if recorded.compared.is_empty() {
         return recorded.guesses.then(|| guesses(recorded, cited)).into_iter().collect();
     }
-    let mut said = vec![compared(study, recorded)];
-    said.push(if recorded.participants > 1 {
+    let mut sentences = vec![compared(study, recorded)];
+    sentences.push(if recorded.participants > 1 {
         between(study, recorded, cited)
     } else {
-        within(cited)
+        // One participant: trials are the units.
+        format!(
+            "With one participant the units were trials, and every number describes this participant alone. \
+             Claims rest on a randomisation test of the null that no trial depended on its mode: 9,999 \
+             orders were drawn anew by the rules that drew the actual one {}. Welch's interval {} with \
+             sessions as strata stands beside it as a description.",
+            cited.cite("edgington"),
+            cited.cite("welch")
+        )
     });
-    said.push(claims(study, recorded, cited));
+    sentences.push(claims(study, recorded, cited));
     if recorded.answers {
-        said.push(answers(recorded, cited));
+        sentences.push(answers(recorded, cited));
     }
     if recorded.guesses {
-        said.push(guesses(recorded, cited));
+        sentences.push(guesses(recorded, cited));
     }
     if recorded.sessions > recorded.participants && recorded.participants > 1 {
-        said.push(format!(
+        sentences.push(format!(
             "Sessions were compared with each participant's first by limits of agreement {} and \
              intraclass correlation {}.",
             cited.cite("bland"),
             cited.cite("mcgraw")
         ));
     }
-    said
+    sentences
 }
 
 fn compared(study: &Study, recorded: &Recorded) -> String {
-    let label = |id: &zwidth_study::ModeId| {
-        study.mode(id).map_or_else(|| id.to_string(), |mode| mode.label.clone())
-    };
-    let contrasts = study.compare.contrasts.iter();
-    let contrasts: Vec<String> =
-        contrasts.map(|c| format!("{} − {}", label(&c.mode), label(&c.against))).collect();
+    let contrasts = study.compare.contrasts.iter().map(|contrast| {
+        let [mode, against] = [&contrast.mode, &contrast.against]
+            .map(|id| study.mode(id).map_or_else(|| id.to_string(), |mode| mode.label.clone()));
+        format!("{mode} − {against}")
+    });
+    let contrasts: Vec<String> = contrasts.collect();
     let primary = study.compare.primary.to_string();
     let others = recorded.compared.iter().filter(|name| **name != primary);
     let others: Vec<&str> = others.map(|name| recorded.in_words(name)).collect();
@@ -89,37 +97,24 @@ fn effects(sizes: &[EffectSize], cited: &mut Cited) -> String {
     if sizes.is_empty() {
         return String::new();
     }
-    let is_among = |of: [EffectSize; 2]| sizes.iter().any(|size| of.contains(size));
-    let mut said = String::new();
-    if is_among([EffectSize::GAv, EffectSize::DAv]) {
-        said += &format!(
+    let mut text = String::new();
+    if sizes.iter().any(|size| matches!(size, EffectSize::GAv | EffectSize::DAv)) {
+        text += &format!(
             " d_av is the difference divided by the square root of the mean of the modes' variances \
              between participants {}.",
             cited.cite("cumming")
         );
     }
-    if is_among([EffectSize::GZ, EffectSize::DZ]) {
-        said += " d_z is the difference divided by the standard deviation of the participants' differences.";
+    if sizes.iter().any(|size| matches!(size, EffectSize::GZ | EffectSize::DZ)) {
+        text += " d_z is the difference divided by the standard deviation of the participants' differences.";
     }
-    if is_among([EffectSize::GAv, EffectSize::GZ]) {
-        said += &format!(
+    if sizes.iter().any(|size| matches!(size, EffectSize::GAv | EffectSize::GZ)) {
+        text += &format!(
             " As g they are without their bias in small samples {}.",
             cited.cite("hedges")
         );
     }
-    said + " Their intervals are those of the noncentral t distribution."
-}
-
-/// One participant: trials are the units, and nothing is said of anybody else.
-fn within(cited: &mut Cited) -> String {
-    format!(
-        "With one participant the units were trials, and every number describes this participant alone. \
-         Claims rest on a randomisation test of the null that no trial depended on its mode: 9,999 \
-         orders were drawn anew by the rules that drew the actual one {}. Welch's interval {} with \
-         sessions as strata stands beside it as a description.",
-        cited.cite("edgington"),
-        cited.cite("welch")
-    )
+    text + " Their intervals are those of the noncentral t distribution."
 }
 
 fn claims(study: &Study, recorded: &Recorded, cited: &mut Cited) -> String {
@@ -128,7 +123,7 @@ fn claims(study: &Study, recorded: &Recorded, cited: &mut Cited) -> String {
         Families::Metric => "over all environments",
         Families::Environment => "in one environment",
     };
-    let mut said = format!(
+    let mut text = format!(
         "A difference of the primary measure was claimed where its p value, adjusted over the contrasts \
          {family} by Holm's method {}, was below {}; intervals are at {} % and not adjusted.",
         cited.cite("holm"),
@@ -146,13 +141,13 @@ fn claims(study: &Study, recorded: &Recorded, cited: &mut Cited) -> String {
                 recorded.in_words(metric.as_str())
             ),
         });
-        said += &format!(
+        text += &format!(
             " Equivalence was tested by two one-sided tests {} against the bounds {}.",
             cited.cite("schuirmann"),
             bounds.collect::<Vec<_>>().join(", ")
         );
     }
-    said
+    text
 }
 
 fn guesses(recorded: &Recorded, cited: &mut Cited) -> String {

@@ -12,28 +12,28 @@ use zwidth_tables::{Table, TableError};
 /// # Errors
 /// A table that is not one of replays.
 pub fn replayed(replays: &Table) -> Result<Table, TableError> {
-    let is_asked = |of: &ReplayedModel| {
-        (of.causality, of.model) == (Causality::ForceDriven, ModelPlant::ByEye)
-    };
     let models: Vec<ReplayedModel> = replays.to_rows()?;
-    let rows = models.iter().enumerate().filter(|(_, of)| is_asked(of)).map(|(row, _)| row);
+    let used = models.iter().enumerate().filter(|(_, model)| {
+        (model.causality, model.model) == (Causality::ForceDriven, ModelPlant::ByEye)
+    });
+    let rows = used.map(|(row, _)| row);
     Ok(replays.rows(&rows.collect::<Vec<_>>()))
 }
 
 /// The columns of the table of replays that are used.
 pub fn replayed_columns() -> Vec<Cow<'static, str>> {
-    let told_apart = [TrialKey::fields(), ReplayedModel::fields()].concat().into_iter();
-    told_apart.map(|field| field.name).chain(asked(From::Replays).map(Cow::from)).collect()
+    let keys = [TrialKey::fields(), ReplayedModel::fields()].concat().into_iter();
+    keys.map(|field| field.name).chain(columns(From::Replays).map(Cow::from)).collect()
 }
 
-/// The metrics that the statements ask of trials.
-pub(crate) fn asked_metrics() -> impl Iterator<Item = &'static str> {
-    asked(From::Metrics).chain(WALL_FORCE.columns())
+/// The metrics of trials that the statements need.
+pub(crate) fn statement_metrics() -> impl Iterator<Item = &'static str> {
+    columns(From::Metrics).chain(WALL_FORCE.columns())
 }
 
-fn asked(from: From) -> impl Iterator<Item = &'static str> {
+fn columns(from: From) -> impl Iterator<Item = &'static str> {
     let quantities = ALL.iter().filter_map(|statement| statement.rule.quantity());
-    quantities.filter(move |quantity| quantity.from == from).flat_map(|of| of.columns())
+    quantities.filter(move |quantity| quantity.from == from).flat_map(|quantity| quantity.columns())
 }
 
 #[cfg(test)]

@@ -7,7 +7,7 @@ use zwidth_stats::welch::{self, Group};
 use zwidth_stats::{Tested, Unestimable, paired};
 use zwidth_study::ParticipantId;
 
-/// What is known of how far an estimate may be off.
+/// How far an estimate may be off.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Spread {
     Interval([f64; 2]),
@@ -47,17 +47,18 @@ pub(crate) fn difference(a: &People, b: &People, level: f64) -> Option<Estimated
     let both: Vec<_> = a.iter().filter_map(|(who, a)| Some((who, a, b.get(who)?))).collect();
     let (who, of_a, of_b) = *both.first()?;
     if both.len() > 1 {
-        let of = both.iter().map(|(_, a, b)| [mean_of_one(a), mean_of_one(b)]);
-        return Some(over_participants(paired::differences(&of.collect::<Vec<_>>()), level));
+        let pairs = both.iter().map(|(_, a, b)| [mean_of_one(a), mean_of_one(b)]);
+        return Some(over_participants(paired::differences(&pairs.collect::<Vec<_>>()), level));
     }
     let strata: Vec<[Group; 2]> = of_a
         .iter()
         .filter_map(|(session, a)| Some([group(a), group(of_b.get(session)?)]))
         .collect();
-    let of = strata.iter().map(|[a, b]| a.mean - b.mean);
-    let value = of.sum::<f64>() / strata.len() as f64;
+    let differences = strata.iter().map(|[a, b]| a.mean - b.mean);
+    let value = differences.sum::<f64>() / strata.len() as f64;
     let n = strata.iter().flatten().map(|group| group.n).sum();
     let spread = spread(welch::difference(&strata, level));
+    // Without a session in common the value above is 0 / 0, and is not given out.
     (!strata.is_empty()).then(|| Estimated { value, spread, n, over: trials_of(who) })
 }
 
@@ -76,8 +77,8 @@ fn over_participants(values: Vec<f64>, level: f64) -> Estimated {
 }
 
 fn group(values: &[f64]) -> Group {
-    let found = Moments::of(values);
-    Group { n: values.len(), mean: found.mean, sd: found.sd().unwrap_or_default() }
+    let moments = Moments::of(values);
+    Group { n: values.len(), mean: moments.mean, sd: moments.sd().unwrap_or_default() }
 }
 
 fn spread(tested: Result<Tested, Unestimable>) -> Spread {

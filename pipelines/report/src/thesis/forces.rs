@@ -24,7 +24,7 @@ const HELD: Case = (ModeLaw::Passive, Place::Wall);
 
 pub(crate) fn judge(force: Force, derived: &Derived) -> Result<Judged, Stop> {
     match force {
-        Force::OfMotor => of_motor(derived),
+        Force::OfMotor => motor_as_in_the_thesis(derived),
         Force::BelowBrake => below_brake(derived),
         Force::BelowWall => below_wall(derived),
         Force::WallBelowBrake => wall_below_brake(derived),
@@ -63,7 +63,7 @@ fn single(
     value: f64,
     unit: &str,
     verdict: Verdict,
-    asked: String,
+    required: String,
     shown: Shown,
 ) -> Judged {
     Judged {
@@ -74,7 +74,7 @@ fn single(
             remark: "no interval: one number, not a mean".to_owned(),
             verdict,
         },
-        asked,
+        required,
         interval: None,
         n: None,
         over: String::new(),
@@ -82,13 +82,14 @@ fn single(
     }
 }
 
-fn of_motor(derived: &Derived) -> Result<Judged, Stop> {
-    let found = motor_n(derived)?;
+fn motor_as_in_the_thesis(derived: &Derived) -> Result<Judged, Stop> {
+    let force_n = motor_n(derived)?;
     let [low, high] = [1.0 - FORCE_JND, 1.0 + FORCE_JND].map(|share| share * MOTOR.1);
     let why = "7 %, the just noticeable difference (Pang 1991)";
-    let asked = format!("{low:.2} to {high:.2}\u{a0}N: {why}");
-    let verdict = Verdict::of(low < found && found < high);
-    Ok(single("motor's force at 16 V, calibrated", found, "N", verdict, asked, Shown::Forces))
+    let required = format!("{low:.2} to {high:.2}\u{a0}N: {why}");
+    let verdict = Verdict::of(low < force_n && force_n < high);
+    let words = "motor's force at 16 V, calibrated";
+    Ok(single(words, force_n, "N", verdict, required, Shown::Forces))
 }
 
 /// The motor's force at its rated voltage, N: it goes with the voltage.
@@ -99,9 +100,9 @@ fn rated_n(derived: &Derived) -> Result<f64, Stop> {
 fn below_brake(derived: &Derived) -> Result<Judged, Stop> {
     let motor = rated_n(derived)?;
     let brake = brake_n(derived)?;
-    let asked = format!("below {brake:.2}\u{a0}N: the brake's at its highest voltage");
+    let required = format!("below {brake:.2}\u{a0}N: the brake's at its highest voltage");
     let words = "motor's force at 48 V, by the voltage";
-    Ok(single(words, motor, "N", Verdict::of(motor < brake), asked, Shown::Forces))
+    Ok(single(words, motor, "N", Verdict::of(motor < brake), required, Shown::Forces))
 }
 
 /// Whether what people put on the wall that held is more than the motor would give.
@@ -131,12 +132,13 @@ fn wall_below_brake(derived: &Derived) -> Result<Judged, Stop> {
         Some(who) if people.len() == 1 => trials_of(who),
         _ => format!("trials of {} participants", people.len()),
     };
+    // A largest value has no interval: it is judged as it stands.
     let largest = Estimated { value: most, spread: Spread::Equal, n: forces.len(), over };
     let why = "the brake's at its highest voltage, calibrated".to_owned();
     let range = Range { low: f64::NEG_INFINITY, high: brake, why };
-    let found = judged(WALL_FORCE, &largest, &range, coordinate, Shown::Metrics);
+    let judged = judged(WALL_FORCE, &largest, &range, coordinate, Shown::Metrics);
     let remark = "no interval: the largest of all trials".to_owned();
-    Ok(Judged { evidence: Evidence { remark, ..found.evidence }, ..found })
+    Ok(Judged { evidence: Evidence { remark, ..judged.evidence }, ..judged })
 }
 
 fn weight(derived: &Derived) -> Result<Judged, Stop> {
@@ -145,9 +147,9 @@ fn weight(derived: &Derived) -> Result<Judged, Stop> {
             "the study gives no masses of motor and brake, or has no mode with both",
         );
     };
-    let asked = format!("below {motor:.0}\u{a0}g: the motor's");
+    let required = format!("below {motor:.0}\u{a0}g: the motor's");
     let words = "mass of the brake and a motor of the size that is used";
-    let found = single(words, hybrid, "g", Verdict::of(hybrid < motor), asked, Shown::Weight);
+    let judged = single(words, hybrid, "g", Verdict::of(hybrid < motor), required, Shown::Weight);
     let remark = "if a motor's force goes with its volume; transmission and housing left out";
-    Ok(Judged { evidence: Evidence { remark: remark.to_owned(), ..found.evidence }, ..found })
+    Ok(Judged { evidence: Evidence { remark: remark.to_owned(), ..judged.evidence }, ..judged })
 }

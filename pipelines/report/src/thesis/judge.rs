@@ -28,7 +28,7 @@ pub(crate) fn judge(
     before: &BTreeMap<&str, Verdict>,
     derived: &Derived,
 ) -> Result<Judged, TableError> {
-    match found(statement, before, derived) {
+    match apply(statement, before, derived) {
         Ok(judged) => Ok(judged),
         Err(Stop::Table(error)) => Err(error),
         Err(Stop::NotMeasured(why)) => Ok(Judged {
@@ -39,7 +39,7 @@ pub(crate) fn judge(
                 remark: why,
                 verdict: Verdict::NotMeasured,
             },
-            asked: String::new(),
+            required: String::new(),
             interval: None,
             n: None,
             over: String::new(),
@@ -48,7 +48,7 @@ pub(crate) fn judge(
     }
 }
 
-fn found(
+fn apply(
     statement: &Statement,
     before: &BTreeMap<&str, Verdict>,
     derived: &Derived,
@@ -58,12 +58,12 @@ fn found(
         (Rule::Untold(why), _) => Err(Stop::NotMeasured(why.to_owned())),
         (Rule::Forces(force), _) => forces::judge(force, derived),
         (_, None) => Err(Stop::NotMeasured("no mode and environment are named".to_owned())),
-        (rule, Some(case)) => of_case(rule, case, statement.printed, derived),
+        (rule, Some(case)) => judge_case(rule, case, statement.printed, derived),
     }
 }
 
 /// A rule of one condition.
-fn of_case(rule: Rule, case: Case, printed: bool, derived: &Derived) -> Result<Judged, Stop> {
+fn judge_case(rule: Rule, case: Case, printed: bool, derived: &Derived) -> Result<Judged, Stop> {
     let (environment, mode) = condition(derived.known, case)?;
     if printed && !is_as_in_the_thesis(environment, mode) {
         let why = "the number is of the thesis' own spring and voltages, and these are others";
@@ -75,9 +75,9 @@ fn of_case(rule: Rule, case: Case, printed: bool, derived: &Derived) -> Result<J
             in_range(quantity, estimated, bound, environment, derived)
         }
         Rule::Difference(quantity, other, bound) => {
-            let of = people(derived, case, quantity)?;
+            let own = people(derived, case, quantity)?;
             let less = people(derived, other, quantity)?;
-            let estimated = difference(&of, &less, derived.level);
+            let estimated = difference(&own, &less, derived.level);
             let judged = in_range(quantity, estimated, bound, environment, derived)?;
             let less = condition(derived.known, other)?;
             Ok(less_another(judged, (environment, mode), less))
@@ -101,8 +101,8 @@ fn in_range(
     environment: &Environment,
     derived: &Derived,
 ) -> Result<Judged, Stop> {
-    let missing = |what: &str| Stop::NotMeasured(format!("no trial has a value: {what}"));
-    let estimated = estimated.ok_or_else(|| missing(quantity.words))?;
+    let estimated = estimated
+        .ok_or_else(|| Stop::NotMeasured(format!("no trial has a value: {}", quantity.words)))?;
     let coordinate = derived.known.study.coordinate;
     if quantity.unit == "rad" && coordinate != Coordinate::Rotational {
         let why = "it is of an angle, and this study's are lengths";
@@ -118,18 +118,18 @@ fn in_range(
     Ok(judged(quantity, &estimated, &range, coordinate, shown))
 }
 
-/// The same, told as a difference: by mode, or by environment where the mode is one.
+/// The same, worded as a difference: by mode, or by environment where the mode is one.
 fn less_another(
     judged: Judged,
     (environment, mode): (&Environment, &Mode),
     (other_environment, other_mode): (&Environment, &Mode),
 ) -> Judged {
-    let [of, less] = if mode.id == other_mode.id {
+    let [own, less] = if mode.id == other_mode.id {
         [&environment.label, &other_environment.label]
     } else {
         [&mode.label, &other_mode.label]
     };
-    let pair = format!("{} − {}", in_a_sentence(of), in_a_sentence(less));
+    let pair = format!("{} − {}", in_a_sentence(own), in_a_sentence(less));
     let metric = format!("{}, {pair}", judged.evidence.metric);
     Judged { evidence: Evidence { metric, ..judged.evidence }, ..judged }
 }
@@ -173,6 +173,7 @@ fn some(quantity: Quantity, above: f64, case: Case, derived: &Derived) -> Result
     }
     let verdict = if some > 0 { Verdict::Supported } else { Verdict::Undecided };
     let judged = counted(quantity.words, some, all, verdict, "at least one trial", &trials)?;
+    // The interval supposes independent trials, which those of several people are not.
     let share = clopper_pearson(some, all, derived.level).ok().filter(|_| people.len() == 1);
     let shown = match quantity.from {
         From::Metrics => judged.shown,
@@ -194,9 +195,9 @@ fn superior((law, place): Case, over: ModeLaw, derived: &Derived) -> Result<Judg
         of_a.iter().filter_map(|(who, a)| Some((*who, Repeats { a, b: of_b.get(who)? }))).collect();
     let (who, first) = *both.first().ok_or_else(none)?;
     let repeats: Vec<Repeats<AnswerValue>> = both.iter().map(|(_, repeats)| *repeats).collect();
-    let found = superiority(&repeats, derived.level).map_err(|_| none())?;
-    let pairs: usize = repeats.iter().map(|of| of.a.len() * of.b.len()).sum();
-    let (interval, why) = match found.interval {
+    let superiority = superiority(&repeats, derived.level).map_err(|_| none())?;
+    let pairs: usize = repeats.iter().map(|person| person.a.len() * person.b.len()).sum();
+    let (interval, why) = match superiority.interval {
         Ok((low, high)) => (Some([low, high]), String::new()),
         Err(_) if repeats.len() == 1 => (None, ", no interval: one participant".to_owned()),
         Err(why) => (None, format!(", no interval: {why}")),
@@ -207,19 +208,19 @@ fn superior((law, place): Case, over: ModeLaw, derived: &Derived) -> Result<Judg
     };
     let words = "share of pairs with the higher answer (ties half)";
     let modes = format!("{} over {}", in_a_sentence(&a.label), in_a_sentence(&b.label));
-    let asked = match interval {
+    let required = match interval {
         Some(_) => "above 0.5: higher more often than lower",
         None => "above 0.56: a small effect (Vargha & Delaney 2000)",
     };
     Ok(Judged {
         evidence: Evidence {
             metric: format!("{words}, {modes}"),
-            value: Some(found.probability),
+            value: Some(superiority.probability),
             unit: "1".to_owned(),
             remark: format!("{pairs} pairs{why}"),
-            verdict: of_superiority(found.probability, interval),
+            verdict: of_superiority(superiority.probability, interval),
         },
-        asked: asked.to_owned(),
+        required: required.to_owned(),
         interval,
         n: Some(n),
         over,
@@ -242,29 +243,27 @@ fn median_of(case: Case, favourable: bool, derived: &Derived) -> Result<Judged, 
     let (environment, mode) = condition(derived.known, case)?;
     let none = || Stop::NotMeasured("nobody answered".to_owned());
     let tally = derived.tally.ok_or_else(none)?;
-    let found = median(derived.known.study, tally, environment, mode).ok_or_else(none)?;
-    let twice_the_middle = f64::from(found.scale.ends_together());
-    let above = |answer: AnswerValue| 2.0 * answer.get() > twice_the_middle;
-    let verdict = match (above(found.low), above(found.high)) {
-        (low, high) if low == high => Verdict::of(low == favourable),
-        _ => Verdict::Undecided,
-    };
+    let median = median(derived.known.study, tally, environment, mode).ok_or_else(none)?;
+    let twice_the_middle = f64::from(median.scale.ends_together());
+    // The two middle answers may lie on either side of the middle.
+    let [low, high] = [median.low, median.high].map(|answer| 2.0 * answer.get() > twice_the_middle);
+    let verdict = if low == high { Verdict::of(low == favourable) } else { Verdict::Undecided };
     let side = if favourable { "above" } else { "not above" };
-    let people = match found.participants {
+    let people = match median.participants {
         1 => "answers of one participant".to_owned(),
         people => format!("answers of {people} participants"),
     };
     Ok(Judged {
         evidence: Evidence {
             metric: "median answer".to_owned(),
-            value: (found.low == found.high).then_some(found.low.get()),
+            value: (median.low == median.high).then_some(median.low.get()),
             unit: "1".to_owned(),
-            remark: format!("{}; no interval", found.words()),
+            remark: format!("{}; no interval", median.words()),
             verdict,
         },
-        asked: format!("{side} the middle of the scale"),
+        required: format!("{side} the middle of the scale"),
         interval: None,
-        n: Some(found.answers),
+        n: Some(median.answers),
         over: people,
         shown: Shown::Answers,
     })
@@ -273,11 +272,14 @@ fn median_of(case: Case, favourable: bool, derived: &Derived) -> Result<Judged, 
 /// Several statements together: one that is contradicted contradicts them, and else one that is
 /// open leaves them open.
 fn all_of(parts: &[&str], before: &BTreeMap<&str, Verdict>) -> Result<Judged, Stop> {
-    let of = |part: &str| before.get(part).copied().unwrap_or(Verdict::NotMeasured);
-    let verdicts: Vec<(&str, Verdict)> = parts.iter().map(|part| (*part, of(part))).collect();
-    let any = |verdict| verdicts.iter().any(|(_, found)| *found == verdict);
-    let by = [Verdict::Contradicted, Verdict::NotMeasured, Verdict::Undecided];
-    let verdict = by.into_iter().find(|verdict| any(*verdict)).unwrap_or(Verdict::Supported);
+    let verdicts =
+        parts.iter().map(|part| (*part, before.get(part).copied().unwrap_or(Verdict::NotMeasured)));
+    let verdicts: Vec<(&str, Verdict)> = verdicts.collect();
+    // The strongest objection first.
+    let verdict = [Verdict::Contradicted, Verdict::NotMeasured, Verdict::Undecided]
+        .into_iter()
+        .find(|objection| verdicts.iter().any(|(_, verdict)| verdict == objection))
+        .unwrap_or(Verdict::Supported);
     let remark = rests_on(&verdicts, verdict);
     if verdict == Verdict::NotMeasured {
         return Err(Stop::NotMeasured(remark));
@@ -290,7 +292,7 @@ fn all_of(parts: &[&str], before: &BTreeMap<&str, Verdict>) -> Result<Judged, St
             remark,
             verdict,
         },
-        asked: "all of them supported".to_owned(),
+        required: "all of them supported".to_owned(),
         interval: None,
         n: None,
         over: String::new(),
@@ -304,12 +306,11 @@ fn rests_on(parts: &[(&str, Verdict)], verdict: Verdict) -> String {
     if verdict == Verdict::Supported {
         return format!("it rests on {all} other statements, all of them supported");
     }
-    let text = |key: &str| {
-        let statement = statements::ALL.iter().find(|statement| statement.key == key);
-        statement.map_or_else(|| key.to_owned(), |statement| format!("“{}”", statement.text))
-    };
-    let its = parts.iter().filter(|(_, found)| *found == verdict).map(|(key, _)| text(key));
-    let list: Vec<String> = its.collect();
+    let decisive = parts.iter().filter(|(_, part)| *part == verdict).map(|(key, _)| {
+        let statement = statements::ALL.iter().find(|statement| statement.key == *key);
+        statement.map_or_else(|| (*key).to_owned(), |statement| format!("“{}”", statement.text))
+    });
+    let list: Vec<String> = decisive.collect();
     let word = verdict.as_str();
     let some = list.len();
     format!("it rests on {all} other statements, {some} of them {word}: {}", list.join(", "))

@@ -33,8 +33,8 @@ pub struct Derived<'a> {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Judged {
     pub(crate) evidence: Evidence,
-    /// What was asked of the value.
-    pub(crate) asked: String,
+    /// The range or condition that the value must meet.
+    pub(crate) required: String,
     pub(crate) interval: Option<[f64; 2]>,
     pub(crate) n: Option<usize>,
     /// The unit of analysis; empty where nothing was counted.
@@ -61,25 +61,22 @@ pub(crate) fn condition<'a>(
     (law, place): Case,
 ) -> Result<(&'a Environment, &'a Mode), Stop> {
     let environment = known.study.environments.iter().find(|e| place.fits(e));
-    let none = |what: &str| Stop::NotMeasured(format!("the study has no {what}"));
-    let environment = environment.ok_or_else(|| none(place_words(place)))?;
-    let mode = with_law(known.study, law).ok_or_else(|| none(law_words(law)))?;
+    let Some(environment) = environment else {
+        let kind = match place {
+            Place::Spring => "environment with a spring and without a wall",
+            Place::Wall => "environment with a wall",
+        };
+        return Err(Stop::NotMeasured(format!("the study has no {kind}")));
+    };
+    let Some(mode) = with_law(known.study, law) else {
+        let kind = match law {
+            ModeLaw::Active => "mode with a motor alone",
+            ModeLaw::Passive => "mode with a brake alone",
+            ModeLaw::Hybrid => "mode in which a motor takes over from a brake",
+        };
+        return Err(Stop::NotMeasured(format!("the study has no {kind}")));
+    };
     Ok((environment, mode))
-}
-
-fn place_words(place: Place) -> &'static str {
-    match place {
-        Place::Spring => "environment with a spring and without a wall",
-        Place::Wall => "environment with a wall",
-    }
-}
-
-fn law_words(law: ModeLaw) -> &'static str {
-    match law {
-        ModeLaw::Active => "mode with a motor alone",
-        ModeLaw::Passive => "mode with a brake alone",
-        ModeLaw::Hybrid => "mode in which a motor takes over from a brake",
-    }
 }
 
 /// The trials of a case in the table that the numbers are in.
@@ -93,12 +90,11 @@ pub(crate) fn trials<'a>(
         From::Metrics => derived.known.metrics,
         From::Replays => derived.replays,
     };
-    let none = || {
-        let of = [in_a_sentence(&mode.label), in_a_sentence(&environment.label)].join(", ");
-        Stop::NotMeasured(format!("there is no trial of {of}"))
-    };
-    let trials = Trials::of(table.ok_or_else(none)?, Some(&environment.id), &mode.id);
-    if trials.len() == 0 { Err(none()) } else { Ok(trials) }
+    let trials = table.map(|table| Trials::of(table, Some(&environment.id), &mode.id));
+    trials.filter(|trials| trials.len() > 0).ok_or_else(|| {
+        let names = [in_a_sentence(&mode.label), in_a_sentence(&environment.label)].join(", ");
+        Stop::NotMeasured(format!("there is no trial of {names}"))
+    })
 }
 
 /// The values of a case.
@@ -131,7 +127,7 @@ pub(crate) fn judged(
             remark,
             verdict: range.judge(estimated.value, &estimated.spread),
         },
-        asked: asked(range, &unit, factor),
+        required: requirement(range, &unit, factor),
         interval,
         n: Some(estimated.n),
         over: estimated.over.clone(),
@@ -140,16 +136,17 @@ pub(crate) fn judged(
 }
 
 /// `above 2.5°: why`, `3.7 to 4.35 N/rad: why`.
-fn asked(range: &Range, unit: &str, factor: f64) -> String {
-    let end = |v: f64| {
-        let text = number(factor * v, None);
+fn requirement(range: &Range, unit: &str, factor: f64) -> String {
+    let [low, high] = [range.low, range.high].map(|end| {
+        let text = number(factor * end, None);
         let shorter = text.trim_end_matches('0').trim_end_matches('.').to_owned();
+        // Zeros of a whole number are no decimals.
         if text.contains('.') { shorter } else { text }
-    };
+    });
     let ends = match (range.low.is_finite(), range.high.is_finite()) {
-        (true, true) => format!("{} to {}", end(range.low), with_unit(&end(range.high), unit)),
-        (true, false) => format!("above {}", with_unit(&end(range.low), unit)),
-        _ => format!("below {}", with_unit(&end(range.high), unit)),
+        (true, true) => format!("{low} to {}", with_unit(&high, unit)),
+        (true, false) => format!("above {}", with_unit(&low, unit)),
+        _ => format!("below {}", with_unit(&high, unit)),
     };
     format!("{ends}: {}", range.why)
 }
@@ -160,7 +157,7 @@ pub(crate) fn counted(
     some: usize,
     all: usize,
     verdict: Verdict,
-    asked: &str,
+    required: &str,
     trials: &Trials,
 ) -> Result<Judged, Stop> {
     let people = trials.participants();
@@ -176,7 +173,7 @@ pub(crate) fn counted(
             remark: format!("{some} of {all} trials"),
             verdict,
         },
-        asked: asked.to_owned(),
+        required: required.to_owned(),
         interval: None,
         n: Some(all),
         over,
@@ -190,7 +187,7 @@ mod tests {
 
     #[test]
     fn a_range_is_said_with_its_unit_and_why() {
-        let of = |low, high| asked(&Range { low, high, why: "so".to_owned() }, "°", 1.0);
+        let of = |low, high| requirement(&Range { low, high, why: "so".to_owned() }, "°", 1.0);
         assert_eq!(of(1.5, 20.0), "1.5 to 20°: so");
         assert!(of(2.5, f64::INFINITY).starts_with("above 2.5"));
         assert!(of(f64::NEG_INFINITY, 2.5).starts_with("below 2.5"));

@@ -16,7 +16,7 @@ mod statements;
 mod tests;
 mod told;
 
-pub(crate) use asked::asked_metrics;
+pub(crate) use asked::statement_metrics;
 pub use asked::{replayed, replayed_columns};
 pub use judged::Derived;
 pub use told::{Told, told};
@@ -42,6 +42,7 @@ use zwidth_tables::TableError;
 pub fn statements(derived: &Derived) -> Result<Vec<JudgedStatement>, TableError> {
     let mut verdicts: BTreeMap<&str, ClaimVerdict> = BTreeMap::new();
     let mut rows = Vec::new();
+    // In the order of the list: a statement that rests on others stands after them.
     for statement in statements::ALL {
         let judged = judge(statement, &verdicts, derived)?;
         verdicts.insert(statement.key, judged.evidence.verdict);
@@ -55,23 +56,26 @@ pub const HOW_JUDGED: &str = "A statement is supported if the whole interval lie
      does, and undecided otherwise. Intervals are not adjusted for the number of statements.";
 
 fn row(statement: &Statement, judged: Judged, derived: &Derived) -> JudgedStatement {
-    let given = |text: String| (!text.is_empty()).then_some(text);
-    let Judged { evidence, asked, interval, n, over, shown } = judged;
+    let Judged { evidence, required, interval, n, over, shown } = judged;
     let is_measured = evidence.verdict != ClaimVerdict::NotMeasured;
     JudgedStatement {
         key: statement.key.to_owned(),
         source: statement.source.to_owned(),
         statement: statement.text.to_owned(),
         verdict: evidence.verdict,
-        metric: given(evidence.metric),
+        metric: non_empty(evidence.metric),
         value: evidence.value,
         ci_low: interval.map(|ends| ends[0]),
         ci_high: interval.map(|ends| ends[1]),
-        unit: given(evidence.unit),
+        unit: non_empty(evidence.unit),
         n,
-        unit_of_analysis: given(over),
-        asked: given(asked).map(Into::into),
+        unit_of_analysis: non_empty(over),
+        asked: non_empty(required).map(Into::into),
         shown: is_measured.then(|| derived.gallery.file(&shown)),
-        remark: given(evidence.remark).map(Into::into),
+        remark: non_empty(evidence.remark).map(Into::into),
     }
+}
+
+fn non_empty(text: String) -> Option<String> {
+    (!text.is_empty()).then_some(text)
 }

@@ -87,7 +87,7 @@ pub(crate) enum Rule {
 }
 
 impl Rule {
-    /// What it asks of trials, if that is a number.
+    /// The quantity that it needs of trials, if it needs one.
     pub(crate) fn quantity(&self) -> Option<Quantity> {
         match self {
             Self::Mean(quantity, _)
@@ -156,8 +156,9 @@ impl Bound {
         match self {
             Self::Given(low, high, why) => Some(Range { low, high, why: why.to_owned() }),
             Self::Compliance => {
-                let asked = scene.spring()?.stiffness_n_per_rad;
-                let ends = [1.0 + COMPLIANCE_JND, 1.0 - COMPLIANCE_JND].map(|c| asked / c);
+                let commanded = scene.spring()?.stiffness_n_per_rad;
+                // c times the compliance is the stiffness over c, so that the larger c comes first.
+                let ends = [1.0 + COMPLIANCE_JND, 1.0 - COMPLIANCE_JND].map(|c| commanded / c);
                 let why = "compliance within 8 % of that asked for, the just noticeable \
                            difference (Tan 1992)";
                 Some(Range { low: ends[0], high: ends[1], why: why.to_owned() })
@@ -181,33 +182,45 @@ impl Range {
     /// else undecided. Values without scatter are judged as they stand; without an interval for
     /// want of values nothing is decided.
     pub(crate) fn judge(&self, value: f64, spread: &Spread) -> Verdict {
-        let holds = |v: f64| self.low < v && v < self.high;
         match spread {
-            Spread::Interval([low, high]) if holds(*low) && holds(*high) => Verdict::Supported,
+            Spread::Interval([low, high]) if self.holds(*low) && self.holds(*high) => {
+                Verdict::Supported
+            }
             Spread::Interval([low, high]) if *high <= self.low || self.high <= *low => {
                 Verdict::Contradicted
             }
-            Spread::Equal => Verdict::of(holds(value)),
+            Spread::Equal => Verdict::of(self.holds(value)),
             Spread::Interval(_) | Spread::Unknown(_) => Verdict::Undecided,
         }
     }
+
+    /// Whether a value lies in the range, whose ends do not.
+    fn holds(&self, value: f64) -> bool {
+        self.low < value && value < self.high
+    }
 }
 
-/// Whether spring and voltages are those of the thesis, to which its numbers belong (16 V for the
+/// Whether spring and voltages are those of the thesis, for which its numbers hold (16 V for the
 /// motor alone, 8 V for the brake, 8 V each in the hybrid mode; §5.2.2).
 pub(crate) fn is_as_in_the_thesis(environment: &Environment, mode: &Mode) -> bool {
     let Some(law) = mode.law() else { return false };
-    let is = |found: f64, wanted: f64| (found - wanted).abs() <= SAME * wanted.abs();
     let motor_v = if law == ModeLaw::Active { 16.0 } else { 8.0 };
     let spring = environment.scene.spring().is_some_and(|spring| {
-        is(spring.stiffness_n_per_rad, THESIS_SPRING.0) && is(spring.rest_rad, THESIS_SPRING.1)
+        is_same(spring.stiffness_n_per_rad, THESIS_SPRING.0)
+            && is_same(spring.rest_rad, THESIS_SPRING.1)
     });
-    let voltage = |drive, found: Option<f64>, wanted| {
-        !law.uses(drive) || found.is_some_and(|found| is(found, wanted))
-    };
+    let voltages = [
+        (ActuatorKind::Motor, mode.motor_max_v, motor_v),
+        (ActuatorKind::Brake, mode.brake_max_v, 8.0),
+    ];
     spring
-        && voltage(ActuatorKind::Motor, mode.motor_max_v, motor_v)
-        && voltage(ActuatorKind::Brake, mode.brake_max_v, 8.0)
+        && voltages.into_iter().all(|(drive, max_v, thesis_v)| {
+            !law.uses(drive) || max_v.is_some_and(|max_v| is_same(max_v, thesis_v))
+        })
+}
+
+fn is_same(value: f64, thesis: f64) -> bool {
+    (value - thesis).abs() <= SAME * thesis.abs()
 }
 
 #[cfg(test)]

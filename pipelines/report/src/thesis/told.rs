@@ -29,52 +29,57 @@ impl Told {
 /// How many statements have which verdict, with `notes` where any is judged, and then each that is
 /// judged, in their order.
 pub fn told(statements: &[JudgedStatement], notes: &[String]) -> (String, Vec<Told>) {
-    let measured = statements.iter().filter(|of| of.verdict != ClaimVerdict::NotMeasured);
-    let told: Vec<Told> = measured.map(in_words).collect();
-    let notes = notes.iter().filter(|_| !told.is_empty()).cloned();
-    let said: Vec<String> = [counts(statements)].into_iter().chain(notes).collect();
-    (said.join(" "), told)
+    let measured = statements.iter().filter(|row| row.verdict != ClaimVerdict::NotMeasured);
+    let judged: Vec<Told> = measured.map(in_words).collect();
+    let notes = notes.iter().filter(|_| !judged.is_empty()).cloned();
+    let sentences: Vec<String> = [counts(statements)].into_iter().chain(notes).collect();
+    (sentences.join(" "), judged)
 }
 
 fn in_words(judged: &JudgedStatement) -> Told {
-    let word = |text: &Option<String>| text.clone().unwrap_or_default();
+    let [metric, unit, units, path] =
+        [&judged.metric, &judged.unit, &judged.unit_of_analysis, &judged.shown]
+            .map(|text| text.clone().unwrap_or_default());
     let ends = judged.ci_low.zip(judged.ci_high);
+    // A 95 % interval is about four standard errors wide, which set the digits.
     let error = ends.map(|(low, high)| (high - low) / 4.0);
-    let amount = judged
-        .value
-        .map(|value| format!(": {}", with_unit(&number(value, error), &word(&judged.unit))));
+    let amount = judged.value.map(|value| format!(": {}", with_unit(&number(value, error), &unit)));
     let interval = ends
         .map(|(low, high)| format!("interval {} to {}", number(low, error), number(high, error)));
-    let counted = judged.n.map(|n| format!("n = {n} {}", word(&judged.unit_of_analysis)));
-    let known: Vec<String> = [interval, counted, judged.remark.as_ref().map(ToString::to_string)]
+    let counted = judged.n.map(|n| format!("n = {n} {units}"));
+    let details: Vec<String> = [interval, counted, judged.remark.as_ref().map(ToString::to_string)]
         .into_iter()
         .flatten()
         .collect();
-    let known = if known.is_empty() { String::new() } else { format!(" ({})", known.join("; ")) };
+    let details =
+        if details.is_empty() { String::new() } else { format!(" ({})", details.join("; ")) };
     Told {
         statement: judged.statement.clone(),
         source: judged.source.clone(),
         verdict: judged.verdict.as_str().to_owned(),
         evidence: format!(
-            "{}{}{known}; asked: {}.",
-            capital(&word(&judged.metric)),
+            "{}{}{details}; asked: {}.",
+            capital(&metric),
             amount.unwrap_or_default(),
             judged.asked.as_ref().map(ToString::to_string).unwrap_or_default(),
         ),
-        path: word(&judged.shown),
+        path,
     }
 }
 
 /// `Of 58 statements 20 are supported, 5 contradicted, 3 undecided, and 30 not measured.`
 fn counts(statements: &[JudgedStatement]) -> String {
-    let count = |verdict| statements.iter().filter(|of| of.verdict == verdict).count();
+    let [supported, contradicted, undecided, not_measured] = [
+        ClaimVerdict::Supported,
+        ClaimVerdict::Contradicted,
+        ClaimVerdict::Undecided,
+        ClaimVerdict::NotMeasured,
+    ]
+    .map(|verdict| statements.iter().filter(|row| row.verdict == verdict).count());
     format!(
-        "Of {} statements, {} are supported, {} contradicted, {} undecided, and {} not measured.",
+        "Of {} statements, {supported} are supported, {contradicted} contradicted, {undecided} undecided, and \
+         {not_measured} not measured.",
         statements.len(),
-        count(ClaimVerdict::Supported),
-        count(ClaimVerdict::Contradicted),
-        count(ClaimVerdict::Undecided),
-        count(ClaimVerdict::NotMeasured),
     )
 }
 

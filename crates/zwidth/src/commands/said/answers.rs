@@ -1,6 +1,6 @@
 //! `zwidth answer --from`: a table of answers to existing trials, all given or none.
 
-use super::given::{Given, Known};
+use super::given::{NewAnswer, NumberedSession};
 use crate::commands::recover::{lock, now, put_in_order_and_tell};
 use crate::commands::{join_findings, session, study, sum_up};
 use crate::exit::Exit;
@@ -14,6 +14,7 @@ use zwidth_store::{
 };
 use zwidth_study::{
     AnswerValue, Event, ExperimenterId, ParticipantId, QuestionId, SessionId, Study, StudyId,
+    counted,
 };
 
 #[derive(Debug, clap::Args)]
@@ -62,8 +63,10 @@ pub(super) fn from_table(
     let data = StudyData::load(&layout).map_err(|findings| join_findings(&findings))?;
     let checked = check(&data, command, &answers).map_err(|errors| sum_up(&errors))?;
     if command.dry_run {
-        screen
-            .result(format!("{}; nothing was written (--dry-run)", checked.told("would be given")));
+        screen.result(format!(
+            "{}; nothing was written (--dry-run)",
+            checked.summary("would be given")
+        ));
         return Ok(Exit::Fine);
     }
     let utc = now();
@@ -72,7 +75,7 @@ pub(super) fn from_table(
     let logs: Vec<(&Path, &[Event])> =
         checked.events.iter().map(|(path, events)| (*path, events.as_slice())).collect();
     commit_events(&raw, &layout, entered, &logs)?;
-    screen.result(checked.told("are given"));
+    screen.result(checked.summary("are given"));
     Ok(Exit::Fine)
 }
 
@@ -83,8 +86,8 @@ struct Checked<'a> {
     events: BTreeMap<&'a Path, Vec<Event>>,
     /// How many count in place of another value.
     replaced: usize,
-    /// How many are there already.
-    known: usize,
+    /// How many are in the logs already.
+    unchanged: usize,
     /// How many rows say something of a sealed trial that cannot be checked.
     unchecked: usize,
     /// Why trials that are answered do not count, with their number.
@@ -92,28 +95,28 @@ struct Checked<'a> {
 }
 
 impl Checked<'_> {
-    fn told(&self, given: &str) -> String {
+    /// The counts in a sentence, `verb` after the answers.
+    fn summary(&self, verb: &str) -> String {
         let answers: usize = self.events.values().map(Vec::len).sum();
-        let sessions = self.events.len();
-        let of = |n: usize, what: &str| format!("{n} {what}{}", if n == 1 { "" } else { "s" });
-        let mut told = format!("{} in {} {given}", of(answers, "answer"), of(sessions, "session"));
+        let sessions = counted(self.events.len(), "sessions");
+        let mut text = format!("{} in {sessions} {verb}", counted(answers, "answers"));
         if self.replaced > 0 {
-            told += &format!("; {} in place of others, which are kept", self.replaced);
+            text += &format!("; {} in place of others, which are kept", self.replaced);
         }
-        if self.known > 0 {
-            told += &format!("; {} there already, and not given twice", self.known);
+        if self.unchanged > 0 {
+            text += &format!("; {} there already, and not given twice", self.unchanged);
         }
         if self.unchecked > 0 {
-            told += &format!(
+            text += &format!(
                 "; {} of sealed sessions, whose modes and repeats cannot be checked before `zwidth unseal`: give the same \
                  table again then",
-                of(self.unchecked, "row")
+                counted(self.unchecked, "rows")
             );
         }
         for (why, n) in &self.but {
-            told += &format!("; {} to trials that do not count: {why}", of(*n, "answer"));
+            text += &format!("; {} to trials that do not count: {why}", counted(*n, "answers"));
         }
-        told
+        text
     }
 }
 
@@ -126,11 +129,11 @@ fn check<'a>(
     let mut checked = Checked::default();
     let mut errors = FirstErrors::default();
     let mut seen: BTreeMap<(&Path, u32, QuestionId), &LateAnswer> = BTreeMap::new();
-    let mut sessions = Sessions { data, entries: data.by_session(), known: BTreeMap::new() };
+    let mut sessions = Sessions { data, entries: data.by_session(), numbered: BTreeMap::new() };
     for row in &answers.rows {
         let resolved =
-            sessions.of(command, row).and_then(|known| resolve(data, known, command, row));
-        let Resolved { log, trial, found, is_checked } = match resolved {
+            sessions.get(command, row).and_then(|session| resolve(data, session, command, row));
+        let Resolved { log, trial, answer, is_checked } = match resolved {
             Ok(resolved) => resolved,
             Err(error) => {
                 errors.push(answers.error(row, &error.to_string()));
@@ -138,26 +141,27 @@ fn check<'a>(
             }
         };
         let path = log.events_path.as_path();
-        match seen.entry((path, trial, found.question.clone())) {
+        match seen.entry((path, trial, answer.question.clone())) {
             Entry::Occupied(first) => {
                 let first = answers.place(first.get());
                 let what =
-                    format!("trial {trial} has an answer to {} in {first} too", found.question);
+                    format!("trial {trial} has an answer to {} in {first} too", answer.question);
                 errors.push(answers.error(row, &what));
                 continue;
             }
             Entry::Vacant(place) => _ = place.insert(row),
         }
         checked.unchecked += usize::from(!is_checked);
-        if found.before == Some(row.value) {
-            checked.known += 1;
+        // The same table is given again after a session of it was unsealed.
+        if answer.before == Some(row.value) {
+            checked.unchanged += 1;
             continue;
         }
-        checked.replaced += usize::from(found.before.is_some());
-        if let Some(why) = found.but {
+        checked.replaced += usize::from(answer.before.is_some());
+        if let Some(why) = answer.but {
             *checked.but.entry(why).or_default() += 1;
         }
-        checked.events.entry(path).or_default().push(found.event);
+        checked.events.entry(path).or_default().push(answer.event);
     }
     errors.none().map(|()| checked)
 }
@@ -166,21 +170,25 @@ fn check<'a>(
 struct Sessions<'a> {
     data: &'a StudyData,
     entries: BTreeMap<(&'a ParticipantId, &'a SessionId), Vec<&'a TrialEntry>>,
-    known: BTreeMap<(ParticipantId, SessionId), Known<'a>>,
+    numbered: BTreeMap<(ParticipantId, SessionId), NumberedSession<'a>>,
 }
 
 impl<'a> Sessions<'a> {
     /// The session of a row.
-    fn of(&mut self, command: &AnswerArgs, row: &LateAnswer) -> anyhow::Result<&Known<'a>> {
+    fn get(
+        &mut self,
+        command: &AnswerArgs,
+        row: &LateAnswer,
+    ) -> anyhow::Result<&NumberedSession<'a>> {
         let id = row.session.as_ref().or(command.session.as_ref());
         let id = id.context("the table has no column 'session': add it, or name one with -s")?;
-        let Self { data, entries, known } = self;
-        match known.entry((row.participant.clone(), id.clone())) {
-            Entry::Occupied(known) => Ok(known.into_mut()),
+        let Self { data, entries, numbered } = self;
+        match numbered.entry((row.participant.clone(), id.clone())) {
+            Entry::Occupied(session) => Ok(session.into_mut()),
             Entry::Vacant(place) => {
                 let log = session(data, &row.participant, id)?;
                 let entries = entries.get(&(&log.record.participant, &log.record.session));
-                Ok(place.insert(Known::new(log, entries.map_or(&[], Vec::as_slice))))
+                Ok(place.insert(NumberedSession::new(log, entries.map_or(&[], Vec::as_slice))))
             }
         }
     }
@@ -190,40 +198,40 @@ impl<'a> Sessions<'a> {
 struct Resolved<'a> {
     log: &'a SessionLog,
     trial: u32,
-    found: Given,
+    answer: NewAnswer,
     /// Whether everything that the row says of its trial could be checked.
     is_checked: bool,
 }
 
 fn resolve<'a>(
     data: &'a StudyData,
-    known: &Known<'a>,
+    session: &NumberedSession<'a>,
     command: &AnswerArgs,
     row: &LateAnswer,
 ) -> anyhow::Result<Resolved<'a>> {
-    let trial = number(known, &row.trial)?;
-    if known.log.record.counted_from_zero && row.is_number_alone() {
+    let trial = number(session, &row.trial)?;
+    if session.log.record.counted_from_zero && row.is_number_alone() {
         bail!(
             "the recordings of this session count trials from 0, and the study from 1: say which trial is meant in \
              columns environment, mode and repeat, beside its number or in its place"
         );
     }
-    let is_checked = check_claims(&data.study, known, trial, &row.claims)?;
+    let is_checked = check_claims(&data.study, session, trial, &row.claims)?;
     let question = row.question.as_ref().or(command.question.as_ref());
-    let found = known.given(data, trial, question, row.value)?;
-    Ok(Resolved { log: known.log, trial, found, is_checked })
+    let answer = session.answer(data, trial, question, row.value)?;
+    Ok(Resolved { log: session.log, trial, answer, is_checked })
 }
 
 /// The number of the trial meant: of a condition's repeat, the one that no other took the place of.
-fn number(known: &Known, meant: &TrialMeant) -> anyhow::Result<u32> {
+fn number(session: &NumberedSession, meant: &TrialMeant) -> anyhow::Result<u32> {
     let (environment, mode, repeat) = match meant {
         TrialMeant::Number(trial) => return Ok(*trial),
         TrialMeant::Repeat { environment, mode, repeat } => (environment, mode, *repeat),
     };
-    if known.log.is_sealed() {
+    if session.log.is_sealed() {
         bail!("the session's modes are sealed: name its trials by number, in a column 'trial'");
     }
-    match known.repeats(environment, mode, repeat)[..] {
+    match session.repeats(environment, mode, repeat)[..] {
         [only] => Ok(only),
         [] => bail!("the session has no trial of {environment}, {mode}, repeat {repeat}"),
         _ => bail!(
@@ -234,26 +242,29 @@ fn number(known: &Known, meant: &TrialMeant) -> anyhow::Result<u32> {
 }
 
 /// Whether what a row says of a trial besides its number is so. Of a sealed session mode and repeat
-/// are not known, and whether a row is right about them must not be told: then `false`, whatever it
-/// says.
-fn check_claims(study: &Study, known: &Known, trial: u32, claims: &Claims) -> anyhow::Result<bool> {
+/// are not known, and whether a row is right about them must not come out: then `false`, whatever
+/// it says.
+fn check_claims(
+    study: &Study,
+    session: &NumberedSession,
+    trial: u32,
+    claims: &Claims,
+) -> anyhow::Result<bool> {
     let Claims { environment, mode, repeat } = claims;
-    let planned = known.planned(trial)?;
-    let environment_is = |claim: &String| {
-        let label = study.environment(&planned.environment).map(|e| e.label.as_str());
-        is_called(claim, planned.environment.as_str(), label)
-    };
-    let mode_is = |claim: &String| {
-        let label = study.mode(&planned.mode).map(|mode| mode.label.as_str());
-        is_called(claim, planned.mode.as_str(), label)
-    };
-    let is_sealed = known.log.is_sealed();
+    let planned = session.planned(trial)?;
+    let is_sealed = session.log.is_sealed();
     let mut wrong = Vec::new();
-    if let Some(claim) = environment.as_ref().filter(|claim| !environment_is(claim)) {
-        wrong.push(format!("environment {claim}"));
+    if let Some(claim) = environment {
+        let label = study.environment(&planned.environment).map(|e| e.label.as_str());
+        if !is_called(claim, planned.environment.as_str(), label) {
+            wrong.push(format!("environment {claim}"));
+        }
     }
-    if let Some(claim) = mode.as_ref().filter(|claim| !is_sealed && !mode_is(claim)) {
-        wrong.push(format!("mode {claim}"));
+    if let Some(claim) = mode.as_ref().filter(|_| !is_sealed) {
+        let label = study.mode(&planned.mode).map(|mode| mode.label.as_str());
+        if !is_called(claim, planned.mode.as_str(), label) {
+            wrong.push(format!("mode {claim}"));
+        }
     }
     if let Some(claim) = repeat.filter(|claim| !is_sealed && *claim != planned.repeat) {
         wrong.push(format!("repeat {claim}"));
@@ -261,13 +272,13 @@ fn check_claims(study: &Study, known: &Known, trial: u32, claims: &Claims) -> an
     if wrong.is_empty() {
         return Ok(!is_sealed || (mode.is_none() && repeat.is_none()));
     }
-    let of = match is_sealed {
+    let actual = match is_sealed {
         true => format!("is of {}", planned.environment),
         false => {
             format!("is of {}, {}, repeat {}", planned.environment, planned.mode, planned.repeat)
         }
     };
-    bail!("the table says {}, but trial {trial} {of}", wrong.join(", "))
+    bail!("the table says {}, but trial {trial} {actual}", wrong.join(", "))
 }
 
 /// Whether a table's word is an id, or its label for people, in any case.

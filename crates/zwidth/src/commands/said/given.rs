@@ -7,8 +7,8 @@ use zwidth_study::{
     AnswerValue, EnvironmentId, Event, Kind, ModeId, PlannedTrial, QuestionId, SessionRecord,
 };
 
-/// An answer that may be given.
-pub(super) struct Given {
+/// An answer that may be added.
+pub(super) struct NewAnswer {
     pub(super) event: Event,
     pub(super) question: QuestionId,
     /// The answer that counted so far.
@@ -18,7 +18,7 @@ pub(super) struct Given {
 }
 
 /// A session, looked up by the numbers of its trials.
-pub(super) struct Known<'a> {
+pub(super) struct NumberedSession<'a> {
     pub(super) log: &'a SessionLog,
     planned: BTreeMap<u32, &'a PlannedTrial>,
     /// Trials of the experiment by their condition and repeat.
@@ -30,10 +30,10 @@ pub(super) struct Known<'a> {
     answers: BTreeMap<(u32, &'a QuestionId), AnswerValue>,
 }
 
-impl<'a> Known<'a> {
+impl<'a> NumberedSession<'a> {
     /// The session of this log, of whose trials these are the files.
     pub(super) fn new(log: &'a SessionLog, entries: &[&'a TrialEntry]) -> Self {
-        let mut known = Self {
+        let mut session = Self {
             log,
             planned: log.trials.iter().map(|t| (t.trial, t)).collect(),
             repeats: BTreeMap::new(),
@@ -42,36 +42,36 @@ impl<'a> Known<'a> {
             answers: BTreeMap::new(),
         };
         for t in log.trials.iter().filter(|t| t.kind == Kind::Trial) {
-            known.repeats.entry((&t.environment, &t.mode, t.repeat)).or_default().push(t.trial);
+            session.repeats.entry((&t.environment, &t.mode, t.repeat)).or_default().push(t.trial);
         }
         for event in &log.events {
             match event {
-                Event::Recorded { trial, .. } => _ = known.recorded.insert(*trial),
+                Event::Recorded { trial, .. } => _ = session.recorded.insert(*trial),
                 Event::Answer { trial, question, value, .. } => {
-                    known.answers.insert((*trial, question), *value);
+                    session.answers.insert((*trial, question), *value);
                 }
                 _ => {}
             }
         }
-        known
+        session
     }
 
     /// A session of a study.
     pub(super) fn of(data: &'a StudyData, log: &'a SessionLog) -> Self {
         let SessionRecord { participant, session, .. } = &log.record;
-        let is_its =
-            |t: &&TrialEntry| (&t.meta.participant, &t.meta.session) == (participant, session);
-        Self::new(log, &data.trials.iter().filter(is_its).collect::<Vec<_>>())
+        let trials = data.trials.iter();
+        let own =
+            trials.filter(|t| (&t.meta.participant, &t.meta.session) == (participant, session));
+        Self::new(log, &own.collect::<Vec<_>>())
     }
 
     /// A trial that the session has.
     pub(super) fn planned(&self, trial: u32) -> anyhow::Result<&'a PlannedTrial> {
-        let numbers = || self.planned.keys().copied();
         self.planned.get(&trial).copied().with_context(|| {
             format!(
                 "the session has no trial {trial}: they are {} to {}",
-                numbers().next().unwrap_or(0),
-                numbers().next_back().unwrap_or(0)
+                self.planned.keys().next().unwrap_or(&0),
+                self.planned.keys().next_back().unwrap_or(&0)
             )
         })
     }
@@ -80,6 +80,7 @@ impl<'a> Known<'a> {
     pub(super) fn recorded(&self, trial: u32) -> anyhow::Result<Option<&'a TrialEntry>> {
         self.planned(trial)?;
         let entry = self.entries.get(&trial).copied();
+        // Without an order nothing was planned ahead: every trial of the log has ended.
         let ended = self.log.record.order.is_none() || self.recorded.contains(&trial);
         if entry.is_none() && !ended {
             bail!("trial {trial} is still to be done");
@@ -94,30 +95,31 @@ impl<'a> Known<'a> {
         mode: &ModeId,
         repeat: u32,
     ) -> Vec<u32> {
-        let replaced = |trial: &u32| {
-            self.entries.get(trial).is_some_and(|entry| entry.superseded_by.is_some())
-        };
-        let trials = self.repeats.get(&(environment, mode, repeat)).into_iter().flatten();
-        trials.copied().filter(|trial| !replaced(trial)).collect()
+        let trials = self.repeats.get(&(environment, mode, repeat)).into_iter().flatten().copied();
+        trials
+            .filter(|trial| {
+                self.entries.get(trial).is_none_or(|entry| entry.superseded_by.is_none())
+            })
+            .collect()
     }
 
-    /// The answer to a question, the only one that is asked where none is named, after a trial.
-    pub(super) fn given(
+    /// The answer to a question after a trial: the named one, else the only one that belongs there.
+    pub(super) fn answer(
         &self,
         data: &StudyData,
         trial: u32,
         named: Option<&QuestionId>,
         value: AnswerValue,
-    ) -> anyhow::Result<Given> {
+    ) -> anyhow::Result<NewAnswer> {
         let entry = self.recorded(trial)?;
         let id = self.question(data, trial, named)?;
-        let asked =
+        let question =
             data.study.question(&id).with_context(|| format!("{id} is not in study.toml"))?;
-        if !asked.scale.has(value) {
-            bail!("{value} is no answer to {id}: it must be {}", asked.scale.must_be());
+        if !question.scale.has(value) {
+            bail!("{value} is no answer to {id}: it must be {}", question.scale.must_be());
         }
         let logged = self.answers.get(&(trial, &id)).copied();
-        Ok(Given {
+        Ok(NewAnswer {
             before: logged.or_else(|| entry?.meta.likert.map(AnswerValue::from)),
             but: entry.filter(|entry| entry.sealed.is_none()).and_then(TrialEntry::why_not),
             event: Event::Answer { trial, question: id.clone(), value, time_ms: None },
@@ -125,7 +127,7 @@ impl<'a> Known<'a> {
         })
     }
 
-    /// The question that is answered: one that is asked after the trial.
+    /// The question that is answered: one of those after the trial.
     fn question(
         &self,
         data: &StudyData,
@@ -133,18 +135,19 @@ impl<'a> Known<'a> {
         named: Option<&QuestionId>,
     ) -> anyhow::Result<QuestionId> {
         let environment = data.study.environment(&self.planned(trial)?.environment);
-        let asked: Vec<&QuestionId> = environment.iter().flat_map(|e| e.questions()).collect();
-        let list = || asked.iter().map(|id| id.as_str()).collect::<Vec<_>>().join(", ");
-        match (named, asked.as_slice()) {
-            (Some(id), asked) if asked.contains(&id) => Ok(id.clone()),
-            (None, [only]) => Ok((*only).clone()),
+        let questions: Vec<&QuestionId> = environment.iter().flat_map(|e| e.questions()).collect();
+        match (named, questions.as_slice()) {
+            (Some(id), questions) if questions.contains(&id) => return Ok(id.clone()),
+            (None, [only]) => return Ok((*only).clone()),
             (_, []) => bail!(
                 "nothing is asked after trial {trial}: name a question of [[questions]] in its environment of study.toml, question = \"…\""
             ),
-            (Some(id), _) => {
-                bail!("{id} is not asked after trial {trial}: name one of {}", list())
-            }
-            (None, _) => bail!("say which question is answered, with --question: {}", list()),
+            _ => {}
+        }
+        let list = questions.iter().map(|id| id.as_str()).collect::<Vec<_>>().join(", ");
+        match named {
+            Some(id) => bail!("{id} is not asked after trial {trial}: name one of {list}"),
+            None => bail!("say which question is answered, with --question: {list}"),
         }
     }
 }

@@ -10,7 +10,7 @@ use crate::commands::said::answers::AnswerArgs;
 use crate::exit::Exit;
 use crate::screen::Screen;
 use anyhow::bail;
-use given::{Given, Known};
+use given::{NewAnswer, NumberedSession};
 use std::collections::BTreeSet;
 use std::path::Path;
 use zwidth_store::{Entered, Raw, RealFiles, SessionLog, StudyData, commit_events};
@@ -18,7 +18,7 @@ use zwidth_study::{Event, ExperimenterId, ParticipantId, SessionId, StudyId};
 
 /// A session that was recorded, and who says something of it.
 #[derive(Debug, clap::Args)]
-pub(crate) struct Said {
+pub(crate) struct SessionArgs {
     /// The study
     pub(crate) study: StudyId,
     /// The participant
@@ -35,7 +35,7 @@ pub(crate) struct Said {
 #[derive(Debug, clap::Args)]
 pub(crate) struct NoteArgs {
     #[command(flatten)]
-    pub(crate) said: Said,
+    pub(crate) session: SessionArgs,
     /// The trial's number [default: a remark on the session]
     #[arg(long, value_name = "N")]
     pub(crate) trial: Option<u32>,
@@ -46,7 +46,7 @@ pub(crate) struct NoteArgs {
 #[derive(Debug, clap::Args)]
 pub(crate) struct ExcludeArgs {
     #[command(flatten)]
-    pub(crate) said: Said,
+    pub(crate) session: SessionArgs,
     /// The trial's number, or several, separated by commas: all are excluded, or none
     #[arg(long, value_name = "N[,N…]", required = true, value_delimiter = ',')]
     pub(crate) trial: Vec<u32>,
@@ -57,16 +57,16 @@ pub(crate) struct ExcludeArgs {
 pub(crate) fn exclude(root: &Path, command: &ExcludeArgs, screen: &Screen) -> anyhow::Result<Exit> {
     let reason = text(&command.reason, "an exclusion needs its reason")?;
     let trials: BTreeSet<u32> = command.trial.iter().copied().collect();
-    add(root, &command.said, screen, &|data, log| {
-        let known = Known::of(data, log);
+    add(root, &command.session, screen, &|data, log| {
+        let session = NumberedSession::of(data, log);
         let mut missing = false;
         for trial in &trials {
-            let entry = known.recorded(*trial)?;
+            let entry = session.recorded(*trial)?;
             let done_again = entry.is_some_and(|entry| entry.superseded_by.is_some());
             let counted = entry.is_some_and(|entry| entry.counts() || entry.sealed.is_some());
             missing |= counted && !done_again;
         }
-        let Said { study, participant, session, .. } = &command.said;
+        let SessionArgs { study, participant, session, .. } = &command.session;
         let numbers = trials.iter().map(u32::to_string).collect::<Vec<_>>().join(", ");
         let (excluded, are_missing) = match trials.len() {
             1 => (format!("trial {numbers} is excluded"), "it is missing until it is"),
@@ -80,20 +80,22 @@ pub(crate) fn exclude(root: &Path, command: &ExcludeArgs, screen: &Screen) -> an
             }
             _ => String::new(),
         };
-        let event = |trial: &u32| Event::Excluded { trial: *trial, reason: reason.clone() };
-        Ok((trials.iter().map(event).collect(), excluded + &again))
+        let events =
+            trials.iter().map(|trial| Event::Excluded { trial: *trial, reason: reason.clone() });
+        Ok((events.collect(), excluded + &again))
     })
 }
 
 pub(crate) fn note(root: &Path, command: &NoteArgs, screen: &Screen) -> anyhow::Result<Exit> {
     let text = text(&command.text, "the note is empty")?;
-    add(root, &command.said, screen, &|data, log| {
+    add(root, &command.session, screen, &|data, log| {
         if let Some(trial) = command.trial {
-            Known::of(data, log).planned(trial)?;
+            NumberedSession::of(data, log).planned(trial)?;
         }
         let event = Event::Note { trial: command.trial, text: text.clone() };
-        let of = command.trial.map_or("the session".to_owned(), |trial| format!("trial {trial}"));
-        Ok((vec![event], format!("the note is kept with {of}")))
+        let subject =
+            command.trial.map_or("the session".to_owned(), |trial| format!("trial {trial}"));
+        Ok((vec![event], format!("the note is kept with {subject}")))
     })
 }
 
@@ -108,37 +110,42 @@ pub(crate) fn answer(root: &Path, command: &AnswerArgs, screen: &Screen) -> anyh
     let (Some(trial), Some(value)) = (*trial, *value) else {
         bail!("name the trial (--trial N) and the answer");
     };
-    let said = Said { study: study.clone(), participant, session, by: by.clone() };
-    add(root, &said, screen, &|data, log| {
-        let Given { event, question, before, but } =
-            Known::of(data, log).given(data, trial, question.as_ref(), value)?;
+    let target = SessionArgs { study: study.clone(), participant, session, by: by.clone() };
+    add(root, &target, screen, &|data, log| {
+        let NewAnswer { event, question, before, but } =
+            NumberedSession::of(data, log).answer(data, trial, question.as_ref(), value)?;
         let before = before.map(|value| format!(", in place of {value}, which is kept"));
         let but = but.map(|why| format!("; the trial itself does not count: {why}"));
-        let said = format!(
+        let message = format!(
             "trial {trial}: {question} is answered with {value}{}{}",
             before.unwrap_or_default(),
             but.unwrap_or_default()
         );
-        Ok((vec![event], said))
+        Ok((vec![event], message))
     })
 }
 
-/// What makes events of a session as it stands, and what is told of them.
+/// Makes the events from the session as it stands, and the message about them.
 type Making<'a> = dyn Fn(&StudyData, &SessionLog) -> anyhow::Result<(Vec<Event>, String)> + 'a;
 
 /// Adds events to a session that nobody records: all of them, or none.
-fn add(root: &Path, said: &Said, screen: &Screen, making: &Making<'_>) -> anyhow::Result<Exit> {
-    let layout = study(root, said.study.clone())?;
+fn add(
+    root: &Path,
+    target: &SessionArgs,
+    screen: &Screen,
+    making: &Making<'_>,
+) -> anyhow::Result<Exit> {
+    let layout = study(root, target.study.clone())?;
     let lock = lock(&layout, "an event command")?;
     put_in_order_and_tell(&layout, &lock, screen);
     let data = StudyData::load(&layout).map_err(|findings| join_findings(&findings))?;
-    let log = session(&data, &said.participant, &said.session)?;
-    let (events, told) = making(&data, log)?;
+    let log = session(&data, &target.participant, &target.session)?;
+    let (events, message) = making(&data, log)?;
     let utc = now();
-    let entered = Entered { utc: &utc, by: said.by.as_ref() };
+    let entered = Entered { utc: &utc, by: target.by.as_ref() };
     let raw = Raw::adds(&RealFiles, &layout, &lock);
     commit_events(&raw, &layout, entered, &[(&log.events_path, &events)])?;
-    screen.result(format!("{} {}: {told}", said.participant, said.session));
+    screen.result(format!("{} {}: {message}", target.participant, target.session));
     Ok(Exit::Fine)
 }
 

@@ -21,7 +21,7 @@ use zwidth_simulate::{
 };
 use zwidth_tables::Table;
 
-/// What --tolerance is unless told otherwise: [`zwidth_simulate::DEFAULT_TOLERANCE`] as people
+/// The default of --tolerance: [`zwidth_simulate::DEFAULT_TOLERANCE`] as people
 /// write it.
 const DEFAULT_TOLERANCE: &str = "1e-9";
 
@@ -82,6 +82,7 @@ pub(crate) fn simulate(
     screen: &Screen,
 ) -> anyhow::Result<Exit> {
     let folder = command.out.clone().unwrap_or_else(|| root.join("reports").join("simulate"));
+    // Before the first run, which may take long.
     check_stems(&command.scenes)?;
     let mut outcomes = Vec::new();
     let mut done = Vec::new();
@@ -105,7 +106,16 @@ pub(crate) fn simulate(
     if screen.json {
         screen.listing(&Report { scenes: outcomes, shared })?;
     } else {
-        outcomes.iter().for_each(|outcome| tell(outcome, screen));
+        for outcome in &outcomes {
+            if let Some(error) = &outcome.error {
+                screen.warn(format!("skipped: {error}"));
+            }
+            if let Some(summary) = &outcome.summary {
+                let lines = words::summary_lines(summary);
+                screen.result(format!("{}: {lines}", outcome.scene.display()));
+            }
+            tell_files(&outcome.files, screen);
+        }
         tell_files(&shared, screen);
     }
     Ok(exit)
@@ -217,17 +227,7 @@ fn outcome(path: &Path, result: &anyhow::Result<Done>) -> Outcome {
     }
 }
 
-fn tell(outcome: &Outcome, screen: &Screen) {
-    if let Some(error) = &outcome.error {
-        screen.warn(format!("skipped: {error}"));
-    }
-    if let Some(summary) = &outcome.summary {
-        screen.result(format!("{}: {}", outcome.scene.display(), words::of(summary)));
-    }
-    tell_files(&outcome.files, screen);
-}
-
-/// Pictures one by one; everything else lies beside them.
+/// Names the pictures alone; everything else lies beside them.
 fn tell_files(files: &[PathBuf], screen: &Screen) {
     let pictures = files.iter().filter(|path| path.extension().is_some_and(|e| e == "png"));
     pictures.for_each(|path| screen.result(format!("  {}", path.display())));

@@ -37,7 +37,7 @@ fn line_of(text: &str, name: &str) -> Option<usize> {
     let (section, key) = name.rsplit_once('.').unwrap_or(("", name));
     let (section, _) = section.split_once('[').unwrap_or((section, ""));
     let mut here = "";
-    let mut found = Vec::new();
+    let mut lines = Vec::new();
     for (i, line) in text.lines().map(str::trim).enumerate() {
         if let Some(header) = line.strip_prefix('[') {
             here = header.trim_start_matches('[').split(']').next().unwrap_or_default();
@@ -46,10 +46,11 @@ fn line_of(text: &str, name: &str) -> Option<usize> {
         if is_key
             && (here == section || !section.is_empty() && here.starts_with(&format!("{section}.")))
         {
-            found.push(i + 1);
+            lines.push(i + 1);
         }
     }
-    if let [line] = found[..] { Some(line) } else { None }
+    // Of several zones of an array each has the key: no line is better than a wrong one.
+    if let [line] = lines[..] { Some(line) } else { None }
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use zwidth_simulate::{KnownMotion, StepSwings, Summary};
 const MS_PER_S: f64 = 1e3;
 
 /// A few lines, the first a heading.
-pub(super) fn of(summary: &Summary) -> String {
+pub(super) fn summary_lines(summary: &Summary) -> String {
     let s = summary;
     let mut lines = vec![
         format!("{} ({}, {})", s.scene, s.environment, s.mode),
@@ -16,9 +16,9 @@ pub(super) fn of(summary: &Summary) -> String {
         format!("  verdict   {}", s.verdict),
         format!("            {}", s.swings.map(swings).join(", ")),
     ];
-    lines.extend(s.reference.as_ref().map(|motion| format!("            {}", known(motion))));
+    lines.extend(s.reference.as_ref().map(|motion| format!("            {}", motion_line(motion))));
     if let Some(other) = &s.other_rest_rule {
-        lines.push(format!("            with the other rule at rest: {}", known(other)));
+        lines.push(format!("            with the other rule at rest: {}", motion_line(other)));
     }
     if !s.shows_the_reference {
         lines.push("            the step is too long to show it".to_owned());
@@ -64,7 +64,7 @@ fn swings(at: StepSwings) -> String {
     }
 }
 
-fn known(motion: &KnownMotion) -> String {
+fn motion_line(motion: &KnownMotion) -> String {
     let nature = motion.nature;
     let count = motion.count;
     let size = motion.amplitude_rad.to_degrees();

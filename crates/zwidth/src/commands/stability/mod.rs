@@ -18,11 +18,11 @@ use std::path::{Path, PathBuf};
 use zwidth_figures::{BoundaryOf, Side, StabilityPanel, StableArea};
 use zwidth_results::{BoundaryExtent, LimitKind, LimitName, StiffestWall, WallQuantity};
 use zwidth_stability::{
-    Area, Boundary, Curve, Map, Point, Span, VERSION, cells_table, curves, curves_table, extent,
+    Boundary, Curve, Map, Point, Span, VERSION, cells_table, curves, curves_table, extent,
     extents_table, limit_points, limits, limits_table, map, measured,
 };
 
-/// What runs along x where nothing is asked for; the stiffness runs along y.
+/// What runs along x where the command names no axes; the stiffness runs along y.
 const USUAL: [WallQuantity; 6] = [
     WallQuantity::WallDamping,
     WallQuantity::Delay,
@@ -60,10 +60,19 @@ pub(crate) fn stability(
     if let Some(study) = &command.study {
         return recorded::recorded(root, study, command, screen);
     }
-    let (name, point) = point::of(command)?;
+    let (name, point) = point::from_args(command)?;
     let boundaries = boundaries(&command.beside, point.lever_m)?;
     let folder = command.out.clone().unwrap_or_else(|| root.join("reports").join("stability"));
-    let mut output = Output::new(&folder, made_from(command, &point));
+    let scene = command
+        .scene
+        .as_ref()
+        .map_or("the simulated device".to_owned(), |path| path.display().to_string());
+    let made_from = BTreeMap::from([
+        ("of".to_owned(), scene),
+        ("point".to_owned(), format!("{point:?}")),
+        ("version".to_owned(), VERSION.to_string()),
+    ]);
+    let mut output = Output::new(&folder, made_from);
     let limits = limits(&point)?;
     let spans = spans(command);
     let bar = screen.bar(spans.len());
@@ -74,33 +83,36 @@ pub(crate) fn stability(
         bar.inc(1);
     }
     bar.finish_and_clear();
-    let told = words::of(&point, &limits);
+    let lines = words::limit_lines(&point, &limits);
     write(&name, &point, &maps, &boundaries, &limits, &mut output)?;
     write_boundaries(&boundaries, &point, &mut output)?;
     let outcome = Outcome {
         name,
         maps: maps.iter().map(pair).collect(),
         limits: limits.iter().map(out).collect(),
-        told: told.into_iter().chain(boundaries.iter().map(words::extent)).collect(),
+        told: lines.into_iter().chain(boundaries.iter().map(words::extent)).collect(),
         files: output.files,
     };
     if screen.json {
         screen.listing(&[outcome])?;
     } else {
-        tell(&outcome, screen);
+        outcome.told.iter().for_each(|line| screen.result(line));
+        let mut pictures = outcome.files;
+        pictures.retain(|path| path.extension().is_some_and(|e| e == "png"));
+        pictures.iter().for_each(|path| screen.result(path.display().to_string()));
     }
     Ok(Exit::Fine)
 }
 
-/// The pairs of axes that are asked for, or the usual ones.
+/// The pair of axes that the command names, or the usual ones.
 fn spans(command: &StabilityArgs) -> Vec<[Span; 2]> {
-    let span = |quantity, ends: Option<[f64; 2]>| {
-        let usual = Span::usual(quantity, command.cells as usize);
-        Span { ends: ends.unwrap_or(usual.ends), ..usual }
-    };
+    let cells = command.cells as usize;
     match (command.x, command.y) {
-        (Some((x, x_ends)), Some((y, y_ends))) => vec![[span(x, x_ends), span(y, y_ends)]],
-        _ => USUAL.map(|x| [span(x, None), span(WallQuantity::Stiffness, None)]).to_vec(),
+        (Some(x), Some(y)) => vec![[x, y].map(|(quantity, ends)| {
+            let usual = Span::usual(quantity, cells);
+            Span { ends: ends.unwrap_or(usual.ends), ..usual }
+        })],
+        _ => USUAL.map(|x| [x, WallQuantity::Stiffness].map(|q| Span::usual(q, cells))).to_vec(),
     }
 }
 
@@ -117,14 +129,17 @@ fn write(
         limit_points(map, &own.chain(of_others(map, boundaries)).collect::<Vec<_>>())
     });
     let points: Vec<_> = points.collect();
-    let stable = |area: Area| StableArea { x: area.x, low: area.low, high: area.high };
-    let panel = |map: &Map| StabilityPanel {
-        x: side(map.x),
-        y: side(map.y),
-        stable: map.stable().into_iter().map(stable).collect(),
-        device: [map.x, map.y].map(|span| point.value(span.quantity)),
-    };
-    let panels: Vec<StabilityPanel> = maps.iter().map(panel).collect();
+    let panels = maps.iter().map(|map| {
+        let stable = map.stable().into_iter();
+        let stable = stable.map(|area| StableArea { x: area.x, low: area.low, high: area.high });
+        StabilityPanel {
+            x: side(map.x),
+            y: side(map.y),
+            stable: stable.collect(),
+            device: [map.x, map.y].map(|span| point.value(span.quantity)),
+        }
+    });
+    let panels: Vec<StabilityPanel> = panels.collect();
     let notes = words::notes(point);
     output.figure(name, zwidth_figures::stability(&points, &panels, &notes))?;
     output.table(&format!("{name}.curves"), &curves_table(&points)?)?;
@@ -139,14 +154,14 @@ fn write(
 fn of_others(map: &Map, boundaries: &[(String, Boundary)]) -> Vec<Curve> {
     let is_map =
         (map.x.quantity, map.y.quantity) == (WallQuantity::WallDamping, WallQuantity::Stiffness);
-    let known = boundaries.iter().filter(|(_, boundary)| is_map && boundary.is_si);
-    let curve = |(name, boundary): &(String, Boundary)| Curve {
+    let drawable = boundaries.iter().filter(|(_, boundary)| is_map && boundary.is_si);
+    let curves = drawable.map(|(name, boundary)| Curve {
         limit: LimitName::Others(name.as_str().into()),
         kind: LimitKind::Others,
         // A logarithmic axis has no place for a wall of no stiffness.
         pieces: vec![boundary.points.iter().copied().filter(|p| p[1] > 0.0).collect()],
-    };
-    known.map(curve).collect()
+    });
+    curves.collect()
 }
 
 fn pair(map: &Map) -> String {
@@ -167,18 +182,20 @@ fn side(span: Span) -> Side {
 
 /// The boundaries that others measured, by the stems of their files.
 fn boundaries(paths: &[PathBuf], lever_m: f64) -> anyhow::Result<Vec<(String, Boundary)>> {
-    let read = |path: &PathBuf| {
+    let mut boundaries: Vec<(String, Boundary)> = Vec::new();
+    for path in paths {
         let text = crate::text::scene(path)?;
         let boundary = Boundary::from_csv(&text, lever_m)
             .with_context(|| format!("cannot use {}", path.display()))?;
-        Ok((super::simulate::stem(path), boundary))
-    };
-    let read: Vec<(String, Boundary)> = paths.iter().map(read).collect::<anyhow::Result<_>>()?;
-    if let Some(i) = (1..read.len()).find(|i| read[..*i].iter().any(|other| other.0 == read[*i].0))
-    {
-        bail!("two boundaries are called {}; rename one of the files", read[i].0);
+        boundaries.push((super::simulate::stem(path), boundary));
     }
-    Ok(read)
+    // After all are read: a file that cannot be used is reported first.
+    for (i, (name, _)) in boundaries.iter().enumerate() {
+        if boundaries[..i].iter().any(|(other, _)| other == name) {
+            bail!("two boundaries are called {name}; rename one of the files");
+        }
+    }
+    Ok(boundaries)
 }
 
 fn write_boundaries(
@@ -215,23 +232,4 @@ fn out(limit: &StiffestWall) -> LimitOut {
         error_share: limit.error_share,
         is_unsafe: limit.is_unsafe,
     }
-}
-
-fn tell(outcome: &Outcome, screen: &Screen) {
-    outcome.told.iter().for_each(|line| screen.result(line));
-    let pictures = outcome.files.iter().filter(|path| path.extension().is_some_and(|e| e == "png"));
-    pictures.for_each(|path| screen.result(path.display().to_string()));
-}
-
-/// What the files say of their making.
-fn made_from(command: &StabilityArgs, point: &Point) -> BTreeMap<String, String> {
-    let scene = command
-        .scene
-        .as_ref()
-        .map_or("the simulated device".to_owned(), |path| path.display().to_string());
-    BTreeMap::from([
-        ("of".to_owned(), scene),
-        ("point".to_owned(), format!("{point:?}")),
-        ("version".to_owned(), VERSION.to_string()),
-    ])
 }

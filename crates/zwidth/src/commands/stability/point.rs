@@ -10,8 +10,8 @@ use zwidth_stability::{Point, of_scene};
 /// T: the thesis' controller, s (Table 3).
 const PERIOD_S: f64 = 0.0083;
 
-/// Its name in files, and the point.
-pub(super) fn of(command: &StabilityArgs) -> anyhow::Result<(String, Point)> {
+/// The name of the point in files, and the point.
+pub(super) fn from_args(command: &StabilityArgs) -> anyhow::Result<(String, Point)> {
     let (name, point) = match &command.scene {
         Some(path) => {
             let text = crate::text::scene(path)?;
@@ -20,6 +20,7 @@ pub(super) fn of(command: &StabilityArgs) -> anyhow::Result<(String, Point)> {
         }
         None => ("twin".to_owned(), twin()),
     };
+    // In the order of the command line: of one quantity the last value counts.
     let with =
         command.at.iter().fold(point, |point, (quantity, value)| point.with(*quantity, *value));
     Ok((name, with))

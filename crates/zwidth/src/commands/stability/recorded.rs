@@ -16,7 +16,7 @@ use zwidth_tables::Table;
 
 /// What `--json` prints of a trial.
 #[derive(Serialize)]
-struct Told<'a> {
+struct TrialOut<'a> {
     participant: &'a str,
     session: &'a str,
     trial: u32,
@@ -27,7 +27,7 @@ struct Told<'a> {
     power_factor: Option<f64>,
 }
 
-/// Asks of one trial, of a session's, or of all that count.
+/// Answers for one trial, for those of a session, or for all that count.
 pub(super) fn recorded(
     root: &Path,
     study: &StudyId,
@@ -35,7 +35,8 @@ pub(super) fn recorded(
     screen: &Screen,
 ) -> anyhow::Result<Exit> {
     let layout = super::super::study(root, study.clone())?;
-    let data = StudyData::load(&layout).map_err(|found| super::super::join_findings(&found))?;
+    let data =
+        StudyData::load(&layout).map_err(|findings| super::super::join_findings(&findings))?;
     let wanted = |meta: &TrialMeta| {
         command.participant.as_ref().is_none_or(|participant| *participant == meta.participant)
             && command.session.as_ref().is_none_or(|session| *session == meta.session)
@@ -46,44 +47,46 @@ pub(super) fn recorded(
         bail!("{} of {study}; `zwidth list {study}` shows which count", words::nothing(command));
     }
     let bar = screen.bar(count);
-    let found = oscillations(&data, &wanted, &|| bar.inc(1)).map_err(|e| anyhow!("{e}"))?;
+    let oscillations = oscillations(&data, &wanted, &|| bar.inc(1)).map_err(|e| anyhow!("{e}"))?;
     bar.finish_and_clear();
-    found.problems.iter().for_each(|problem| screen.warn(problem));
-    let files = write(root, &data, command, &found)?;
+    oscillations.problems.iter().for_each(|problem| screen.warn(problem));
+    let files = write(root, &data, command, &oscillations)?;
     if screen.json {
-        screen.listing(&found.trials.iter().map(told).collect::<Vec<_>>())?;
+        screen.listing(&oscillations.trials.iter().map(trial_out).collect::<Vec<_>>())?;
     } else {
-        tell(&found, &files, screen);
+        tell(&oscillations, &files, screen);
     }
-    Ok(if found.problems.is_empty() { Exit::Fine } else { Exit::Partly })
+    Ok(if oscillations.problems.is_empty() { Exit::Fine } else { Exit::Partly })
 }
 
 fn write(
     root: &Path,
     data: &StudyData,
     command: &StabilityArgs,
-    found: &Oscillations,
+    oscillations: &Oscillations,
 ) -> anyhow::Result<Vec<PathBuf>> {
     let study = data.layout.study();
     let usual = root.join("reports").join(study.as_str()).join("stability");
     let folder = command.out.clone().unwrap_or(usual);
     let mut made_from = BTreeMap::from([
         ("study".to_owned(), study.to_string()),
-        ("plant".to_owned(), words::plant(found.is_fitted).to_owned()),
+        ("plant".to_owned(), words::plant(oscillations.is_fitted).to_owned()),
         ("version".to_owned(), VERSION.to_string()),
     ]);
-    let sources = found.trials.iter().map(|(meta, _)| meta.source);
+    let sources = oscillations.trials.iter().map(|(meta, _)| meta.source);
     let mark = zwidth_figures::mark(sources);
-    let said = mark.clone().unwrap_or_else(|| "recorded, and model runs beside it".to_owned());
-    made_from.insert("source".to_owned(), said);
+    let source = mark.clone().unwrap_or_else(|| "recorded, and model runs beside it".to_owned());
+    made_from.insert("source".to_owned(), source);
     let mut output = Output::new(&folder, made_from);
-    let rows: Vec<_> = found.trials.iter().map(|(meta, of)| trial_oscillation(meta, of)).collect();
+    let rows: Vec<_> =
+        oscillations.trials.iter().map(|(meta, one)| trial_oscillation(meta, one)).collect();
     output.table("oscillations", &Table::of_rows(&rows)?)?;
-    if let [(meta, one)] = &found.trials[..]
+    // Courses are drawn of a single trial; of several, the table has the numbers.
+    if let [(meta, one)] = &oscillations.trials[..]
         && let Some(swings) = one.recorded.filter(|_| !one.courses.is_empty())
     {
         let name = format!("oscillation.{}.{}.{}", meta.participant, meta.session, meta.trial);
-        let notes = [words::of(meta, one), words::plant(found.is_fitted).to_owned()];
+        let notes = [words::trial_line(meta, one), words::plant(oscillations.is_fitted).to_owned()];
         let courses: Vec<_> =
             one.courses.iter().map(|course| (&course.t_s[..], &course.theta_rad[..])).collect();
         let within_s = [swings.from_s, swings.to_s];
@@ -94,8 +97,8 @@ fn write(
     Ok(output.files)
 }
 
-fn told((meta, one): &(TrialMeta, Oscillation)) -> Told<'_> {
-    Told {
+fn trial_out((meta, one): &(TrialMeta, Oscillation)) -> TrialOut<'_> {
+    TrialOut {
         participant: meta.participant.as_str(),
         session: meta.session.as_str(),
         trial: meta.trial,
@@ -107,20 +110,23 @@ fn told((meta, one): &(TrialMeta, Oscillation)) -> Told<'_> {
     }
 }
 
-fn tell(found: &Oscillations, files: &[PathBuf], screen: &Screen) {
+fn tell(oscillations: &Oscillations, files: &[PathBuf], screen: &Screen) {
     /// Trials of which each has a line; of more only what is not calm.
     const FEW: usize = 12;
-    let is_few = found.trials.len() <= FEW;
-    let lines = found.trials.iter().filter(|row| is_few || row.1.recorded.is_some());
-    lines.for_each(|(meta, one)| screen.result(words::of(meta, one)));
-    let count = |answer| found.trials.iter().filter(|t| t.1.origin.answer() == answer).count();
-    if found.trials.len() > 1 {
+    let is_few = oscillations.trials.len() <= FEW;
+    // Of many trials the calm ones would hide the others.
+    let lines = oscillations.trials.iter().filter(|row| is_few || row.1.recorded.is_some());
+    lines.for_each(|(meta, one)| screen.result(words::trial_line(meta, one)));
+    if oscillations.trials.len() > 1 {
         let answers =
             [SwingAnswer::Calm, SwingAnswer::Real, SwingAnswer::Forced, SwingAnswer::CannotTell];
-        let parts = answers.map(|answer| format!("{} {}", count(answer), answer.as_str()));
-        screen.result(format!("{} trials: {}", found.trials.len(), parts.join(", ")));
+        let parts = answers.map(|answer| {
+            let n = oscillations.trials.iter().filter(|t| t.1.origin.answer() == answer).count();
+            format!("{n} {}", answer.as_str())
+        });
+        screen.result(format!("{} trials: {}", oscillations.trials.len(), parts.join(", ")));
     }
-    screen.result(words::plant(found.is_fitted));
+    screen.result(words::plant(oscillations.is_fitted));
     let shown = files.iter().filter(|path| {
         path.extension().is_some_and(|extension| extension == "png" || extension == "csv")
     });
@@ -151,7 +157,7 @@ mod words {
     }
 
     /// `P01 S01 trial 7 (spring, active): real: 24 swings, ±0.35° at 12.4 Hz, 1.20 to 3.30 s: …`
-    pub(super) fn of(meta: &TrialMeta, one: &Oscillation) -> String {
+    pub(super) fn trial_line(meta: &TrialMeta, one: &Oscillation) -> String {
         let TrialMeta { participant, session, trial, environment, mode, .. } = meta;
         let answer = one.origin.answer().as_str();
         let who = format!("{participant} {session} trial {trial} ({environment}, {mode})");
@@ -166,13 +172,6 @@ mod words {
             swings.from_s,
             swings.to_s
         );
-        let model = |name: &str, swings: &Option<RecordedSwings>| match swings {
-            None => format!("{name} no swing"),
-            Some(s) => {
-                let degrees = s.amplitude_rad.to_degrees();
-                format!("{name} ±{degrees:.3}° at {:.1} Hz", s.frequency_hz)
-            }
-        };
         let beside = if one.courses.is_empty() {
             String::new()
         } else {
@@ -180,11 +179,21 @@ mod words {
             let cos = one.power_factor.map_or(String::new(), |cos| format!("; cos φ {cos:+.2}"));
             format!(
                 " ({}; {}, by steps halved twice ±{}°{cos})",
-                model("model with the user's force", &one.with_force),
-                model("with its slow part", &one.alone),
+                model_swings("model with the user's force", &one.with_force),
+                model_swings("with its slow part", &one.alone),
                 steps.join(", "),
             )
         };
         format!("{who}: {answer}: {seen}: {}{beside}", one.origin.why())
+    }
+
+    fn model_swings(name: &str, swings: &Option<RecordedSwings>) -> String {
+        match swings {
+            None => format!("{name} no swing"),
+            Some(s) => {
+                let degrees = s.amplitude_rad.to_degrees();
+                format!("{name} ±{degrees:.3}° at {:.1} Hz", s.frequency_hz)
+            }
+        }
     }
 }

@@ -3,8 +3,8 @@
 use zwidth_results::{LimitKind, StiffestWall};
 use zwidth_stability::{Boundary, Point};
 
-/// The point, and a line a limit.
-pub(super) fn of(point: &Point, limits: &[StiffestWall]) -> Vec<String> {
+/// The point, and one line per limit.
+pub(super) fn limit_lines(point: &Point, limits: &[StiffestWall]) -> Vec<String> {
     let mut lines = vec![format!("Stiffest wall of a device of {}:", device(point))];
     lines.extend(limits.iter().map(line));
     lines

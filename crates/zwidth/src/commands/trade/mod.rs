@@ -14,8 +14,8 @@ use crate::screen::Screen;
 use crate::text::read_beside;
 use anyhow::bail;
 use serde::Serialize;
-use setups::{Made, Study, setups};
-use source::{Asked, Source, asked};
+use setups::{Study, Written, setups};
+use source::{Requested, Source, requested};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use zwidth_figures::Felt;
@@ -37,31 +37,32 @@ struct Outcome {
 }
 
 pub(crate) fn trade(root: &Path, command: &TradeArgs, screen: &Screen) -> anyhow::Result<Exit> {
-    let Asked { scenes, studies } = asked(root, command, screen)?;
+    let Requested { scenes, studies } = requested(root, command, screen)?;
     let mut outcomes = Vec::new();
     let settings: usize = scenes.iter().map(Source::settings).sum();
     let bar = screen.bar(settings + studies.iter().map(Study::trials).sum::<usize>());
-    let mut done = |message: &str, steps: usize, make: &dyn Fn() -> Option<Told>| {
+    let mut done = |message: &str, steps: usize, make: &dyn Fn() -> Option<Account>| {
         bar.set_message(message.to_owned());
+        // One that fails, or is up to date, does not take its steps by itself.
         let after = bar.position() + steps as u64;
-        let made = make();
+        let account = make();
         bar.set_position(after);
-        if let Some(made) = made {
+        if let Some(account) = account {
             if !screen.json {
-                bar.suspend(|| tell(&made, screen));
+                // A line that is printed while the bar is drawn would run into it.
+                bar.suspend(|| tell(&account, screen));
             }
-            outcomes.push(made);
+            outcomes.push(account);
         }
     };
-    let step = || bar.inc(1);
     for source in &scenes {
         done(&source.stem, source.settings(), &|| {
-            Some(outcome(source, one(source, command.fresh, &step)))
+            Some(scene_account(source, one(source, command.fresh, &|| bar.inc(1))))
         });
     }
     for study in &studies {
         done(setups::STEM, study.trials(), &|| {
-            of_study(study, setups(root, study, command.fresh, &step))
+            study_account(study, setups(root, study, command.fresh, &|| bar.inc(1)))
         });
     }
     bar.finish_and_clear();
@@ -79,9 +80,9 @@ pub(crate) fn trade(root: &Path, command: &TradeArgs, screen: &Screen) -> anyhow
 }
 
 /// What came of a study's setups; none where it has no trial to simulate.
-fn of_study(study: &Study, result: anyhow::Result<Option<Made>>) -> Option<Told> {
+fn study_account(study: &Study, result: anyhow::Result<Option<Written>>) -> Option<Account> {
     let (files, lines, error) = match result {
-        Ok(made) => made.map(|made| (made.files, made.lines, None))?,
+        Ok(written) => written.map(|written| (written.files, written.lines, None))?,
         Err(error) => (Vec::new(), Vec::new(), Some(format!("{}: {error:#}", setups::STEM))),
     };
     let outcome = Outcome {
@@ -95,8 +96,8 @@ fn of_study(study: &Study, result: anyhow::Result<Option<Made>>) -> Option<Told>
     Some((outcome, lines))
 }
 
-/// What came of a scene, and what is said of it.
-type Told = (Outcome, Vec<String>);
+/// What came of a scene, and the lines about it.
+type Account = (Outcome, Vec<String>);
 
 /// What one scene gave: its trade if it was made anew, and its files.
 struct Done {
@@ -104,7 +105,7 @@ struct Done {
     files: Vec<PathBuf>,
 }
 
-fn outcome(source: &Source, result: anyhow::Result<Done>) -> Told {
+fn scene_account(source: &Source, result: anyhow::Result<Done>) -> Account {
     let (done, error) = match result {
         Ok(done) => (Some(done), None),
         Err(error) => (None, Some(format!("{}: {error:#}", source.stem))),
@@ -118,10 +119,10 @@ fn outcome(source: &Source, result: anyhow::Result<Done>) -> Told {
         error,
         files: done.as_ref().map(|done| done.files.clone()).unwrap_or_default(),
     };
-    (outcome, trade.map(words::of).unwrap_or_default())
+    (outcome, trade.map(words::trade_lines).unwrap_or_default())
 }
 
-fn tell((outcome, lines): &Told, screen: &Screen) {
+fn tell((outcome, lines): &Account, screen: &Screen) {
     match &outcome.error {
         Some(error) => screen.warn(format!("skipped: {error}")),
         None if outcome.up_to_date => {
@@ -143,17 +144,19 @@ fn tell((outcome, lines): &Told, screen: &Screen) {
 fn one(source: &Source, fresh: bool, progress: &(dyn Fn() + Sync)) -> anyhow::Result<Done> {
     let key = source.key()?;
     let key_file = source.folder.join(format!("{}.trade.json", source.stem));
+    // The key alone is not enough: somebody may have removed the figures.
     let is_there = source.folder.join(format!("{}.trade.png", source.stem)).exists();
     if !fresh
         && is_there
-        && read_beside(&key_file).is_ok_and(|known| known.is_some_and(|known| known == key))
+        && read_beside(&key_file)
+            .is_ok_and(|previous| previous.is_some_and(|previous| previous == key))
     {
         return Ok(Done { trade: None, files: Vec::new() });
     }
     let parameters = Parameters::full(&source.scene, &source.perception);
     let mut trades = Vec::new();
     for (number, model) in models(&source.scene).iter().enumerate() {
-        // What is recommended is so for the model that was asked for.
+        // The recommendation is for the scene's own model, the first.
         let neighbours = if number == 0 { parameters.neighbours } else { 0 };
         let parameters = Parameters { neighbours, ..parameters.clone() };
         trades.push(match &source.traded {
@@ -166,6 +169,7 @@ fn one(source: &Source, fresh: bool, progress: &(dyn Fn() + Sync)) -> anyhow::Re
     write(source, &trades, &mut output)?;
     let timing = timing::table(&trades[0])?;
     output.table(&format!("{}.timing", source.stem), &timing)?;
+    // Last: a run that is cut off before leaves no key, and is done again.
     output.text(&format!("{}.trade", source.stem), "json", &key)?;
     let trade = trades.into_iter().next();
     Ok(Done { trade, files: output.files })
@@ -192,19 +196,18 @@ fn write(source: &Source, trades: &[Trade], output: &mut Output) -> anyhow::Resu
         output.text(&format!("{stem}.recommended"), "toml", &scene)?;
     }
     if let Some(solver) = words::chatters(trade) {
-        let runs = courses(&trade.scene, &beside(solver, trade.scene.step_s))?;
+        // The scene's own step, a tenth of it, and events found.
+        let step_s = trade.scene.step_s;
+        let shown = [Fineness::StepS(step_s), Fineness::StepS(0.1 * step_s), Fineness::None];
+        let shown = shown.map(|fineness| {
+            let solver = if fineness == Fineness::None { "exact" } else { solver };
+            Setting { solver, fineness }
+        });
+        let runs = courses(&trade.scene, &shown)?;
         let felt = Felt { solver, sentence: words::felt(trade, solver), title };
         output.table(&format!("{stem}.courses"), &courses_table(&trade.scene, &runs)?)?;
         let figure = zwidth_figures::finding(&runs, &own, &felt);
         output.figure(&format!("{stem}.chattering"), figure)?;
     }
     Ok(())
-}
-
-/// The scene's own step, a tenth of it, and events found.
-fn beside(solver: &'static str, step_s: f64) -> [Setting; 3] {
-    [Fineness::StepS(step_s), Fineness::StepS(0.1 * step_s), Fineness::None].map(|fineness| {
-        let solver = if fineness == Fineness::None { "exact" } else { solver };
-        Setting { solver, fineness }
-    })
 }

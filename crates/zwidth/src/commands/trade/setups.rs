@@ -10,7 +10,6 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use zwidth_device::{Device as _, Twin};
 use zwidth_plan::{OtherSetups, Rehearsal, rehearsal, rehearsed, rehearsed_trials};
-use zwidth_results::SetupSummary;
 use zwidth_runner::JobError;
 use zwidth_store::StudyData;
 use zwidth_study::{ParticipantId, SessionId, Source};
@@ -46,7 +45,7 @@ impl Study {
 
 /// The files that were written, none where nothing changed, and what they say in sentences.
 #[derive(Default)]
-pub(super) struct Made {
+pub(super) struct Written {
     pub(super) files: Vec<PathBuf>,
     pub(super) lines: Vec<String>,
 }
@@ -58,45 +57,49 @@ pub(super) fn setups(
     study: &Study,
     fresh: bool,
     progress: &(dyn Fn() + Sync),
-) -> anyhow::Result<Option<Made>> {
-    let Some(asked) = rehearsal(&study.data) else { return Ok(None) };
+) -> anyhow::Result<Option<Written>> {
+    let Some(rehearsal) = rehearsal(&study.data) else { return Ok(None) };
     let bench = bench(root, study.data.layout.study().clone(), None)?;
-    let of = |participant: &ParticipantId, session: &SessionId| -> Result<Twin, JobError> {
+    let twin_of = |participant: &ParticipantId, session: &SessionId| -> Result<Twin, JobError> {
         let seed = study.seed(participant, session);
         Ok(twin(&bench.occasion(seed, participant, session), false)?)
     };
-    let key = key(study, &asked, &bench, &of)?;
+    let key = key(study, &rehearsal, &bench, &twin_of)?;
     let key_file = study.folder.join(format!("{STEM}.json"));
+    // The key alone is not enough: somebody may have removed the figures.
     let is_there = study.folder.join(format!("{STEM}.png")).exists();
     if !fresh
         && is_there
-        && read_beside(&key_file).is_ok_and(|known| known.is_some_and(|known| known == key))
+        && read_beside(&key_file)
+            .is_ok_and(|previous| previous.is_some_and(|previous| previous == key))
     {
-        return Ok(Some(Made::default()));
+        return Ok(Some(Written::default()));
     }
-    let made = rehearsed(&study.data, &of, progress).map_err(|e| anyhow!("{}: {e}", study.name))?;
-    let Some(made) = made else { return Ok(None) };
-    let table = twin_table(&made.shifts)?;
+    let setups =
+        rehearsed(&study.data, &twin_of, progress).map_err(|e| anyhow!("{}: {e}", study.name))?;
+    let Some(setups) = setups else { return Ok(None) };
+    let table = twin_table(&setups.shifts)?;
     let made_from = BTreeMap::from([
         ("study".to_owned(), study.name.clone()),
         ("source".to_owned(), "twin, not measured".to_owned()),
     ]);
     let mut output = Output::new(&study.folder, made_from);
     output.table(STEM, &table)?;
-    let short = twin_summary_table(&made.summary, &made.stops)?;
+    let short = twin_summary_table(&setups.summary, &setups.stops)?;
     output.table(&format!("{STEM}.summary"), &short)?;
-    let lines = words(&made);
-    let shifts = std::iter::once(Ok(made.shifts));
+    let lines = words(&setups);
+    let shifts = std::iter::once(Ok(setups.shifts));
     let figure = zwidth_figures::less(table.title(), table.notes(), shifts, &[Source::Twin])?;
     output.figure(STEM, figure)?;
+    // Last: a run that is cut off before leaves no key, and is done again.
     output.text(STEM, "json", &key)?;
-    Ok(Some(Made { files: output.files, lines }))
+    Ok(Some(Written { files: output.files, lines }))
 }
 
 /// All that its files depend on, as text.
 fn key(
     study: &Study,
-    asked: &Rehearsal,
+    rehearsal: &Rehearsal,
     bench: &Bench,
     twin_of: &dyn Fn(&ParticipantId, &SessionId) -> Result<Twin, JobError>,
 ) -> anyhow::Result<String> {
@@ -116,14 +119,14 @@ fn key(
         "study": String::from_utf8_lossy(&bench.study_toml),
         "calibrations": study.data.sessions.iter().map(|s| &s.record.calibration).collect::<Vec<_>>(),
         "seeds": seeds,
-        "asked": asked,
+        "asked": rehearsal,
     });
     Ok(format!("{key:#}\n"))
 }
 
-/// A line a setup: what it changes most; and why safety stopped trials.
-fn words(made: &OtherSetups) -> Vec<String> {
-    let line = |row: &SetupSummary| {
+/// One line per setup: what it changes most; and why safety stopped trials.
+fn words(setups: &OtherSetups) -> Vec<String> {
+    let lines = setups.summary.iter().map(|row| {
         let most = row.metric.as_ref().zip(row.median_share);
         let most = most.map_or(String::new(), |(metric, share)| {
             format!("; {metric} most, by {share:.1} times what is just felt in the median trial")
@@ -136,7 +139,7 @@ fn words(made: &OtherSetups) -> Vec<String> {
             "{}: {} of {} metrics change by more than is just felt{most}{stopped}.",
             row.setup, row.felt, row.metrics
         )
-    };
-    let stops = made.stops.iter().map(|stop| stop.why.clone());
-    made.summary.iter().map(line).chain(stops).collect()
+    });
+    let stops = setups.stops.iter().map(|stop| stop.why.clone());
+    lines.chain(stops).collect()
 }

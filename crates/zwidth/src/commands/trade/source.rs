@@ -27,8 +27,10 @@ pub(super) struct Source {
 impl Source {
     /// How many settings are run.
     pub(super) fn settings(&self) -> usize {
-        let of = |model: &ModelScene| Parameters::full(model, &self.perception).settings(model);
-        models(&self.scene).iter().map(of).sum()
+        models(&self.scene)
+            .iter()
+            .map(|model| Parameters::full(model, &self.perception).settings(model))
+            .sum()
     }
 
     /// All that its files depend on, as text.
@@ -45,50 +47,56 @@ impl Source {
     }
 }
 
-/// What a command asks for.
-pub(super) struct Asked {
+/// What a command names.
+pub(super) struct Requested {
     pub(super) scenes: Vec<Source>,
     pub(super) studies: Vec<Study>,
 }
 
 /// The scenes and studies that a command names; all studies where it names none.
-pub(super) fn asked(root: &Path, command: &TradeArgs, screen: &Screen) -> anyhow::Result<Asked> {
-    let is_scene = |path: &&PathBuf| path.extension().is_some_and(|extension| extension == "toml");
-    let files: Vec<PathBuf> = command.scenes.iter().filter(is_scene).cloned().collect();
+pub(super) fn requested(
+    root: &Path,
+    command: &TradeArgs,
+    screen: &Screen,
+) -> anyhow::Result<Requested> {
+    let (files, names): (Vec<PathBuf>, Vec<PathBuf>) = command
+        .scenes
+        .iter()
+        .cloned()
+        .partition(|path| path.extension().is_some_and(|extension| extension == "toml"));
     let mut named = command.study.clone();
-    for name in command.scenes.iter().filter(|path| !is_scene(path)) {
-        named.push(study_id(name)?);
+    for name in &names {
+        let text = name.to_str().with_context(|| no_study(name))?;
+        named.push(StudyId::new(text).with_context(|| {
+            format!("{text} is neither a scene, which is a file that ends in .toml, nor a study")
+        })?);
     }
     check_stems(&files)?;
     let folder = command.out.clone().unwrap_or_else(|| root.join("reports").join("trade"));
-    let mut found = Asked {
-        scenes: files.iter().map(|path| of_file(path, &folder)).collect::<anyhow::Result<_>>()?,
+    let mut requested = Requested {
+        scenes: files
+            .iter()
+            .map(|path| read_scene(path, &folder))
+            .collect::<anyhow::Result<_>>()?,
         studies: Vec::new(),
     };
     if files.is_empty() || !named.is_empty() {
         for layout in studies(root, named)? {
-            of_study(&layout, command, screen, &mut found)?;
+            add_study(&layout, command, screen, &mut requested)?;
         }
     }
-    if found.scenes.is_empty() {
+    if requested.scenes.is_empty() {
         bail!("there is no scene to trade; name one, for instance scenes/sine.toml");
     }
-    Ok(found)
+    Ok(requested)
 }
 
-fn study_id(name: &Path) -> anyhow::Result<StudyId> {
-    let text = name.to_str().with_context(|| no_study(name))?;
-    StudyId::new(text).with_context(|| {
-        format!("{text} is neither a scene, which is a file that ends in .toml, nor a study")
-    })
-}
-
-/// The conditions of a study, and its trials.
-fn of_study(
+/// Adds the conditions of a study, and its trials.
+fn add_study(
     layout: &Layout,
     command: &TradeArgs,
     screen: &Screen,
-    found: &mut Asked,
+    requested: &mut Requested,
 ) -> anyhow::Result<()> {
     let data = StudyData::load(layout).map_err(|findings| join_findings(&findings))?;
     let folder = command.out.clone().unwrap_or_else(|| layout.reports().join("timing"));
@@ -100,7 +108,7 @@ fn of_study(
              work space): nothing to trade"
         ));
     }
-    found.scenes.extend(scenes.into_iter().map(|traded| Source {
+    requested.scenes.extend(scenes.into_iter().map(|traded| Source {
         stem: traded.scene.name.clone(),
         title: traded.scene.name.clone(),
         scene: traded.scene.clone(),
@@ -108,11 +116,11 @@ fn of_study(
         perception: data.study.perception.clone(),
         folder: folder.clone(),
     }));
-    found.studies.push(Study { data, folder, name });
+    requested.studies.push(Study { data, folder, name });
     Ok(())
 }
 
-fn of_file(path: &Path, folder: &Path) -> anyhow::Result<Source> {
+fn read_scene(path: &Path, folder: &Path) -> anyhow::Result<Source> {
     let file = SceneFile::read(path)?;
     Ok(Source {
         stem: stem(path),

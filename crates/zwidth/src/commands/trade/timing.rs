@@ -23,8 +23,9 @@ const MOST_WORK: u64 = 200_000;
 /// not take long.
 pub(super) fn table(trade: &Trade) -> anyhow::Result<Table> {
     let system = System::new(trade.scene.clone())?;
-    let short = |cell: &&Cell| cell.errors.is_some() && cell.evaluations <= MOST_WORK;
-    let row = |cell: &Cell| {
+    let cells = trade.cells.iter();
+    let short = cells.filter(|cell| cell.errors.is_some() && cell.evaluations <= MOST_WORK);
+    let rows = short.map(|cell| {
         let [median_s, low_s, high_s] = time_s(cell, trade, &system);
         RunTime {
             solver: cell.setting.solver.into(),
@@ -36,8 +37,8 @@ pub(super) fn table(trade: &Trade) -> anyhow::Result<Table> {
             time_high_s: high_s,
             time_share: median_s / trade.scene.duration_s,
         }
-    };
-    let rows: Vec<RunTime> = trade.cells.iter().filter(short).map(row).collect();
+    });
+    let rows: Vec<RunTime> = rows.collect();
     let title = format!("{}: {}", trade.scene.name, RunTime::TITLE);
     let table = Table::of_rows(&rows)?.called(RunTime::NAME, title);
     Ok(table
@@ -57,6 +58,7 @@ fn time_s(cell: &Cell, trade: &Trade, system: &System) -> [f64; 3] {
         let start = Instant::now();
         let run = solver.run(black_box(system), &grid);
         let time_s = start.elapsed().as_secs_f64();
+        // Outside of the time, and not optimised away.
         drop(black_box(run));
         time_s
     };

@@ -1,13 +1,13 @@
 //! The result of a trade in sentences.
 
 use zwidth_dynamics::RunVerdict;
-use zwidth_trade::{Cell, Trade};
+use zwidth_trade::Trade;
 
 /// The thesis' method, with either time of switching; the one that chatters more comes first.
 const THESIS: [&str; 2] = ["rk4_per_step", "rk4_per_stage"];
 
 /// What a person wants to know of a trade.
-pub(super) fn of(trade: &Trade) -> Vec<String> {
+pub(super) fn trade_lines(trade: &Trade) -> Vec<String> {
     let mut lines = notes(trade);
     lines.extend(THESIS.iter().filter_map(|solver| thesis(trade, solver)));
     lines.extend(chatters(trade).map(|solver| felt(trade, solver)));
@@ -16,16 +16,14 @@ pub(super) fn of(trade: &Trade) -> Vec<String> {
 
 /// How far the yardstick is proven, and what is recommended.
 pub(super) fn notes(trade: &Trade) -> Vec<String> {
-    let apart = |value: Option<f64>, unit: &str| {
+    let [rad, s] = [(trade.apart_rad, "rad"), (trade.apart_s, "s")].map(|(value, unit)| {
         value.map_or("unknown".to_owned(), |value| format!("{value:.1e} {unit}"))
-    };
+    });
     let mut lines = vec![format!(
-        "Yardstick {}: {} and {} differ by {} and {}.",
+        "Yardstick {}: {} and {} differ by {rad} and {s}.",
         trade.proof.as_str(),
         trade.solvers[0],
         trade.solvers[1],
-        apart(trade.apart_rad, "rad"),
-        apart(trade.apart_s, "s"),
     )];
     let Some(choice) = &trade.choice else {
         lines.push("Nothing is recommended.".to_owned());
@@ -74,30 +72,29 @@ fn thesis(trade: &Trade, solver: &str) -> Option<String> {
 
 /// The thesis' method where it chatters at the scene's own step.
 pub(super) fn chatters(trade: &Trade) -> Option<&'static str> {
-    let chatters = |solver: &&&'static str| {
+    THESIS.into_iter().find(|solver| {
         trade.cells.iter().any(|cell| {
-            cell.setting.solver == **solver
+            cell.setting.solver == *solver
                 && cell.judgement.verdict == RunVerdict::NumericalChattering
         })
-    };
-    THESIS.iter().find(chatters).copied()
+    })
 }
 
 /// Whether what a solver makes can be felt, by step.
 pub(super) fn felt(trade: &Trade, solver: &str) -> String {
     let cells = trade.cells.iter().filter(|cell| cell.setting.solver == solver);
-    let chattering: Vec<&Cell> =
-        cells.filter(|c| c.judgement.verdict == RunVerdict::NumericalChattering).collect();
-    let is_felt = |cell: &&&Cell| cell.errors.is_some_and(|errors| errors.felt.is_felt());
-    let steps = |cells: &mut dyn Iterator<Item = &&Cell>| -> Vec<f64> {
-        cells.filter_map(|cell| cell.setting.step_s()).collect()
-    };
-    let felt = steps(&mut chattering.iter().filter(is_felt));
-    let not = steps(&mut chattering.iter().filter(|cell| !is_felt(cell)));
-    let least = felt.iter().copied().fold(f64::INFINITY, f64::min);
-    let ms = |step_s: f64| format!("{} ms", (step_s * 1e6).round() / 1e3);
+    let mut felt = Vec::new();
+    let mut unfelt = Vec::new();
+    for cell in cells.filter(|c| c.judgement.verdict == RunVerdict::NumericalChattering) {
+        let is_felt = cell.errors.is_some_and(|errors| errors.felt.is_felt());
+        let steps = if is_felt { &mut felt } else { &mut unfelt };
+        steps.extend(cell.setting.step_s());
+    }
+    let least_s = felt.iter().copied().fold(f64::INFINITY, f64::min);
+    // In whole microseconds: more digits are rounding.
+    let least_ms = (least_s * 1e6).round() / 1e3;
     let lever_mm = trade.scene.plant.lever_m * 1e3;
-    match (felt.is_empty(), not.is_empty()) {
+    match (felt.is_empty(), unfelt.is_empty()) {
         (true, _) => format!(
             "At the end of a lever of {lever_mm} mm nobody would feel the chattering, at any step."
         ),
@@ -107,8 +104,7 @@ pub(super) fn felt(trade: &Trade, solver: &str) -> String {
             )
         }
         (false, false) => format!(
-            "At the end of a lever of {lever_mm} mm a person would feel the chattering at steps of {} and more, and not at the shorter ones.",
-            ms(least)
+            "At the end of a lever of {lever_mm} mm a person would feel the chattering at steps of {least_ms} ms and more, and not at the shorter ones."
         ),
     }
 }
