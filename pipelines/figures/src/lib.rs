@@ -55,4 +55,4 @@ pub use schematic::*;
 pub use words::{Words, mark};
 
 /// Version of the figures' form: raised when a figure would look different from the same data.
-pub const VERSION: u32 = 29;
+pub const VERSION: u32 = 30;
