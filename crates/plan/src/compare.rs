@@ -1,4 +1,4 @@
-//! Stage `compare`: modes, participants and sessions compared, one job per metric; its figures.
+//! Stage `compare`: modes, participants and sessions compared, one job for all metrics and one for answers; its figures.
 
 use crate::figures::drawing::{Drawing, Figured};
 use crate::likert::figures as likert_figures;

@@ -3,7 +3,7 @@
 use crate::binary::zwidth;
 use crate::folders::{files, listing, workspace};
 use crate::{shipped, small};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
 use zwidth_store::{RealFiles, append_events};
@@ -39,6 +39,23 @@ fn jobs() -> usize {
     let records = shipped::folder().join("derived/thesis-twin/records.json");
     let records: serde_json::Value = serde_json::from_slice(&fs::read(records).unwrap()).unwrap();
     records.as_object().unwrap().len()
+}
+
+#[test]
+fn the_bytes_written_down_are_of_the_versions_that_stages_have() {
+    let records = shipped::folder().join("derived/thesis-twin/records.json");
+    let records: serde_json::Value = serde_json::from_slice(&fs::read(records).unwrap()).unwrap();
+    let mut versions = BTreeMap::new();
+    for record in records.as_object().unwrap().values() {
+        versions.insert(record["stage"].as_str().unwrap(), record["version"].as_u64().unwrap());
+    }
+    let written = include_str!("../../thesis-twin.b3");
+    let written: BTreeMap<&str, u64> = written
+        .lines()
+        .filter_map(|line| line.split_once(' '))
+        .map(|(stage, rest)| (stage, rest.split(' ').next().unwrap().parse().unwrap()))
+        .collect();
+    assert_eq!(written, versions, "after a raised version: `cargo xtask bits renew`");
 }
 
 /// The stems of the files with this extension.
