@@ -395,6 +395,14 @@ def the_matrix_is_opened(visit):
     checks.equal("a dot opens the traces of both modes in place", (page.locator(".detail #surface").count(), len(page.locator("#pick-modes input:checked").all())), (1, 2))
     checks.check("the focus is on the traces", page.evaluate("document.activeElement.id === 'surface'"))
     checks.check("the browser's own part says where they are", page.locator("#trials .elsewhere").is_visible())
+    page.locator("#left-out > summary").click()
+    box = page.locator("#left-out-trials input").first
+    box.uncheck()
+    page.set_viewport_size({"width": 1200, "height": 900})
+    page.set_viewport_size({"width": 1440, "height": 900})
+    checks.equal("the traces stay open, and the box keeps the focus, while rows are estimated again", (page.locator(".detail #surface").count(), box.evaluate("(box) => box === document.activeElement")), (1, True))
+    box.check()
+    page.locator("#left-out > summary").click()
     page.locator("#trials .elsewhere button").click()
     checks.equal("they are brought back", (page.locator("#trials #surface").count(), page.locator(".detail").count()), (1, 0))
     for form, begin in (("svg", b"<svg"), ("png", b"\x89PNG"), ("csv", b"metric,")):

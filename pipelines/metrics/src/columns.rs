@@ -88,6 +88,11 @@ pub fn names() -> Vec<&'static str> {
     numbers().map(|(name, _)| name).collect()
 }
 
+/// Whether a metric rests on the plant that all trials together identify.
+pub fn is_of_plant(metric: &str) -> bool {
+    PLANT_GROUPS.into_iter().flatten().any(|spec| spec.name == metric)
+}
+
 /// What a metric measures, in words; `None` if there is none of that name that is a number.
 pub fn in_words(metric: &str) -> Option<&'static str> {
     let of_trial = GROUPS.into_iter().flatten().map(|spec| (spec.name, spec.description));

@@ -57,7 +57,7 @@ mod wall;
 pub use actuator::ActuatorDiscrepancy;
 pub use by_mode::by_mode;
 pub use columns::{
-    VERSION, better, commanded, in_words, is_number, is_possible, names, needs_lever,
+    VERSION, better, commanded, in_words, is_number, is_of_plant, is_possible, names, needs_lever,
 };
 pub use compliance::Compliance;
 pub use conditions::{ConditionsError, by_condition, summarised};

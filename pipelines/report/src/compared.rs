@@ -196,7 +196,11 @@ fn directed(study: &Setup, metric: &ComparedMetric, row: &ModeDifference) -> Str
     let turn = if row.difference < 0.0 { -factor } else { factor };
     let error = row.difference_std_error.map(|error| error * factor);
     let amount = with_unit(&number(row.difference * turn, error), &unit);
-    let higher = if row.difference < 0.0 { "lower" } else { "higher" };
+    let direction = match row.difference {
+        d if d < 0.0 => format!("lower with {mode} than with {against}"),
+        d if d > 0.0 => format!("higher with {mode} than with {against}"),
+        _ => format!("between {mode} and {against}"),
+    };
     let ends = row.difference_ci_low.zip(row.difference_ci_high).map(|(low, high)| {
         let [from, to] = if turn < 0.0 { [high, low] } else { [low, high] };
         format!(" ({} to {})", number(from * turn, error), number(to * turn, error))
@@ -209,7 +213,7 @@ fn directed(study: &Setup, metric: &ComparedMetric, row: &ModeDifference) -> Str
     let best = row.best(metric.metric.better).map(|mode| format!(": {} is better", label(mode)));
     let remark = row.remark.as_ref().map(|why| format!(": {why}"));
     format!(
-        "in {} {amount} {higher} with {mode} than with {against}{}, {}{}{}{}",
+        "in {} {amount} {direction}{}, {}{}{}{}",
         environment_label(study, &row.environment),
         ends.unwrap_or_default(),
         row.verdict.as_str(),

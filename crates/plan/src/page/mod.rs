@@ -14,7 +14,7 @@ use crate::shared::conditions::{Repeats, sessions};
 use crate::shared::handle::Derived;
 use crate::shared::making::read_shared;
 use crate::shared::trials::{OfTrials, Recordings, files as trial_files, read_drawn};
-use crate::{average, identify, likert, metrics};
+use crate::{average, compare, identify, likert, metrics};
 use serde::Serialize;
 use std::path::PathBuf;
 use zwidth_average::Alignment;
@@ -74,17 +74,21 @@ pub(crate) fn jobs(data: &StudyData, findings: &Findings, figures: &[Drawing]) -
     }
     jobs.extend(sliders_job(data));
     let (summary, files) = summary::inputs(data, findings, figures);
-    let compare = &data.study.compare;
+    let settings = &data.study.compare;
     let index = Index {
         summary,
         study: data.layout.study().to_string(),
         turned: runs::turned(data).map(|(session, _)| session.ids()),
         torque: summary::has_torque_alone(data),
         estimating: Estimating {
-            level: compare.level,
-            alpha: compare.alpha,
-            families: compare.families,
+            level: settings.level,
+            alpha: settings.alpha,
+            families: settings.families,
             perception: data.study.perception.clone(),
+            of_plant: compare::compared(data)
+                .into_iter()
+                .filter(|metric| zwidth_metrics::is_of_plant(metric))
+                .collect(),
         },
         version: env!("CARGO_PKG_VERSION"),
     };

@@ -70,6 +70,8 @@ struct MetricOf {
     unit: String,
     scale: f64,
     is_primary: bool,
+    /// Whether it rests on the plant that all trials together identify.
+    is_of_plant: bool,
     /// Which values are better: `lower`, `higher`, `neither`.
     better: &'static str,
     /// The share of a value that is just noticed, and the least difference that is, in SI.
@@ -89,6 +91,8 @@ pub struct Estimating {
     pub families: Families,
     /// What is just noticed.
     pub perception: Perception,
+    /// The metrics that rest on the plant, which all trials together identify.
+    pub of_plant: Vec<String>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -197,7 +201,7 @@ impl Contents {
             modes: planned.modes.iter().map(Labelled::of).collect(),
             metrics: columns
                 .iter()
-                .map(|(metric, _)| MetricOf::of(metric, planned, &estimating.perception))
+                .map(|(metric, _)| MetricOf::of(metric, planned, estimating))
                 .collect(),
             questions: ratings(planned).map(QuestionOf::of).collect(),
             trials: trials(metrics, &columns, &answered(planned, answers)),
@@ -232,7 +236,7 @@ impl Labelled {
 }
 
 impl MetricOf {
-    fn of(metric: &ComparedMetric, planned: &Setup, perception: &Perception) -> Self {
+    fn of(metric: &ComparedMetric, planned: &Setup, estimating: &Estimating) -> Self {
         let ComparedMetric { metric: Compared { unit: si, .. }, means, contrasts, redrawn, .. } =
             metric;
         let (unit, scale) = shown_unit(si, planned.coordinate);
@@ -243,8 +247,9 @@ impl MetricOf {
             unit: if unit == "1" { String::new() } else { unit },
             scale,
             is_primary: metric.metric.role == Role::Primary,
+            is_of_plant: estimating.of_plant.iter().any(|id| id == metric.metric.metric.as_str()),
             better: metric.metric.better.as_str(),
-            noticed: perception.share_and_floor(si, lever_m),
+            noticed: estimating.perception.share_and_floor(si, lever_m),
             means: means.iter().map(MeanOf::new).collect(),
             differences: contrasts.iter().map(|row| DifferenceOf::new(row, redrawn)).collect(),
         }

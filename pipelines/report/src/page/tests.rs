@@ -93,6 +93,7 @@ fn with_answer(planned: &Setup, title: &str, answer: AnswerValue) -> Contents {
         alpha: 0.05,
         families: zwidth_study::Families::Metric,
         perception: zwidth_study::Perception::default(),
+        of_plant: Vec::new(),
     };
     let given = GivenAnswer {
         participant: "P01".parse().unwrap(),

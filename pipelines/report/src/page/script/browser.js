@@ -135,7 +135,7 @@ async function refresh() {
 
 const say = (text, bad = false) => { parts.status.textContent = text; parts.status.classList.toggle("bad", bad); };
 let touched = false; // the address stays as it was until somebody chooses something
-const keepHash = () => touched && history.replaceState(null, "", writeHash());
+const keepHash = () => touched && !matrix.open?.view && history.replaceState(null, "", writeHash());
 
 /** What the plots show that is not named on them. */
 function writeNote() {

@@ -100,7 +100,7 @@ function dotGroups(environment, index, many) {
   return study.modes.map((mode, m) => {
     const trials = study.trials.filter((trial) => trial.environment === environment.id && trial.mode === mode.id && Number.isFinite(measured(trial, index)));
     const points = many
-      ? [...groupBy(trials, (trial) => trial.participant)].map(([p, mine]) => ({ value: mean(mine.map((trial) => measured(trial, index))), of: p, words: `${p}, ${short(mode.label)}, mean of ${mine.length} trials`, open: () => openTrials({ p, s: EVERY, e: environment.id, m: [mode.id] }) }))
+      ? [...groupBy(trials, (trial) => trial.participant)].map(([p, mine]) => ({ value: mean([...groupBy(mine, (trial) => trial.session).values()].map((own) => mean(own.map((trial) => measured(trial, index))))), of: p, words: `${p}, ${short(mode.label)}, mean of ${mine.length} trials`, open: () => openTrials({ p, s: EVERY, e: environment.id, m: [mode.id] }) }))
       : trials.map((trial) => ({ value: measured(trial, index), of: trial.participant, words: trialWords(trial), open: () => openTrial(trial) }));
     for (const one of points) one.words += `: ${significant(one.value)} ${metric.unit}`;
     return { label: mode.label, mode: m, points, summary: summaryOf(metric, metric.means, environment.id, mode.id, points.map((one) => one.value)) };
@@ -111,18 +111,19 @@ function dotGroups(environment, index, many) {
 function differenceGroups(environment, index, single) {
   const metric = study.metrics[index];
   const mine = study.trials.filter((trial) => trial.environment === environment.id && Number.isFinite(measured(trial, index)));
-  const units = groupBy(mine, (trial) => (single ? `${trial.session}, repeat ${trial.repeat}` : trial.participant));
+  const units = groupBy(mine, (trial) => `${trial.session}, repeat ${trial.repeat}`);
+  const cells = cellsOf(index, environment.id, () => true);
   const pairs = study.modes.flatMap((from, i) => study.modes.slice(i + 1).map((to) => [from, to]));
   // A contrast is drawn the way round in which the tables have it.
   const asked = ([from, to]) => (metric.differences.some((one) => one.of === `${from.id} − ${to.id}`) ? [to, from] : [from, to]);
   return pairs.map(asked).map(([from, to]) => {
-    const points = [...units].flatMap(([unit, trials]) => {
+    const ofPeople = () => peoplesDifferences(cells, { mode: to.id, against: from.id }).map(({ participant: p, value }) => ({ value: value * metric.scale, words: `${p}, ${short(to.label)} minus ${short(from.label)}: ${significant(value * metric.scale)} ${metric.unit}`, open: () => openTrials({ p, s: EVERY, e: environment.id, m: [from.id, to.id], r: "all" }) }));
+    const points = !single ? ofPeople() : [...units].flatMap(([unit, trials]) => {
       const of = ({ id }) => trials.filter((trial) => trial.mode === id).map((trial) => measured(trial, index));
       if (!of(from).length || !of(to).length) return [];
       const value = mean(of(to)) - mean(of(from));
       const [{ participant: p, session, repeat }] = trials;
-      const s = single ? session : EVERY; // a participant's mean is over every session
-      return [{ value, words: `${unit}, ${short(to.label)} minus ${short(from.label)}: ${significant(value)} ${metric.unit}`, open: () => openTrials({ p, s, e: environment.id, m: [from.id, to.id], r: single ? repeat : "all" }) }];
+      return [{ value, words: `${unit}, ${short(to.label)} minus ${short(from.label)}: ${significant(value)} ${metric.unit}`, open: () => openTrials({ p, s: session, e: environment.id, m: [from.id, to.id], r: repeat }) }];
     });
     const summary = summaryOf(metric, metric.differences, environment.id, `${to.id} − ${from.id}`, points.map((one) => one.value));
     return { label: `${short(to.label, 12)} − ${short(from.label, 12)}`, names: [short(to.label), short(from.label)], mode: study.modes.indexOf(to), points, summary };
@@ -132,6 +133,7 @@ function differenceGroups(environment, index, single) {
 /** How many of the people, or of the only one's repeats, have a difference of the more frequent sign. */
 function everybodyWords(environment, { points, names: [mode, against] }, isSingle) {
   const higher = points.filter(({ value }) => value > 0).length, lower = points.filter(({ value }) => value < 0).length;
+  if (!higher && !lower) return "";
   return `${short(environment.label, 30)}: ${higher >= lower ? "higher" : "lower"} with ${mode} than with ${against} in ${Math.max(higher, lower)} of ${points.length} ${isSingle ? "repeats" : points.length === 1 ? "person" : "people"}.`;
 }
 

@@ -59,11 +59,11 @@ function holm(values) {
 const ROUNDING = 1e-12; // a difference below this share of its terms is their rounding
 
 /** Values of one environment and metric: by participant, then by session, then by mode. */
-function cellsOf(index, environment) {
+function cellsOf(index, environment, isIn = counts) {
   const cells = new Map();
   for (const trial of study.trials) {
     const value = trial.metrics[index];
-    if (trial.environment !== environment || value === null || value === undefined || !counts(trial)) continue;
+    if (trial.environment !== environment || value === null || value === undefined || !isIn(trial)) continue;
     const sessions = cells.get(trial.participant) ?? cells.set(trial.participant, new Map()).get(trial.participant);
     const modes = sessions.get(trial.session) ?? sessions.set(trial.session, new Map()).get(trial.session);
     (modes.get(trial.mode) ?? modes.set(trial.mode, []).get(trial.mode)).push(value);
@@ -169,14 +169,20 @@ function verdictRows() {
 
 const powerOf = (value, digits) => Number(value.toExponential(digits === undefined ? undefined : digits - 1).split("e")[1]);
 
-/** Rounds to so many places; what lies in the middle goes to the even digit, as the program has it. */
-function fixed(value, places) {
-  const long = Math.abs(value).toFixed(Math.min(100, places + 30)), tail = long.slice(long.length - Math.min(100, places + 30) + places);
-  const text = value.toFixed(places);
-  if (!/^50*$/.test(tail)) return text;
-  const down = long.slice(0, long.length - tail.length).replace(/\.$/, "");
-  return /[02468]$/.test(down) ? (value < 0 ? "-" : "") + down : text;
+/** Rounded digits, or where the value lies in the middle, which its long form shows, those that end with an even one: the program's rule. */
+function even(text, long, places) {
+  const kept = long.indexOf(".") + 1 + places, down = long.slice(0, kept).replace(/\.$/, "");
+  return /^50*$/.test(long.slice(kept)) && /[02468]$/.test(down) ? down : text;
 }
+
+const fixed = (value, places) => even(value.toFixed(places), value.toFixed(Math.min(100, places + 30)), places);
+
+function exponential(value, places) {
+  const [[text, exponent], [long, before]] = [value.toExponential(places), value.toExponential(Math.min(100, places + 30))].map((number) => number.split("e"));
+  return exponent === before ? [even(text, long, places), exponent] : [text, exponent];
+}
+
+const evenMultiple = (value, step) => (Math.abs((value / step) % 1) === 0.5 ? 2 * Math.round(value / step / 2) : Math.round(value / step)) * step;
 
 /** A number to the two digits that its error allows, or to four where that is not known: the program's rule. */
 function toDigits(value, error) {
@@ -184,10 +190,10 @@ function toDigits(value, error) {
   const last = isKnown ? powerOf(error, 2) - 1 : powerOf(value, 4) - 3, place = isKnown || powerOf(value, 4) >= 6 ? last : Math.min(last, 0);
   const digits = Math.max(0, powerOf(value) - place + 1), power = digits ? powerOf(value, digits) : place;
   let [mantissa, exponent] = [null, null];
-  if (place >= -7 && power < 6) mantissa = place <= 0 ? fixed(value, -place) : fixed(Math.round(value / 10 ** place) * 10 ** place, 0);
+  if (place >= -7 && power < 6) mantissa = place <= 0 ? fixed(value, -place) : fixed(evenMultiple(value, 10 ** place), 0);
   else if (!digits && Math.abs(value) > 0.5 * 10 ** place) [mantissa, exponent] = [value < 0 ? "-1" : "1", place];
   else if (!digits || value === 0) mantissa = "0";
-  else [mantissa, exponent] = value.toExponential(Math.abs(power - place)).split("e");
+  else [mantissa, exponent] = exponential(value, Math.abs(power - place));
   if (!isKnown && mantissa.includes(".") && Number(`${mantissa}e${exponent ?? 0}`) === value) mantissa = mantissa.replace(/\.?0+$/, "");
   if (!/[1-9]/.test(mantissa)) mantissa = mantissa.replace("-", "");
   const raised = exponent === null ? "" : `\u00a0×\u00a010${[...String(Number(exponent))].map((c) => (c === "-" ? "⁻" : "⁰¹²³⁴⁵⁶⁷⁸⁹"[c])).join("")}`;
@@ -213,5 +219,6 @@ function bestOf({ index, verdict, means: [first, second], mode, against }) {
 /** What the tests show, whether it is felt, and which mode is better. */
 function verdictWords(row) {
   const best = bestOf(row);
-  return `${row.verdict}${row.size ? `, ${row.size}` : ""}${best ? `: ${short(labelOf(study.modes, best), 24)} is better` : ""}`;
+  const plant = leftOut.size && study.metrics[row.index].is_of_plant ? " (approximate: the program would fit the plant again)" : "";
+  return `${row.verdict}${row.size ? `, ${row.size}` : ""}${plant}${best ? `: ${short(labelOf(study.modes, best), 24)} is better` : ""}`;
 }

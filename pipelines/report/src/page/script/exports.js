@@ -55,7 +55,8 @@ function drawExport(pen, id, width, height) {
   pen.rect(0, 0, width, height, { colour: theme.paper });
   const shifted = { ...pen };
   drawPanel(shifted, panel, width, height - 34, theme, screen.range, true);
-  pen.text(short(`${study.study}, ${labelOf(study.environments, browser.of.e)}, ${browser.of.p === EVERY ? "all participants" : `${browser.of.p} ${browser.of.s === EVERY ? "all sessions" : browser.of.s}`}${browser.of.r === "all" ? "" : `, repeat ${browser.of.r}`}`, 70), 8, height - 24, { colour: theme.quiet, size: 11 });
+  const beside = besides().find(({ key }) => key === view.beside);
+  pen.text(short(`${study.study}, ${labelOf(study.environments, browser.of.e)}, ${browser.of.p === EVERY ? "all participants" : `${browser.of.p} ${browser.of.s === EVERY ? "all sessions" : browser.of.s}`}${browser.of.r === "all" ? "" : `, repeat ${browser.of.r}`}${beside ? `; dotted: ${beside.label}` : ""}`, 90), 8, height - 24, { colour: theme.quiet, size: 11 });
   if (study.simulated) pen.text("SYNTHETIC: simulated, not measured", 8, height - 10, { colour: theme.mark, size: 11, bold: true });
 }
 
@@ -81,8 +82,8 @@ function buildExports() {
 }
 
 /** Brings the browser of trials back from where it was opened. */
-function bringBack() {
-  const browserHost = byId("browser"), home = byId("trials");
+function bringBack(browserHost = byId("browser")) {
+  const home = byId("trials");
   if (!home || !browserHost || home.contains(browserHost)) return;
   home.querySelector(".elsewhere")?.remove();
   home.append(browserHost);
@@ -91,9 +92,10 @@ function bringBack() {
 /** Opens trials in the browser from elsewhere on the page, or there with `host`, and takes the focus to them. */
 function openTrials(patch, host = null) {
   if (!parts.surface) return;
+  if (!host && matrix.open?.view) closeRow();
   bringBack();
   if (host) {
-    byId("trials").append(make("p", { class: "elsewhere" }, "The plots are open in the matrix. ", make("button", { type: "button", onclick: closeRow }, "Bring them back")));
+    byId("trials").append(make("p", { class: "elsewhere" }, "The plots are open in the matrix. ", make("button", { type: "button", onclick: () => { const name = lineOf(matrix.open.key)?.querySelector("button"); closeRow(); name?.focus({ preventScroll: true }); } }, "Bring them back")));
     host.append(byId("browser"));
   }
   touched = true;

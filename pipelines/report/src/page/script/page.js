@@ -79,7 +79,7 @@ function startBrowser(host) {
   refresh();
   if (named) byId("trials").scrollIntoView();
   host.addEventListener("change", () => { touched = true; }, true);
-  addEventListener("hashchange", () => { if (readHash()) { writeControls(); refresh(); byId("trials").scrollIntoView(); } });
+  addEventListener("hashchange", () => { if (readHash()) { if (matrix.open?.view) closeRow(); writeControls(); refresh(); byId("trials").scrollIntoView(); } });
   onWidth(parts.surface, drawAll);
   redraws.delete(drawAll);
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", drawAll);

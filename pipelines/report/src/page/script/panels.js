@@ -18,7 +18,7 @@ function findStateRows() {
   const rows = [];
   for (const mode of browser.of.m)
     for (const [bit, name] of [[256, "motor"], [128, "brake"]]) {
-      const curves = browser.curves.filter((curve) => curve.mode === mode && curve.kind === "trial" && curve.overTime && curve.bits);
+      const curves = browser.curves.filter((curve) => curve.mode === mode && curve.kind === "trial" && curve.overTime && curve.bits && !curve.who.isBeside);
       if (curves.some((curve) => curve.bits.some((bits) => bits & bit))) rows.push({ mode, bit, name, curves });
     }
   return rows;

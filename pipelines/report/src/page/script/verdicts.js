@@ -17,7 +17,7 @@ function dotsOf(row) {
     const [first, second] = [row.mode, row.against].map((mode) => trials.filter((trial) => trial.mode === mode).map((trial) => trial.metrics[row.index]));
     if (!first.length || !second.length) return [];
     const value = mean(first) - mean(second);
-    return [{ value, words: words(`repeat ${repeat}`, value), view: open(trials[0].participant, trials[0].session, repeat) }];
+    return [{ value, words: words(`repeat ${repeat}`, value), view: open(trials[0].participant, sessionsOf.get(trials[0].participant).size > 1 ? EVERY : trials[0].session, repeat) }];
   }).sort((a, b) => a.value - b.value);
 }
 
@@ -83,6 +83,10 @@ function rowPlot(row, width, range) {
 const whoWords = (row) => `${row.n} ${row.isSingle ? "trials" : row.n === 1 ? "person" : "people"}`;
 
 function drawMatrix() {
+  // What is open stays as it is, with the traces in it, and so does the focus.
+  const detail = matrix.table.querySelector("tr.detail"), focused = document.activeElement, line = focused?.closest("tr[data-row]");
+  const [key, part] = line ? [line.dataset.row, focused.localName] : [null, null];
+  detail?.remove();
   matrix.rows = verdictRows().map((row) => ({ ...row, dots: null }));
   for (const row of matrix.rows) row.dots = dotsOf(row);
   const width = printing ? 300 : Math.max(160, Math.min(520, matrix.table.parentElement.clientWidth * 0.4));
@@ -91,18 +95,27 @@ function drawMatrix() {
     const rows = matrix.rows.filter((row) => row.by === by);
     if (!rows.length) return [];
     const range = sharedRange(rows), sx = scale(range, ROW.pad, width - ROW.pad);
-    const lines = [...groupBy(rows, ({ index }) => index)].flatMap(([index, own]) => {
+    const bodies = [...groupBy(rows, ({ index }) => index)].map(([index, own]) => {
       const { label, better, is_primary: isPrimary } = study.metrics[index];
       const head = make("tr", { class: "metric" }, make("th", { colspan: 3, scope: "rowgroup" }, isPrimary ? make("strong", {}, label) : label, better === "neither" ? "" : ` (${better} is better)`));
-      return [head, ...own.map((row) => rowLine(row, width, range))];
+      return make("tbody", { "data-by": by }, head, ...own.map((row) => rowLine(row, width, range)));
     });
     const axis = make("tr", { class: "axis" }, make("td"), make("td", {}, makeSvg("svg", { class: "chart", viewBox: `0 0 ${width} 42`, "aria-hidden": "true" }, ...drawAxis(sx, range, by, width))), make("td"));
-    return [make("tbody", { "data-by": by }, ...lines, axis)];
+    bodies.at(-1).append(axis);
+    return bodies;
   });
-  matrix.table.tBodies[0]?.remove();
   matrix.table.replaceChildren(matrix.head, ...bodies);
   writeExplored();
-  if (matrix.open) reopen();
+  const place = matrix.open && lineOf(matrix.open.key);
+  if (place && matrix.open.view && detail) {
+    place.querySelector("button").setAttribute("aria-expanded", "true");
+    place.after(detail);
+  } else if (matrix.open) {
+    bringBack(detail?.querySelector("#browser"));
+    if (place) reopen(); else matrix.open = null;
+  }
+  const again = key ? lineOf(key)?.querySelector(part) : focused;
+  if (again && again.isConnected && again !== document.activeElement) again.focus({ preventScroll: true });
 }
 
 function rowLine(row, width, range) {
@@ -134,7 +147,6 @@ function openRow(row, view = null) {
 function reopen() {
   const { key, view: traces } = matrix.open, row = matrix.rows.find((one) => rowKey(one) === key), line = lineOf(key);
   if (!line) { matrix.open = null; return; }
-  bringBack();
   matrix.table.querySelector("tr.detail")?.remove();
   line.querySelector("button").setAttribute("aria-expanded", "true");
   const cell = make("td", { colspan: 3 });
@@ -148,9 +160,10 @@ function metricDetails(row) {
   const metric = study.metrics[row.index], environment = environmentOf(row.environment), { scale: factor, unit, name } = metric;
   const tip = make("p", { class: "tip" }, "Point at a dot for its trial; Enter or a click opens it."), tell = (words) => { tip.textContent = words; };
   const charts = make("div", { class: "charts" });
-  const groups = dotGroups(environment, row.index, sessionsOf.size > MANY), differences = differenceGroups(environment, row.index, row.isSingle);
+  const isAlone = sessionsOf.size === 1;
+  const groups = dotGroups(environment, row.index, sessionsOf.size > MANY), differences = differenceGroups(environment, row.index, isAlone);
   const width = Math.max(260, Math.min(520, matrix.table.clientWidth / 2 - 30));
-  charts.append(groupChart({ title: `${short(environment.label, 30)}${unit ? ` (${unit})` : ""}`, width, groups, lines: row.isSingle ? [] : linesOf(groups), yRange: rangeOfGroups(groups), tell }));
+  charts.append(groupChart({ title: `${short(environment.label, 30)}${unit ? ` (${unit})` : ""}`, width, groups, lines: isAlone ? [] : linesOf(groups), yRange: rangeOfGroups(groups), tell }));
   if (differences.length) charts.append(groupChart({ title: `${short(environment.label, 24)}: differences${unit ? ` (${unit})` : ""}`, width, groups: differences, lines: [], yRange: rangeOfGroups(differences, true), zero: true, tell }));
   charts.querySelectorAll("svg").forEach(rove);
   const means = metric.means.filter((one) => one.environment === row.environment);
@@ -184,7 +197,7 @@ function writeExplored() {
   if (!leftOut.size) return matrix.explored.replaceChildren();
   const people = [...leftOut].filter((key) => !key.includes("/")).length, trials = leftOut.size - people;
   const what = [people ? `${people} ${people === 1 ? "person" : "people"}` : null, trials ? `${trials} ${trials === 1 ? "trial" : "trials"}` : null].filter(Boolean).join(" and ");
-  matrix.explored.replaceChildren(make("p", {}, make("strong", {}, "Explored, not the analysis."), ` Without ${what}. Everything below the rows is as analysed. These lines, each with its reason, would make it so:`), make("pre", {}, excludeLines().join("\n")), make("button", { type: "button", onclick: () => { leftOut.clear(); explore(); writePeople(); } }, "Take all back in"));
+  matrix.explored.replaceChildren(make("p", {}, make("strong", {}, "Explored, not the analysis."), ` Without ${what}. Everything below the rows is as analysed. These lines, each with its reason, would make it so:`), make("pre", {}, excludeLines().join("\n")), make("button", { type: "button", onclick: () => { leftOut.clear(); explore(); writePeople(); byId("left-out").firstElementChild.focus(); } }, "Take all back in"));
 }
 
 function explore() {
@@ -205,13 +218,17 @@ function writePeople() {
 
 const writeAddress = () => history.replaceState(null, "", `#verdicts?${new URLSearchParams({ ...(leftOut.size ? { x: [...leftOut].join(",") } : {}), ...(matrix.open ? { row: matrix.open.key } : {}) })}`);
 
-/** Takes what is left out, and the row that is open, from an address. */
+/** Takes what is left out, and the row that is open, from an address; that of trials names what is left out, too. */
 function readMatrixAddress() {
-  if (!location.hash.startsWith("#verdicts?")) return false;
-  const query = new URLSearchParams(location.hash.slice("#verdicts?".length)), all = new Set(study.trials.flatMap((trial) => [trial.participant, trialPath(trial)]));
+  const [, part, text] = /^#(verdicts|trials)\?(.*)$/.exec(location.hash) ?? [];
+  if (!part) return false;
+  const query = new URLSearchParams(text), all = new Set(study.trials.flatMap((trial) => [trial.participant, trialPath(trial)]));
   leftOut.clear();
   for (const key of (query.get("x") ?? "").split(",")) if (all.has(key)) leftOut.add(key);
-  matrix.open = query.has("row") ? { key: query.get("row"), view: null } : null;
+  if (part === "verdicts") {
+    closeRow();
+    if (query.has("row")) matrix.open = { key: query.get("row"), view: null };
+  }
   return true;
 }
 
@@ -223,7 +240,8 @@ function matrixDrawing() {
   const theme = readTheme(true), styles = `text { font: 12px ${FONT}; fill: ${theme.ink}; } .unfelt { fill: ${theme.grid}; } .none, .grid { stroke: ${theme.quiet}; } .people { fill: ${theme.quiet}; } .redrawn { stroke: ${theme.quiet}; stroke-opacity: 0.35; } .whisker { stroke: ${theme.ink}; stroke-width: 2; fill: none; } .estimate { fill: ${theme.ink}; } .head { font-weight: 600; }`;
   const svg = makeSvg("svg", { xmlns: "http://www.w3.org/2000/svg", width }, makeSvg("style", {}, styles), svgText(`${study.title}: differences between modes`, 6, 18, { class: "head" }));
   let y = 32;
-  if (study.simulated || leftOut.size) { svg.append(svgText([study.simulated ? "SYNTHETIC: simulated, not measured." : "", leftOut.size ? `Explored, not the analysis: without ${[...leftOut].join(", ")}` : ""].join(" ").trim().slice(0, 160), 6, y + 4)); y += 16; }
+  const named = [...leftOut].slice(0, 8).join(", ") + (leftOut.size > 8 ? ` and ${leftOut.size - 8} more` : "");
+  for (const line of [study.simulated ? "SYNTHETIC: simulated, not measured." : null, leftOut.size ? `Explored, not the analysis: without ${named}.` : null].filter(Boolean)) { svg.append(svgText(line, 6, y + 4)); y += 16; }
   for (const by of ["jnd", "sd"]) {
     const rows = matrix.rows.filter((row) => row.by === by);
     if (!rows.length) continue;
@@ -250,10 +268,13 @@ function saveMatrix(format) {
   if (format === "csv") return download(`${name}.csv`, "text/csv", matrixCells().map((line) => line.map(quoted).join(",")).join("\n") + "\n");
   const { text, width, height } = matrixDrawing();
   if (format === "svg") return download(`${name}.svg`, "image/svg+xml", text);
-  const image = new Image(), canvas = make("canvas", { width: 2 * width, height: 2 * height });
-  image.addEventListener("load", () => { canvas.getContext("2d").drawImage(image, 0, 0, 2 * width, 2 * height); canvas.toBlob((blob) => download(`${name}.png`, "image/png", blob)); });
+  const fine = Math.min(2, 16000 / height); // a browser's canvas ends at 16,384 pixels
+  const image = new Image(), canvas = make("canvas", { width: Math.floor(fine * width), height: Math.floor(fine * height) });
+  image.addEventListener("load", () => { canvas.getContext("2d").drawImage(image, 0, 0, canvas.width, canvas.height); canvas.toBlob((blob) => (blob ? download(`${name}.png`, "image/png", blob) : tellMatrix("This browser draws no picture of this size: save it as SVG."))); });
   image.src = `data:image/svg+xml;charset=utf-8,${encodeURIComponent(text)}`;
 }
+
+const tellMatrix = (text) => { matrix.tip.textContent = text; };
 
 async function copyMatrix(button) {
   const text = matrixCells().map((line) => line.join("\t")).join("\n");
@@ -289,5 +310,6 @@ function buildMatrix(host) {
   onWidth(host, drawMatrix);
   addEventListener("hashchange", () => { if (readMatrixAddress()) { drawMatrix(); writePeople(); } });
   if (isNamed && leftOut.size) explore.open = true;
+  if (matrix.open) lineOf(matrix.open.key)?.scrollIntoView({ block: "center" });
   host.dataset.ready = "true";
 }

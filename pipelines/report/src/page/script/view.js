@@ -60,6 +60,7 @@ function writeHash() {
   if (view.zoom) query.set("t", view.zoom.map(exact).join(","));
   if (view.wall) query.set("wall", "1");
   if (view.beside) query.set("beside", view.beside);
+  if (leftOut.size) query.set("x", [...leftOut].join(","));
   if (view.brush.every(Number.isFinite)) query.set("b", view.brush.map(exact).join(","));
   return `#trials?${query}`;
 }

@@ -31,7 +31,10 @@ function fill(element, attributes, children) {
 }
 
 /** At most `limit` characters, so that no label breaks a plot. */
-const short = (text, limit = 28) => (String(text).length > limit ? `${String(text).slice(0, limit - 1)}…` : String(text));
+const short = (text, limit = 28) => {
+  const letters = [...String(text)];
+  return letters.length > limit ? `${letters.slice(0, limit - 1).join("")}…` : String(text);
+};
 const minus = (text) => text.replace("-", "−");
 const rounded = (value, digits) => (Number.isFinite(value) ? minus(value.toFixed(digits).replace(/^-(0(\.0*)?)$/, "$1")) : "–");
 const significant = (value) => (Number.isFinite(value) ? minus(String(Number(value.toPrecision(4)))) : "–");
