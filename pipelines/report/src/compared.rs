@@ -112,10 +112,15 @@ fn caption(unit: &UnitOfAnalysis) -> String {
 /// metric, one sentence with its differences.
 pub fn contrasts(study: &Setup, metrics: &[ComparedMetric]) -> Vec<Finding> {
     let Some((first, others)) = metrics.split_first() else { return Vec::new() };
-    if first.contrasts.is_empty() {
-        return Vec::new();
-    }
     let words = first.words(study.coordinate);
+    if first.contrasts.is_empty() {
+        let mut modes: Vec<&ModeId> = first.means.iter().map(|mean| &mean.mode).collect();
+        modes.dedup();
+        let text = format!(
+            "Nobody has trials in both modes of a contrast, so no difference between modes in {words} can be told."
+        );
+        return if modes.len() > 1 { vec![finding(first, text)] } else { Vec::new() };
+    }
     let primary = differences(study, first);
     let mut findings = vec![finding(first, answer(study, first, &words))];
     findings.extend(primary.iter().map(|difference| finding(first, difference.sentence(&words))));
@@ -213,10 +218,11 @@ fn directed(study: &Setup, metric: &ComparedMetric, row: &ModeDifference) -> Str
     let best = row.best(metric.metric.better).map(|mode| format!(": {} is better", label(mode)));
     let remark = row.remark.as_ref().map(|why| format!(": {why}"));
     format!(
-        "in {} {amount} {direction}{}, {}{}{}{}",
+        "in {} {amount} {direction}{}, {}{}{}{}{}",
         environment_label(study, &row.environment),
         ends.unwrap_or_default(),
         row.verdict.as_str(),
+        row.p_adjusted.map(|p| format!(" (adjusted p {})", p_value(p))).unwrap_or_default(),
         felt.unwrap_or_default(),
         best.unwrap_or_default(),
         remark.unwrap_or_default(),
@@ -473,7 +479,7 @@ pub(crate) mod tests {
     #[test]
     fn a_difference_is_told_with_its_interval_its_n_and_its_unit_after_the_answer() {
         let found = texts(UnitOfAnalysis::Participants, Verdict::Different);
-        let answer = "Angle past the wall (the primary metric, lower is better; n = 6 participants): in Spring 5.7° lower with hybrid than with active (2.9 to 8.6), different: hybrid is better.";
+        let answer = "Angle past the wall (the primary metric, lower is better; n = 6 participants): in Spring 5.7° lower with hybrid than with active (2.9 to 8.6), different (adjusted p = 0.0123): hybrid is better.";
         assert_eq!(found[0], answer);
         assert_eq!(
             found[1],

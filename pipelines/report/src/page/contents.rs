@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use zwidth_results::{Compared, GivenAnswer, Role, Size, TrialKey};
 use zwidth_study::{
     AnswerValue, Coordinate, EnvironmentId, Families, ModeId, ParticipantId, Perception, Question,
-    SessionId, Setup,
+    SessionId, Setup, in_a_sentence,
 };
 use zwidth_tables::{Column, Measured, Values, shown_unit};
 
@@ -159,11 +159,27 @@ impl Contents {
             .collect();
         let sizes =
             if parts.is_empty() { String::new() } else { format!(": {}", parts.join(", ")) };
+        let mut better = Vec::new();
+        for mode in &self.modes {
+            let is_best = |difference: &DifferenceOf| {
+                let best = difference.best.as_ref().is_some_and(|best| best.as_str() == mode.id);
+                best && difference.size == Some(Size::Felt)
+            };
+            let best = self.metrics.iter().filter(|metric| metric.differences.iter().any(is_best));
+            let metrics: Vec<&str> = best.map(|metric| metric.label.as_str()).collect();
+            if !metrics.is_empty() {
+                better.push(format!("{} in {}", in_a_sentence(&mode.label), metrics.join(", ")));
+            }
+        }
+        let better = match better.is_empty() {
+            true => String::new(),
+            false => format!(" Better, and felt: {}.", better.join("; ")),
+        };
         (all().count() > 0).then(|| {
             format!(
-                "Of {} differences in all metrics, {} were shown{sizes}.",
-                all().count(),
-                shown().count()
+                "Modes differ in {} of {} comparisons in all metrics{sizes}.{better}",
+                shown().count(),
+                all().count()
             )
         })
     }
@@ -251,7 +267,10 @@ impl MetricOf {
             better: metric.metric.better.as_str(),
             noticed: estimating.perception.share_and_floor(si, lever_m),
             means: means.iter().map(MeanOf::new).collect(),
-            differences: contrasts.iter().map(|row| DifferenceOf::new(row, redrawn)).collect(),
+            differences: contrasts
+                .iter()
+                .map(|row| DifferenceOf::new(row, metric.metric.better, redrawn))
+                .collect(),
         }
     }
 }

@@ -3,6 +3,7 @@
 
 use serde::{Serialize, Serializer};
 use zwidth_results::{Mean, ModeDifference, RedrawnDifference, Size, Verdict};
+use zwidth_study::{Better, ModeId};
 
 /// A mean in one condition, in the metric's unit.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -65,6 +66,9 @@ pub(super) struct DifferenceOf {
     pub(super) verdict: Verdict,
     #[serde(serialize_with = "size_in_words")]
     pub(super) size: Option<Size>,
+    /// The mode that is better, where one is.
+    #[serde(skip)]
+    pub(super) best: Option<ModeId>,
     p_adjusted: Option<f64>,
     bound: Option<f64>,
     /// The just noticeable difference, where it is known, and whether it is that of a commanded value.
@@ -76,7 +80,7 @@ pub(super) struct DifferenceOf {
 }
 
 impl DifferenceOf {
-    pub(super) fn new(row: &ModeDifference, redrawn: &[RedrawnDifference]) -> Self {
+    pub(super) fn new(row: &ModeDifference, better: Better, redrawn: &[RedrawnDifference]) -> Self {
         let key = (&row.environment, &row.contrast);
         let own = redrawn.iter().filter(|other| (&other.environment, &other.contrast) == key);
         Self {
@@ -93,6 +97,7 @@ impl DifferenceOf {
             means: [row.mean_first, row.mean_second],
             verdict: row.verdict,
             size: row.size,
+            best: row.best(better).cloned(),
             p_adjusted: row.p_adjusted,
             bound: row.bound,
             jnd: row.jnd,

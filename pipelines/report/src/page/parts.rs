@@ -27,10 +27,12 @@ pub(super) fn all(page: &Page) -> Vec<Part> {
     let part = |id, title, is_there: bool, body: fn(&Page) -> Markup| {
         is_there.then(|| Part { id, title, body: body(page) })
     };
+    // Where nobody has two modes there is nothing to draw.
+    let differs = page.contents.is_none_or(|contents| contents.verdicts_in_words().is_some());
     let is_told = |question| about(summary, question).next().is_some();
     let said = trials && asked || is_told(Asked::Answers);
     let parts = [
-        part("verdicts", VERDICTS, verdicts_of(summary).is_some(), verdicts),
+        part("verdicts", VERDICTS, differs && verdicts_of(summary).is_some(), verdicts),
         part("matrix", "How large is it?", !summary.matrix.rows.is_empty(), matrix),
         part("dots", "Does everybody show it?", trials, dots),
         part("practice", "Does it change with practice?", is_told(Asked::Practice), practice),
@@ -64,7 +66,7 @@ pub(super) fn header(page: &Page) -> Markup {
             (banner(summary))
             h1 { (summary.title) }
             @if !summary.title.contains(page.study) { p.study { (page.study) } }
-            @if let Some(answer) = summary.shown.first() { p.answer { (answer.caption) } }
+            @if let Some(answer) = summary.shown.iter().find(|made| made.question != Asked::Practice) { p.answer { (answer.caption) } }
             p.facts {
                 (what_it_is(summary))
                 @for more in [origins, participants(summary.participants)].into_iter().flatten() { " " (more) }
@@ -129,10 +131,10 @@ fn matrix(page: &Page) -> Markup {
                 }
             }
         }
-        details {
+        @if about(page.summary, Asked::Difference).count() > 1 { details {
             summary { "Each difference in words " span.count { (about(page.summary, Asked::Difference).count()) } }
             (sentences(page.summary, Asked::Difference))
-        }
+        } }
         p.caption { (matrix.caption) @if page.contents.is_some() { " Each number opens its trials." } }
     }
 }
