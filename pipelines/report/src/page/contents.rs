@@ -6,7 +6,7 @@ use super::estimates::{DifferenceOf, MeanOf};
 use crate::compared::ComparedMetric;
 use serde::Serialize;
 use std::collections::BTreeMap;
-use zwidth_results::{Compared, GivenAnswer, Role, Size, TrialKey};
+use zwidth_results::{Compared, GivenAnswer, Role, Size, TrialKey, Verdict};
 use zwidth_study::{
     AnswerValue, Coordinate, EnvironmentId, Families, ModeId, ParticipantId, Perception, Question,
     SessionId, Setup, in_a_sentence,
@@ -175,7 +175,11 @@ impl Contents {
             true => String::new(),
             false => format!(" Better, and felt: {}.", better.join("; ")),
         };
+        let is_tested = all().any(|difference| difference.verdict != Verdict::NotTested);
         (all().count() > 0).then(|| {
+            if !is_tested {
+                return format!("None of {} comparisons of modes has a test.", all().count());
+            }
             format!(
                 "Modes differ in {} of {} comparisons in all metrics{sizes}.{better}",
                 shown().count(),

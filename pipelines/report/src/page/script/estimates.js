@@ -163,8 +163,9 @@ function verdictRows() {
     return all;
   });
   for (const row of rows) Object.assign(row, row.jnd !== null ? { by: "jnd", one: row.jnd } : { by: "sd", one: row.sav });
-  const measuredBy = (by) => rows.filter((row) => row.by === by && row.one > 0);
-  return [...measuredBy("jnd"), ...measuredBy("sd")];
+  // Where nothing varies, or nothing was repeated, there is no measure.
+  for (const row of rows) if (!(row.one > 0)) row.by = "none";
+  return ["jnd", "sd", "none"].flatMap((by) => rows.filter((row) => row.by === by));
 }
 
 const powerOf = (value, digits) => Number(value.toExponential(digits === undefined ? undefined : digits - 1).split("e")[1]);

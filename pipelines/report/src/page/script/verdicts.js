@@ -91,15 +91,17 @@ function drawMatrix() {
   for (const row of matrix.rows) row.dots = dotsOf(row);
   const width = printing ? 300 : Math.max(160, Math.min(520, matrix.table.parentElement.clientWidth * 0.4));
   matrix.table.style.setProperty("--plot", `${width}px`);
-  const bodies = ["jnd", "sd"].flatMap((by) => {
+  const bodies = ["jnd", "sd", "none"].flatMap((by) => {
     const rows = matrix.rows.filter((row) => row.by === by);
     if (!rows.length) return [];
-    const range = sharedRange(rows), sx = scale(range, ROW.pad, width - ROW.pad);
+    const range = by === "none" ? null : sharedRange(rows);
     const bodies = [...groupBy(rows, ({ index }) => index)].map(([index, own]) => {
       const { label, better, is_primary: isPrimary } = study.metrics[index];
       const head = make("tr", { class: "metric" }, make("th", { colspan: 3, scope: "rowgroup" }, isPrimary ? make("strong", {}, label) : label, better === "neither" ? "" : ` (${better} is better)`));
       return make("tbody", { "data-by": by }, head, ...own.map((row) => rowLine(row, width, range)));
     });
+    if (!range) return bodies;
+    const sx = scale(range, ROW.pad, width - ROW.pad);
     const axis = make("tr", { class: "axis" }, make("td"), make("td", {}, makeSvg("svg", { class: "chart", viewBox: `0 0 ${width} 42`, "aria-hidden": "true" }, ...drawAxis(sx, range, by, width))), make("td"));
     bodies.at(-1).append(axis);
     return bodies;
@@ -121,7 +123,7 @@ function drawMatrix() {
 function rowLine(row, width, range) {
   const button = make("button", { type: "button", class: "row-name", "aria-expanded": "false", onclick: () => openRow(row) }, placeOf(row));
   return make("tr", { "data-row": rowKey(row), "data-value": exact(row.value), "data-low": row.low === null ? "" : exact(row.low), "data-high": row.high === null ? "" : exact(row.high), "data-p": row.p_adjusted === null ? "" : exact(row.p_adjusted), "data-n": row.n },
-    make("th", { scope: "row" }, button), make("td", { class: "plot-cell" }, rowPlot(row, width, range)), make("td", {}, make("span", { class: "number" }, valueWords(row)), make("span", { class: "judged" }, verdictWords(row), " ", make("span", { class: "count" }, `(${whoWords(row)})`))));
+    make("th", { scope: "row" }, button), make("td", { class: "plot-cell" }, range ? rowPlot(row, width, range) : "nothing to measure it by"), make("td", {}, make("span", { class: "number" }, valueWords(row)), make("span", { class: "judged" }, verdictWords(row), " ", make("span", { class: "count" }, `(${whoWords(row)})`))));
 }
 
 const lineOf = (key) => [...matrix.table.querySelectorAll("tr[data-row]")].find((line) => line.dataset.row === key);
@@ -242,20 +244,20 @@ function matrixDrawing() {
   let y = 32;
   const named = [...leftOut].slice(0, 8).join(", ") + (leftOut.size > 8 ? ` and ${leftOut.size - 8} more` : "");
   for (const line of [study.simulated ? "SYNTHETIC: simulated, not measured." : null, leftOut.size ? `Explored, not the analysis: without ${named}.` : null].filter(Boolean)) { svg.append(svgText(line, 6, y + 4)); y += 16; }
-  for (const by of ["jnd", "sd"]) {
+  for (const by of ["jnd", "sd", "none"]) {
     const rows = matrix.rows.filter((row) => row.by === by);
     if (!rows.length) continue;
-    const range = sharedRange(rows), sx = scale(range, ROW.pad, plot - ROW.pad);
+    const range = by === "none" ? null : sharedRange(rows), sx = range && scale(range, ROW.pad, plot - ROW.pad);
     for (const [index, own] of groupBy(rows, (row) => row.index)) {
       const { label, better } = study.metrics[index];
       svg.append(svgText(short(label, 90) + (better === "neither" ? "" : ` (${better} is better)`), 6, y + 18, { class: "head" }));
       y += 24;
       for (const row of own) {
-        svg.append(svgText(short(placeOf(row), 52), 14, y + 20), makeSvg("g", { transform: `translate(${names} ${y})` }, ...drawRow(row, sx)), svgText(valueWords(row), names + plot + 10, y + 14), svgText(short(`${verdictWords(row)} (${whoWords(row)})`, 64), names + plot + 10, y + 29));
+        svg.append(svgText(short(placeOf(row), 52), 14, y + 20), makeSvg("g", { transform: `translate(${names} ${y})` }, ...(sx ? drawRow(row, sx) : [])), svgText(valueWords(row), names + plot + 10, y + 14), svgText(short(`${verdictWords(row)} (${whoWords(row)})`, 64), names + plot + 10, y + 29));
         y += ROW.height;
       }
     }
-    svg.append(makeSvg("g", { transform: `translate(${names} ${y})` }, ...drawAxis(sx, range, by, plot)));
+    if (sx) svg.append(makeSvg("g", { transform: `translate(${names} ${y})` }, ...drawAxis(sx, range, by, plot)));
     y += 48;
   }
   for (const [name, value] of Object.entries({ height: y, viewBox: `0 0 ${width} ${y}` })) svg.setAttribute(name, value);
