@@ -82,9 +82,13 @@ def main():
     reports, run = root / "reports" / STUDY, [zwidth, "--root", root, "--quiet", "run", STUDY]
     rows = [("`zwidth run`: everything", timed(*run, "--fresh"))]
     rows.append(("nothing to do", timed(*run)))
-    shutil.rmtree(reports / "figures")
+    # Moved, not removed: ext4 spends a tenth of the run on passing over the inodes of files that were just removed.
+    aside = root / "aside"
+    shutil.rmtree(aside, ignore_errors=True)
+    aside.mkdir()
+    (reports / "figures").rename(aside / "figures")
     rows.append(("the figures over participants", timed(*run)))
-    shutil.rmtree(reports / "report-data")
+    (reports / "report-data").rename(aside / "report-data")
     (reports / "index.html").unlink()
     rows.append(("the page and its data", timed(*run)))
     (reports / "index.html").unlink()

@@ -383,6 +383,12 @@ def the_matrix_is_opened(visit):
     page.locator(".detail details summary").first.click()
     page.wait_for_selector(".detail details img")
     checks.check("a metric's figures open in it", page.evaluate("document.querySelector('.detail details img').decode().then(() => true, () => false)"))
+    summary = page.locator(".detail details summary").first
+    summary.focus()
+    page.set_viewport_size({"width": 1100, "height": 900})
+    page.wait_for_function("document.querySelector('.detail .chart').viewBox.baseVal.width < 520")
+    page.set_viewport_size({"width": 1440, "height": 900})
+    checks.equal("a narrower window leaves open what is open, and the focus where it is", (page.locator(".detail details[open]").count(), summary.evaluate("(it) => it === document.activeElement")), (1, True))
     name.focus()
     page.keyboard.press("Enter")
     checks.equal("Enter closes it", (name.get_attribute("aria-expanded"), page.locator(".detail").count()), ("false", 0))
@@ -439,6 +445,8 @@ def another_condition_beside_it(visit):
         return
     visit.after(lambda: page.locator("#pick-beside").select_option(other.get_attribute("value")))
     checks.check("another condition is laid over it", "Dotted: " in page.locator("#browser").inner_text() and visit.address("beside="), page.url)
+    _, name = downloaded(visit, "csv")
+    checks.check("a saved file names it", f".beside.{other.get_attribute('value')[2:]}." in name, name)
     visit.after(lambda: page.locator("#pick-beside").select_option(""))
 
 

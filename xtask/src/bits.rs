@@ -3,10 +3,11 @@
 //! hashes were written down at the last intended change, with the versions of the stages that made
 //! them. A stage whose content changes must raise its version.
 
-use anyhow::{Context as _, bail};
+use crate::shell::{Hashes, hashed, lay_down, program, remove, scratch};
+use anyhow::{Context as _, bail, ensure};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Output};
 use std::time::Instant;
 use zwidth_store::hex_blake3;
@@ -26,9 +27,6 @@ const PROCESSORS: [&str; 2] = ["qemu64", "Haswell"];
 /// At most so many files are named that differ.
 const NAMED: usize = 10;
 
-/// Hash of each file below `derived/` and `reports/`, by its path.
-type Hashes = BTreeMap<String, String>;
-
 /// What is written down, by stage.
 type Written = BTreeMap<String, Content>;
 
@@ -44,13 +42,18 @@ struct Content {
 
 /// Runs the job in each way and compares what it made with what is written down; with `renew`,
 /// writes it down. With `without_origin`, only compares the content with what is written down.
-pub(crate) fn compare(program: &Path, scratch: &Path, how: How) -> anyhow::Result<()> {
-    let root = scratch.join("bits");
+pub(crate) fn compare(how: How) -> anyhow::Result<()> {
+    let program = program()?;
+    let root = scratch("bits");
     if how == How::AllWays {
-        let native =
-            |threads: &'static str| (format!("{threads} thread(s)"), plain(program), threads);
-        let emulated =
-            PROCESSORS.iter().map(|cpu| (format!("a {cpu} processor"), under(cpu, program), MANY));
+        let native = |threads: &'static str| {
+            (format!("{threads} thread(s)"), Command::new(&program), threads)
+        };
+        let emulated = PROCESSORS.into_iter().map(|cpu| {
+            let mut command = Command::new(EMULATOR);
+            command.args(["-cpu", cpu]).arg(&program);
+            (format!("a {cpu} processor"), command, MANY)
+        });
         let mut first: Option<Hashes> = None;
         for (way, command, threads) in [native("1"), native(MANY)].into_iter().chain(emulated) {
             let started = Instant::now();
@@ -63,9 +66,9 @@ pub(crate) fn compare(program: &Path, scratch: &Path, how: How) -> anyhow::Resul
             }
         }
     }
-    let made = hashes(plain(program), &root, MANY, &["--without-origin"])?;
+    let made = hashes(Command::new(&program), &root, MANY, &["--without-origin"])?;
     let made = content(&root, &made)?;
-    std::fs::remove_dir_all(scratch)?;
+    std::fs::remove_dir_all(&root)?;
     let written = Path::new(WRITTEN);
     let before = if written.exists() { read(written)? } else { Written::default() };
     not_raised(&before, &made)?;
@@ -91,16 +94,6 @@ pub(crate) enum How {
     Renew,
 }
 
-fn plain(program: &Path) -> Command {
-    Command::new(program)
-}
-
-fn under(processor: &str, program: &Path) -> Command {
-    let mut command = Command::new(EMULATOR);
-    command.args(["-cpu", processor]).arg(program);
-    command
-}
-
 /// Makes everything anew in a root of its own, which holds a copy of the raw data.
 fn hashes(
     mut command: Command,
@@ -108,15 +101,9 @@ fn hashes(
     threads: &str,
     options: &[&str],
 ) -> anyhow::Result<Hashes> {
-    if root.exists() {
-        std::fs::remove_dir_all(root)?;
-    }
+    remove(root)?;
     let raw = Path::new("raw").join(STUDY);
-    for file in files(&raw)? {
-        let copy = root.join(&file);
-        std::fs::create_dir_all(copy.parent().unwrap_or(root))?;
-        std::fs::copy(&file, copy)?;
-    }
+    lay_down(&raw, &root.join(&raw), std::fs::copy)?;
     command.arg("--root").arg(root).args(["--threads", threads, "--quiet", "run", "--fresh"]);
     command.args(options).arg(STUDY);
     let Output { status, stderr, .. } = command
@@ -125,31 +112,7 @@ fn hashes(
     if !status.success() {
         bail!("zwidth run ended with {status}\n{}", String::from_utf8_lossy(&stderr));
     }
-    let mut hashes = Hashes::new();
-    for file in ["derived", "reports"]
-        .iter()
-        .map(|f| files(&root.join(f)))
-        .collect::<Result<Vec<_>, _>>()?
-        .concat()
-    {
-        let path = file.strip_prefix(root)?.to_string_lossy().into_owned();
-        hashes.insert(path, hex_blake3(&std::fs::read(&file)?));
-    }
-    Ok(hashes)
-}
-
-/// Every file below a folder.
-fn files(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
-    let mut found = Vec::new();
-    for entry in std::fs::read_dir(folder)? {
-        let path = entry?.path();
-        if path.is_dir() {
-            found.extend(files(&path)?);
-        } else {
-            found.push(path);
-        }
-    }
-    Ok(found)
+    hashed(root)
 }
 
 /// What was made, by the stages that the records of that run name.
@@ -164,11 +127,13 @@ fn content(root: &Path, hashes: &Hashes) -> anyhow::Result<Written> {
             files.insert(path, hash);
         }
     }
-    let one = |(stage, (version, files)): (String, (u32, BTreeMap<String, &String>))| {
+    let mut written = Written::new();
+    for (stage, (version, files)) in made {
         let lines: String = files.iter().map(|(path, hash)| format!("{hash}  {path}\n")).collect();
-        (stage, Content { version, files: files.len(), hash: hex_blake3(lines.as_bytes()) })
-    };
-    Ok(made.into_iter().map(one).collect())
+        let hash = hex_blake3(lines.as_bytes());
+        written.insert(stage, Content { version, files: files.len(), hash });
+    }
+    Ok(written)
 }
 
 /// What of a record is needed here.
@@ -182,63 +147,49 @@ struct Record {
 /// An error that names the files that differ.
 fn same(expected: &Hashes, made: &Hashes) -> anyhow::Result<()> {
     let paths: BTreeSet<&String> = expected.keys().chain(made.keys()).collect();
-    let count = paths.len();
-    let differ = paths.into_iter().filter(|path| expected.get(*path) != made.get(*path));
-    let told: Vec<String> = differ
-        .map(|path| told(path, expected.get(path).is_some(), made.get(path).is_some()))
-        .collect();
-    if told.is_empty() {
-        return Ok(());
-    }
-    bail!("{} of {count} files differ:\n{}", told.len(), some(&told))
+    let differ = paths.iter().filter_map(|path| match (expected.get(*path), made.get(*path)) {
+        (Some(_), None) => Some(format!("{path} was not made")),
+        (None, _) => Some(format!("{path} is new")),
+        (was, is) => (was != is).then(|| format!("{path} has other bytes")),
+    });
+    let differ: Vec<String> = differ.collect();
+    let named: Vec<&str> = differ.iter().take(NAMED).map(String::as_str).collect();
+    ensure!(
+        differ.is_empty(),
+        "{} of {} files differ:\n{}",
+        differ.len(),
+        paths.len(),
+        named.join("\n")
+    );
+    Ok(())
 }
 
 /// An error that names the stages whose files have another content, at the same version.
 fn not_raised(before: &Written, made: &Written) -> anyhow::Result<()> {
-    let other: Vec<&str> = made
-        .iter()
-        .filter(|(stage, now)| {
-            before.get(*stage).is_some_and(|was| was.version == now.version && was != *now)
-        })
-        .map(|(stage, _)| stage.as_str())
-        .collect();
-    if other.is_empty() {
-        return Ok(());
-    }
-    bail!(
+    let is_other = |was: &Content, now: &Content| was.version == now.version && was != now;
+    let other =
+        made.iter().filter(|(stage, now)| before.get(*stage).is_some_and(|was| is_other(was, now)));
+    let other: Vec<&str> = other.map(|(stage, _)| stage.as_str()).collect();
+    ensure!(
+        other.is_empty(),
         "files of these stages have another content, and the versions of the stages are the same; where that is \
          meant, raise their VERSION: {}",
         other.join(", ")
-    )
+    );
+    Ok(())
 }
 
 /// An error that names the stages that differ from what is written down.
 fn unchanged(before: &Written, made: &Written) -> anyhow::Result<()> {
     let stages: BTreeSet<&String> = before.keys().chain(made.keys()).collect();
-    let differ: Vec<&str> = stages
-        .into_iter()
-        .filter(|stage| before.get(*stage) != made.get(*stage))
-        .map(String::as_str)
-        .collect();
-    if differ.is_empty() {
-        return Ok(());
-    }
-    bail!(
+    let differ = stages.into_iter().filter(|stage| before.get(*stage) != made.get(*stage));
+    let differ: Vec<&str> = differ.map(String::as_str).collect();
+    ensure!(
+        differ.is_empty(),
         "{} differ from {WRITTEN}; where that is meant, `cargo xtask bits renew` writes it down",
         differ.join(", ")
-    )
-}
-
-fn told(path: &str, was: bool, is: bool) -> String {
-    match (was, is) {
-        (true, false) => format!("{path} was not made"),
-        (false, _) => format!("{path} is new"),
-        _ => format!("{path} has other bytes"),
-    }
-}
-
-fn some(lines: &[String]) -> String {
-    lines.iter().take(NAMED).map(String::as_str).collect::<Vec<_>>().join("\n")
+    );
+    Ok(())
 }
 
 fn read(file: &Path) -> anyhow::Result<Written> {

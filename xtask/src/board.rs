@@ -6,7 +6,7 @@ use std::io::ErrorKind;
 use std::path::Path;
 use std::time::{Duration, Instant};
 use zwidth_device::{Device as _, Person, Priority, Twin, TwinParameters};
-use zwidth_link::{AngleAt, Board, Link, Pair, Settings, Wire as _};
+use zwidth_link::{AngleAt, Board, LINKS, Link, Pair, Settings, Wire as _};
 use zwidth_study::Study;
 
 /// How long it waits for bytes before it looks whether its watchdog is due.
@@ -14,14 +14,6 @@ const TURN: Duration = Duration::from_millis(1);
 /// Readings a second of a link that streams.
 const STREAM_HZ: f64 = 200.0;
 
-/// What a board may speak, by the chore's words.
-const LINKS: [(&str, Link, AngleAt); 5] = [
-    ("framed", Link::Framed, AngleAt::I2c),
-    ("firmata", Link::Firmata, AngleAt::Analog(0)),
-    (UNO, Link::Firmata, AngleAt::Analog(0)),
-    ("firmata-i2c", Link::Firmata, AngleAt::I2c),
-    ("text", Link::Text, AngleAt::I2c),
-];
 /// Firmata with the 10 bits of an Arduino Uno's analog input: some hosts know no others.
 const UNO: &str = "firmata-uno";
 const UNO_BITS: u8 = 10;
@@ -47,8 +39,10 @@ impl Plugged {
     pub(crate) fn new(study: &Path, link: &str, seed: u64) -> anyhow::Result<Self> {
         let text = std::fs::read_to_string(study).with_context(|| study.display().to_string())?;
         let study = Study::from_toml(&text).map_err(|faults| anyhow::anyhow!("{faults:?}"))?;
-        let Some((word, link, angle)) = LINKS.iter().find(|(word, _, _)| *word == link) else {
-            bail!("a board speaks {}", LINKS.map(|(word, _, _)| word).join(", "));
+        let links = [&LINKS[..], &[(UNO, Link::Firmata, AngleAt::Analog(0))]].concat();
+        let Some((word, link, angle)) = links.iter().find(|(word, _, _)| *word == link) else {
+            let words: Vec<&str> = links.iter().map(|(word, _, _)| *word).collect();
+            bail!("a board speaks {}", words.join(", "));
         };
         let twin = Twin::new(TwinParameters::default(), Person::draw(seed), seed)?;
         let line = Pair::open()?;

@@ -53,6 +53,14 @@ impl Emulator {
         self.us += u64::from(us);
         Ok(())
     }
+
+    /// Gives out what it said, as far as there is room.
+    pub(crate) fn receive(&mut self, into: &mut [u8]) -> usize {
+        let n = into.len().min(self.said.len());
+        into[..n].copy_from_slice(&self.said[..n]);
+        self.said.drain(..n);
+        n
+    }
 }
 
 impl Drop for Emulator {

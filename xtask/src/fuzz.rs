@@ -3,11 +3,12 @@
 //! libFuzzer is guided by counters that LLVM puts on every edge. With these flags a stable compiler
 //! adds them too.
 
-use crate::tried::{Tried, note};
+use crate::shell::{cargo, target};
+use crate::tried::note;
 use anyhow::{Context as _, bail, ensure};
+use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 use zwidth_import::readers::readers;
 
@@ -88,22 +89,11 @@ pub(crate) fn fuzz(which: &str, runs: Option<u64>) -> anyhow::Result<()> {
         ensure!(written.success(), "the seeds cannot be written");
         return Ok(());
     }
-    let next = AtomicUsize::new(0);
-    let broken = AtomicUsize::new(0);
-    let work = || -> anyhow::Result<()> {
-        while let Some(kind) = chosen.get(next.fetch_add(1, Ordering::Relaxed)) {
-            let found = tell(&program, kind, runs.unwrap_or(kind.runs))?;
-            broken.fetch_add(usize::from(found), Ordering::Relaxed);
-        }
-        Ok(())
-    };
-    std::thread::scope(|scope| -> anyhow::Result<()> {
-        let threads: Vec<_> = (0..AT_ONCE).map(|_| scope.spawn(work)).collect();
-        threads
-            .into_iter()
-            .try_for_each(|thread| thread.join().unwrap_or_else(|_| bail!("a thread panicked")))
-    })?;
-    let broken = broken.into_inner();
+    let tried = |kind: &&Kind| tell(&program, kind, runs.unwrap_or(kind.runs));
+    let threads = rayon::ThreadPoolBuilder::new().num_threads(AT_ONCE).build()?;
+    let told: anyhow::Result<Vec<bool>> =
+        threads.install(|| chosen.par_iter().with_max_len(1).map(tried).collect());
+    let broken = told?.into_iter().filter(|is_broken| *is_broken).count();
     ensure!(
         broken == 0,
         "{broken} targets have a finding: mend it, and keep the input below fuzz/seeds"
@@ -126,39 +116,25 @@ fn tell(program: &Path, kind: &Kind, runs: u64) -> anyhow::Result<bool> {
         kind.name,
         found.as_deref().unwrap_or("no finding")
     );
-    note(&Tried {
-        what: format!("any bytes as {}", kind.about),
-        command: format!("cargo xtask fuzz {} {runs}", kind.name),
-        times: runs,
-        broken: u64::from(found.is_some()),
-        seconds,
-    })?;
+    let what = format!("any bytes as {}", kind.about);
+    let command = format!("cargo xtask fuzz {} {runs}", kind.name);
+    note(&what, command, runs, u64::from(found.is_some()), began)?;
     Ok(found.is_some())
 }
 
 fn target_folder() -> PathBuf {
-    std::env::var_os("CARGO_TARGET_DIR")
-        .map_or_else(|| PathBuf::from("target"), PathBuf::from)
-        .join("fuzz")
+    target().join("fuzz")
 }
 
 fn build() -> anyhow::Result<PathBuf> {
-    let status = Command::new(env!("CARGO"))
-        .args([
-            "build",
-            "--release",
-            "--quiet",
-            "--locked",
-            "--manifest-path",
-            "fuzz/Cargo.toml",
-            "--target",
-            HOST,
-        ])
-        .env("RUSTFLAGS", COUNTERS)
-        .env("CARGO_TARGET_DIR", target_folder())
-        .status()?;
-    ensure!(status.success(), "the fuzz targets do not build; they need a C++ compiler");
-    Ok(target_folder().join(HOST).join("release/fuzz"))
+    let folder = target_folder();
+    cargo(
+        "build --release --quiet --locked --manifest-path fuzz/Cargo.toml --target",
+        &[HOST],
+        &[("RUSTFLAGS", COUNTERS.to_owned()), ("CARGO_TARGET_DIR", folder.display().to_string())],
+        "the fuzz targets do not build; they need a C++ compiler",
+    )?;
+    Ok(folder.join(HOST).join("release/fuzz"))
 }
 
 /// Runs a target from its seeds on; what it found, in words.
@@ -167,17 +143,14 @@ fn one(program: &Path, kind: &Kind, runs: u64) -> anyhow::Result<Option<String>>
     std::fs::create_dir_all(&corpus)?;
     let seeds = seeds(kind.name);
     let findings = target_folder().join(format!("finding-{}-", kind.name));
+    let counts = format!("-runs={runs} -max_len={} -seed=1", kind.longest);
+    let limits = format!("-rss_limit_mb={MOST_MEMORY} -malloc_limit_mb={MOST_MEMORY}");
+    let more = format!("-timeout={MOST_TIME} -print_final_stats=1 -verbosity=0");
     let output = Command::new(program)
         .env("ZWIDTH_FUZZ", kind.name)
         .arg(&corpus)
         .arg(&seeds)
-        .args([format!("-runs={runs}"), format!("-max_len={}", kind.longest), "-seed=1".to_owned()])
-        .args([format!("-rss_limit_mb={MOST_MEMORY}"), format!("-malloc_limit_mb={MOST_MEMORY}")])
-        .args([
-            format!("-timeout={MOST_TIME}"),
-            "-print_final_stats=1".to_owned(),
-            "-verbosity=0".to_owned(),
-        ])
+        .args([counts, limits, more].iter().flat_map(|line| line.split(' ')))
         .arg(format!("-artifact_prefix={}", findings.display()))
         .output()
         .with_context(|| format!("{} does not run", program.display()))?;

@@ -14,6 +14,7 @@ mod pictures;
 mod played;
 mod room;
 mod sheet;
+mod shell;
 mod soak;
 mod stale;
 mod tried;
@@ -21,7 +22,12 @@ mod twin;
 
 use anyhow::{Context as _, bail};
 use soak::compared::{From, compared};
-use std::path::{Path, PathBuf};
+use soak::simulate::{With, simulate};
+use soak::{
+    coverage, extremes, faults, kill, live, loops, mistakes, properties, statistics, terminals,
+    thesis, watchdog, wire,
+};
+use std::path::Path;
 
 const CHORES: &str =
     "cargo xtask thesis-twin                write raw/thesis-twin anew (the same bytes every time)
@@ -61,6 +67,9 @@ cargo xtask messages                   every text that a person can be told, wit
 cargo xtask reliability                write what was tried into docs/reliability.md
 cargo xtask encodings STUDY            measure column encodings on a study under raw/: size and speed";
 
+/// Soaks that take long even in a program that is built for speed.
+const LONG: [&str; 5] = ["compared", "simulate", "simulate-twin", "wire", "wire-sessions"];
+
 fn main() -> anyhow::Result<()> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
@@ -68,118 +77,29 @@ fn main() -> anyhow::Result<()> {
         ["thesis-twin"] => twin::write(Path::new(".")),
         ["board", study, rest @ ..] => {
             let link = rest.first().copied().unwrap_or("framed");
-            board::run(Path::new(study), link, number(rest.get(1), 1)?)
+            board::run(Path::new(study), link, number(rest, 1, 1)?)
         }
         ["firmware", command @ ..] => firmware::run(command),
-        ["firmware-sessions", repeats, command @ ..] => {
-            firmware::sessions(number(Some(repeats), 1)?, command)
+        ["firmware-sessions", _, command @ ..] => {
+            firmware::sessions(number(&words, 1, 1)?, command)
         }
         ["hx711", command @ ..] => hx711::run(command),
-        ["soak", "kill", rest @ ..] => {
-            let kills = number(rest.first(), 1000)?;
-            soak::kill::kill(&soak::program()?, &scratch("kill"), kills, number(rest.get(1), 1)?)
-        }
-        ["soak", "faults", rest @ ..] => {
-            let every = number(rest.first(), 1)?;
-            let named = rest.get(1..).unwrap_or_default();
-            soak::faults::faults(&soak::program()?, &scratch("faults"), every, named)
-        }
-        ["soak", "mistakes", rest @ ..] => soak::mistakes::mistakes(
-            &scratch("mistakes"),
-            number(rest.first(), 10_000)?,
-            number(rest.get(1), 0)?,
-        ),
-        ["soak", "live", rest @ ..] => {
-            let minutes = number(rest.first(), 10.0)?;
-            let link = rest.get(1).copied();
-            soak::live::live(&soak::program()?, &scratch("live"), minutes, link)
-        }
-        ["soak", "watchdog", rest @ ..] => {
-            let cuts = number(rest.first(), 100)?;
-            soak::watchdog::watchdog(&scratch("watchdog"), cuts, number(rest.get(1), 1)?)
-        }
-        ["soak", "terminals", rest @ ..] => {
-            let tries = number(rest.first(), 100)?;
-            let seed = number(rest.get(1), 1)?;
-            soak::terminals::terminals(&soak::program()?, &scratch("terminals"), tries, seed)
-        }
-        ["soak", "wire", rest @ ..] => soak::wire::wire(number(rest.first(), 1)?),
-        ["soak", "wire-sessions"] => soak::wire::whole(),
-        // What `soak watchdog` runs and cuts off.
-        ["soak", "host", socket] => soak::watchdog::host(Path::new(socket)),
+        ["soak", chore, rest @ ..] => soak_by_word(chore, rest),
         ["bench", rest @ ..] => bench::bench(rest),
-        ["bits", how @ ..] => {
-            let how = match how {
-                [] => bits::How::AllWays,
-                ["--without-origin"] => bits::How::WithoutOrigin,
-                ["renew"] => bits::How::Renew,
-                _ => bail!("the chores are\n{CHORES}"),
-            };
-            bits::compare(&soak::program()?, &scratch("bits"), how)
-        }
+        ["bits"] => bits::compare(bits::How::AllWays),
+        ["bits", "--without-origin"] => bits::compare(bits::How::WithoutOrigin),
+        ["bits", "renew"] => bits::compare(bits::How::Renew),
         ["sheet", rest @ ..] => {
             let figures = rest.first().copied().unwrap_or("reports/thesis-twin/figures");
             sheet::write(Path::new(figures), Path::new("reports/sheet"))
         }
-        ["room"] => room::room(&soak::program()?, &scratch("room")),
+        ["room"] => room::room(),
         ["room", folder, study] => room::look(Path::new(folder), study),
-        ["pictures"] => pictures::pictures(&soak::program()?, &scratch("pictures"), false),
-        ["pictures", "renew"] => pictures::pictures(&soak::program()?, &scratch("pictures"), true),
-        ["stale"] => stale::stale(&soak::program()?, &scratch("stale"), 1),
-        ["stale", one_in] => stale::stale(&soak::program()?, &scratch("stale"), one_in.parse()?),
-        ["soak", "coverage", rest @ ..] => soak::coverage::coverage(
-            &soak::program()?,
-            &scratch("coverage"),
-            number(rest.first(), 400)?,
-        ),
-        ["soak", "loops", rest @ ..] => {
-            soak::loops::loops(&soak::program()?, &scratch("loops"), number(rest.first(), 1000)?)
-        }
-        ["soak", "thesis", rest @ ..] => soak::thesis::thesis(
-            &soak::program()?,
-            &scratch("thesis"),
-            number(rest.first(), soak::thesis::SEEDS)?,
-        ),
-        ["soak", "compared", rest @ ..] => {
-            let from = match rest.get(1) {
-                Some(file) if Path::new(file).is_file() => From::Table(file.into()),
-                people => From::Simulated(number(people, 1000)?),
-            };
-            compared(&scratch("compared"), number(rest.first(), 1000)?, &from)
-        }
-        ["soak", "simulate", rest @ ..] => {
-            let seeds = number(rest.first(), 100_000)?;
-            soak::simulate::simulate(soak::simulate::With::Mock, seeds, number(rest.get(1), 0)?)
-        }
-        ["soak", "simulate-twin", rest @ ..] => {
-            let seeds = number(rest.first(), 1000)?;
-            soak::simulate::simulate(soak::simulate::With::Twin, seeds, number(rest.get(1), 0)?)
-        }
-        ["soak", "properties", rest @ ..] => {
-            let fresh = jiff::Timestamp::now().as_microsecond().unsigned_abs();
-            soak::properties::properties(
-                number(rest.first(), 1_000_000)?,
-                number(rest.get(1), fresh)?,
-            )
-        }
-        ["soak", "extremes", rest @ ..] => {
-            soak::extremes::extremes(number(rest.first(), soak::extremes::SCENES)?)
-        }
-        ["soak", "r", rest @ ..] => {
-            let seed = rest.get(1).map(|seed| number(Some(seed), 0)).transpose()?;
-            soak::statistics::against_r(
-                &scratch("r"),
-                number(rest.first(), soak::statistics::SETS)?,
-                seed,
-            )
-        }
-        ["soak", "null", rest @ ..] => soak::statistics::null(
-            &scratch("null"),
-            number(rest.first(), soak::statistics::STUDIES)?,
-            rest.get(1).copied(),
-        ),
+        ["pictures"] => pictures::pictures(false),
+        ["pictures", "renew"] => pictures::pictures(true),
+        ["stale", rest @ ..] => stale::stale(number(rest, 0, 1)?),
         ["fuzz", which, rest @ ..] => {
-            let runs = rest.first().map(|runs| number(Some(runs), 0)).transpose()?;
+            let runs = rest.first().map(|_| number(rest, 0, 0)).transpose()?;
             fuzz::fuzz(which, runs)
         }
         ["messages"] => messages::list(Path::new(".")),
@@ -189,17 +109,55 @@ fn main() -> anyhow::Result<()> {
     }
 }
 
-/// A number, or what stands for it.
-fn number<T: std::str::FromStr<Err: std::error::Error + Send + Sync + 'static>>(
-    word: Option<&&str>,
-    default: T,
-) -> anyhow::Result<T> {
-    word.map_or(Ok(default), |word| {
-        word.parse().with_context(|| format!("'{word}' is not a number"))
-    })
+/// A soak by its word and what is said of it: two numbers, as a rule.
+fn soak_by_word(chore: &str, rest: &[&str]) -> anyhow::Result<()> {
+    if cfg!(debug_assertions) && LONG.contains(&chore) {
+        return soak::optimised(&[&[chore][..], rest].concat());
+    }
+    match chore {
+        "kill" => kill::kill(number(rest, 0, 1000)?, number(rest, 1, 1)?),
+        "faults" => faults::faults(number(rest, 0, 1)?, rest.get(1..).unwrap_or_default()),
+        "mistakes" => mistakes::mistakes(number(rest, 0, 10_000)?, number(rest, 1, 0)?),
+        "live" => live::live(number(rest, 0, 10.0)?, rest.get(1).copied()),
+        "watchdog" => watchdog::watchdog(number(rest, 0, 100)?, number(rest, 1, 1)?),
+        "terminals" => terminals::terminals(number(rest, 0, 100)?, number(rest, 1, 1)?),
+        "wire" => wire::wire(number(rest, 0, 1)?),
+        "wire-sessions" => wire::whole(),
+        // What `soak watchdog` runs and cuts off.
+        "host" => watchdog::host(Path::new(rest.first().copied().unwrap_or_default())),
+        "coverage" => coverage::coverage(number(rest, 0, 400)?),
+        "loops" => loops::loops(number(rest, 0, 1000)?),
+        "thesis" => thesis::thesis(number(rest, 0, thesis::SEEDS)?),
+        "compared" => {
+            let from = match rest.get(1) {
+                Some(file) if Path::new(file).is_file() => From::Table(file.into()),
+                _ => From::Simulated(number(rest, 1, 1000)?),
+            };
+            compared(number(rest, 0, 1000)?, &from)
+        }
+        "simulate" => simulate(With::Mock, number(rest, 0, 100_000)?, number(rest, 1, 0)?),
+        "simulate-twin" => simulate(With::Twin, number(rest, 0, 1000)?, number(rest, 1, 0)?),
+        "properties" => {
+            let fresh = jiff::Timestamp::now().as_microsecond().unsigned_abs();
+            properties::properties(number(rest, 0, 1_000_000)?, number(rest, 1, fresh)?)
+        }
+        "extremes" => extremes::extremes(number(rest, 0, extremes::SCENES)?),
+        "r" => {
+            let seed = rest.get(1).map(|_| number(rest, 1, 0)).transpose()?;
+            statistics::against_r(number(rest, 0, statistics::SETS)?, seed)
+        }
+        "null" => statistics::null(number(rest, 0, statistics::STUDIES)?, rest.get(1).copied()),
+        _ => bail!("the chores are\n{CHORES}"),
+    }
 }
 
-/// A folder for what a chore makes, beside the system's other temporary ones.
-fn scratch(name: &str) -> PathBuf {
-    std::env::temp_dir().join(format!("zwidth-soak-{name}-{}", std::process::id()))
+/// The number at a place among words, or what stands for it.
+fn number<T: std::str::FromStr<Err: std::error::Error + Send + Sync + 'static>>(
+    words: &[&str],
+    at: usize,
+    default: T,
+) -> anyhow::Result<T> {
+    words.get(at).map_or(Ok(default), |word| {
+        word.parse().with_context(|| format!("'{word}' is not a number"))
+    })
 }

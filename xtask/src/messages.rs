@@ -5,33 +5,14 @@
 //! that makes one (`bail!`, `StoreError::new`, `#[error]`, …), or follows a name for one (`what`,
 //! `remedy`).
 
-use std::fs;
-use std::io;
+use crate::shell::files;
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
+use std::{fs, io};
 
 /// Calls whose texts people are told.
-const CALLS: [&str; 20] = [
-    "bail!",
-    "anyhow!",
-    "context",
-    "with_context",
-    "error",
-    "warn",
-    "say",
-    "result",
-    "StoreError::new",
-    "Doubt::new",
-    "Finding::new",
-    "ParquetError::General",
-    "Err",
-    "ok_or",
-    "ok_or_else",
-    "refuse",
-    "refused",
-    "unable",
-    "lost",
-    "keep",
-];
+const CALLS: &str = "bail! anyhow! context with_context error warn say result StoreError::new Doubt::new \
+                     Finding::new ParquetError::General Err ok_or ok_or_else refuse refused unable lost keep";
 /// Names of texts that people are told.
 const NAMES: [&str; 6] = ["what", "remedy", "problem", "about", "why", "words"];
 /// Where the sources are.
@@ -56,35 +37,29 @@ pub(crate) fn list(root: &Path) -> anyhow::Result<()> {
 /// Every message of the workspace at `root`, in the order of files and lines.
 pub(crate) fn messages(root: &Path) -> io::Result<Vec<Message>> {
     let mut paths = Vec::new();
-    PLACES.iter().try_for_each(|place| sources(&root.join(place), &mut paths))?;
+    for place in PLACES {
+        paths.extend(files(&root.join(place))?);
+    }
     paths.sort();
     let mut found = Vec::new();
     for path in paths {
         let shown = path.strip_prefix(root).unwrap_or(&path).to_owned();
-        let texts = told(without_tests(&fs::read_to_string(&path)?));
-        found.extend(texts.into_iter().map(|(line, text)| Message {
-            path: shown.clone(),
-            line,
-            text,
-        }));
+        if !is_source(&shown) {
+            continue;
+        }
+        for (line, text) in told(without_tests(&fs::read_to_string(&path)?)) {
+            found.push(Message { path: shown.clone(), line, text });
+        }
     }
     Ok(found)
 }
 
-/// The sources below a folder, without those of tests.
-fn sources(folder: &Path, found: &mut Vec<PathBuf>) -> io::Result<()> {
-    for entry in fs::read_dir(folder)? {
-        let path = entry?.path();
-        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        if path.is_dir() {
-            if !["tests", "benches", "target", "testing"].contains(&name.as_str()) {
-                sources(&path, found)?;
-            }
-        } else if name.ends_with(".rs") && !name.ends_with("tests.rs") {
-            found.push(path);
-        }
-    }
-    Ok(())
+/// Whether it is a source, and not one of tests.
+fn is_source(path: &Path) -> bool {
+    let is_left_out =
+        |part: &OsStr| ["tests", "benches", "target", "testing"].iter().any(|of| part == *of);
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    name.ends_with(".rs") && !name.ends_with("tests.rs") && !path.iter().any(is_left_out)
 }
 
 /// A source up to its module of tests, which is its last part.
@@ -104,7 +79,7 @@ fn told(source: &str) -> Vec<(usize, String)> {
         let taken = if rest.starts_with("//") {
             rest.find('\n').unwrap_or(rest.len())
         } else if let Some((length, text)) = string(rest) {
-            if open.iter().any(|call| CALLS.contains(&call.as_str())) || is_named(before) {
+            if open.iter().any(|call| is_call(call)) || is_named(before) {
                 found.push((before.matches('\n').count() + 1, text));
             }
             length
@@ -129,7 +104,11 @@ fn word(text: &str) -> &str {
     let from = text.char_indices().rev().take_while(|(_, c)| is_part(*c)).last();
     let found = from.map_or("", |(at, _)| &text[at..]);
     // An enumeration's own path says nothing: `Self::Err`.
-    if CALLS.contains(&found) { found } else { found.rsplit("Self::").next().unwrap_or(found) }
+    if is_call(found) { found } else { found.rsplit("Self::").next().unwrap_or(found) }
+}
+
+fn is_call(word: &str) -> bool {
+    CALLS.split(' ').any(|call| call == word)
 }
 
 /// Whether a text ends with a name for a message, as `let what =` and `remedy:` do; what makes a

@@ -1,8 +1,9 @@
 //! `cargo xtask pictures`: the figures in README and docs, as the program makes them.
 
-use anyhow::{Context as _, bail, ensure};
+use crate::shell::{program, scratch, words};
+use crate::soak::run;
+use anyhow::{Context as _, ensure};
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
 /// Where they lie.
 const FOLDER: &str = "docs/pictures";
@@ -20,11 +21,13 @@ const PICTURES: [(&str, &str); 6] = [
 /// Small files for a screen.
 const DPI: &str = "110";
 
-/// Makes each picture with `program`; writes it where `renew`, else compares it dot by dot.
-pub(crate) fn pictures(program: &Path, folder: &Path, renew: bool) -> anyhow::Result<()> {
+/// Makes each picture with the program; writes it where `renew`, else compares it dot by dot.
+pub(crate) fn pictures(renew: bool) -> anyhow::Result<()> {
+    let program = program()?;
+    let folder = scratch("pictures");
     let mut other = Vec::new();
     for (name, width_mm) in PICTURES {
-        let made = draw(program, folder, name, width_mm)?;
+        let made = draw(&program, &folder, name, width_mm)?;
         let kept = Path::new(FOLDER).join(format!("{name}.png"));
         if renew {
             std::fs::create_dir_all(FOLDER)?;
@@ -45,16 +48,10 @@ pub(crate) fn pictures(program: &Path, folder: &Path, renew: bool) -> anyhow::Re
 
 /// The PNG of a figure.
 fn draw(program: &Path, folder: &Path, name: &str, width_mm: &str) -> anyhow::Result<PathBuf> {
-    let size = ["--size", width_mm, "--dpi", DPI, "--format", "png"];
-    let out = Command::new(program)
-        .args(["--quiet", "figure", STUDY, name, "--out"])
-        .arg(folder)
-        .args(size)
-        .output()
-        .with_context(|| format!("{} does not run", program.display()))?;
-    if !out.status.success() {
-        bail!("{name}: {}", String::from_utf8_lossy(&out.stderr).trim());
-    }
+    let size = format!("--size {width_mm} --dpi {DPI} --format png");
+    let to = folder.display().to_string();
+    let line = format!("--quiet figure {STUDY} {name} {size} --out");
+    run(program, Path::new("."), &[words(&line), vec![to.as_str()]].concat(), &[0])?;
     Ok(folder.join(format!("{name}.png")))
 }
 

@@ -1,8 +1,8 @@
 //! A session on a disk in memory and a simulated clock, by somebody who starts each trial.
 
+use anyhow::{Context as _, anyhow};
 use jiff::{SignedDuration, Timestamp};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::time::Duration;
 use zwidth_acquire::{
     AcquireError, Front, Input, Options, Outcome, Parts, Phase, Plan, Session, Target, View, run,
@@ -17,10 +17,8 @@ const LOOKS_S: f64 = 2.0;
 const MOST_STOPS: u32 = 6;
 const BEGIN: &str = "2026-01-01T08:00:00Z";
 
-/// Plays a session to its end; `answers` where the device has a participant.
-///
-/// # Errors
-/// What ended it before.
+/// Plays a session to its end, or to what ends it before; `answers` where the device has a
+/// participant.
 pub(crate) fn play<W: Fn(f64)>(
     plan: &Plan,
     disk: &Memory,
@@ -28,27 +26,21 @@ pub(crate) fn play<W: Fn(f64)>(
     clock: &mut dyn Clock,
     person: &mut Person<W>,
     answers: bool,
-) -> Result<Outcome, String> {
-    let begin = BEGIN.parse::<Timestamp>().map_err(told)?;
+) -> anyhow::Result<Outcome> {
+    let begin: Timestamp = BEGIN.parse()?;
     let utc = move |now_s: f64| {
         let since = SignedDuration::from_millis((now_s * 1e3) as i64);
         begin.checked_add(since).unwrap_or(begin).to_string()
     };
     let options = Options {
-        live: false,
         answers,
-        by_hand: false,
-        steps: Vec::new(),
-        ask: false,
         no_watchdog: device.capabilities().watchdog_s.is_none(),
         markers: device.capabilities().shows_moments.then_some(Target::Board).into_iter().collect(),
-        by: None,
-        stop: Arc::default(),
-        quit: Arc::default(),
+        ..Options::default()
     };
-    let session = Session::open(plan, device.capabilities(), disk).map_err(told)?;
+    let session = Session::open(plan, device.capabilities(), disk)?;
     let parts = Parts { device, clock, files: disk, front: person, utc: &utc };
-    run(plan, session, &options, parts).map_err(told)
+    Ok(run(plan, session, &options, parts)?)
 }
 
 /// Somebody who starts each trial, answers, and after a stop looks at the rig and goes on.
@@ -91,38 +83,49 @@ impl<W: Fn(f64)> Front for Person<W> {
 }
 
 /// The template's study with one environment and short trials.
-pub(crate) fn short_study(rate_hz: f64, limit_s: f64) -> Result<String, String> {
-    let mut table: toml::Table = template(&id()?).parse().map_err(told)?;
-    let environments = table.get_mut("environments").and_then(toml::Value::as_array_mut);
-    environments.ok_or("the template lost its environments")?.truncate(1);
-    for (of, key, value) in [
+pub(crate) fn short_study(rate_hz: f64, limit_s: f64) -> anyhow::Result<String> {
+    let fields = [
         ("design", "repeats", toml::Value::from(1)),
         ("design", "familiarisation", 0.into()),
         ("design", "trial_limit_s", limit_s.into()),
         ("design", "pause_s", 0.4.into()),
         ("control", "rate_hz", rate_hz.into()),
-    ] {
-        let of = table.get_mut(of).and_then(toml::Value::as_table_mut);
-        of.map(|of| of.insert(key.to_owned(), value)).ok_or("the template lost a table")?;
-    }
-    toml::to_string(&table).map_err(told)
+    ];
+    changed_template(WIRE, &[("environments", 1)], fields)
 }
 
-pub(crate) fn id() -> Result<zwidth_study::StudyId, String> {
-    "wire".parse().map_err(told)
+/// The template's study with the first of some lists alone, and with these fields of its tables.
+pub(crate) fn changed_template<const N: usize>(
+    id: &str,
+    lists: &[(&str, usize)],
+    fields: [(&str, &str, toml::Value); N],
+) -> anyhow::Result<String> {
+    let mut table: toml::Table = template(&id.parse()?).parse()?;
+    for (list, length) in lists {
+        let list = table.get_mut(*list).and_then(toml::Value::as_array_mut);
+        list.context("the template lost a list")?.truncate(*length);
+    }
+    for (of, key, value) in fields {
+        let of = table.get_mut(of).and_then(toml::Value::as_table_mut);
+        of.context("the template lost a table")?.insert(key.to_owned(), value);
+    }
+    Ok(toml::to_string(&table)?)
 }
+
+/// The study of the sessions over a wire.
+pub(crate) const WIRE: &str = "wire";
 
 /// A study on a disk of its own.
-pub(crate) fn plan(study_toml: &str) -> Result<(Memory, Plan), String> {
+pub(crate) fn plan(id: &str, study_toml: &str) -> anyhow::Result<(Memory, Plan)> {
     let disk = Memory::new();
-    let layout = Layout::new(Path::new("/simulated"), id()?);
-    let study = Study::from_toml(study_toml).map_err(|e| format!("{e:?}"))?;
+    let layout = Layout::new(Path::new("/simulated"), id.parse()?);
+    let study = Study::from_toml(study_toml).map_err(|e| anyhow!("{e:?}"))?;
     disk.put(&layout.study_toml(), study_toml.as_bytes());
     let plan = Plan {
         layout,
         study_toml: study_toml.as_bytes().to_vec(),
-        participant: "P01".parse().map_err(told)?,
-        session: "S01".parse().map_err(told)?,
+        participant: "P01".parse()?,
+        session: "S01".parse()?,
         calibration: Calibration::thesis(),
         software: "simulation 1".to_owned(),
         rate_hz: study.control.rate_hz,
@@ -133,8 +136,4 @@ pub(crate) fn plan(study_toml: &str) -> Result<(Memory, Plan), String> {
         accept_study_change: false,
     };
     Ok((disk, plan))
-}
-
-pub(crate) fn told(error: impl std::fmt::Display) -> String {
-    error.to_string()
 }

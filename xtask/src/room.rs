@@ -1,9 +1,10 @@
 //! `cargo xtask room`: checks that the words of every figure have room and are large enough to be
 //! read, in one column and in two.
 
-use anyhow::{Context as _, ensure};
+use crate::shell::{program, scratch, words};
+use crate::soak::run;
+use anyhow::ensure;
 use std::path::Path;
-use std::process::Command;
 use zwidth_draw::style::SMALL_PT;
 use zwidth_draw::{Figure, draw};
 use zwidth_store::{Layout, StudyData};
@@ -12,27 +13,21 @@ use zwidth_store::{Layout, StudyData};
 const WIDTHS_MM: [f64; 2] = [85.0, 170.0];
 /// Studies besides the one that comes along, with more people and with more sessions, which have
 /// figures of their own.
-const SIMULATED: [(&str, [&str; 4]); 2] = [
-    ("people", ["--participants", "8", "--sessions", "1"]),
-    ("sessions", ["--participants", "3", "--sessions", "2"]),
-];
+const SIMULATED: [(&str, &str); 2] =
+    [("people", "--participants 8 --sessions 1"), ("sessions", "--participants 3 --sessions 2")];
 
-/// Simulates two studies in `folder` and looks at their figures, and at those of the study that
+/// Simulates two studies in a folder and looks at their figures, and at those of the study that
 /// comes along, which has been run.
-pub(crate) fn room(program: &Path, folder: &Path) -> anyhow::Result<()> {
+pub(crate) fn room() -> anyhow::Result<()> {
+    let program = program()?;
+    let folder = scratch("room");
     look(Path::new("."), "thesis-twin")?;
     for (study, size) in SIMULATED {
-        let simulated = [&["twin", study][..], &size].concat();
-        for arguments in [&simulated[..], &["run", study]] {
-            let mut command = Command::new(program);
-            command.args(["--quiet", "--root"]).arg(folder).args(arguments);
-            let out =
-                command.output().with_context(|| format!("{} does not run", program.display()))?;
-            // A simulated study may be read with care, which is not what is looked at here.
-            let is_done = matches!(out.status.code(), Some(0 | 3));
-            ensure!(is_done, "{study}: {}", String::from_utf8_lossy(&out.stderr).trim());
-        }
-        look(folder, study)?;
+        let twin = format!("--quiet twin {study} {size}");
+        // A simulated study may be read with care, which is not what is looked at here.
+        run(&program, &folder, &words(&twin), &[0, 3])?;
+        run(&program, &folder, &["--quiet", "run", study], &[0, 3])?;
+        look(&folder, study)?;
     }
     Ok(())
 }
@@ -56,18 +51,12 @@ pub(crate) fn look(root: &Path, study: &str) -> anyhow::Result<()> {
                 Err(error) => println!("{study}, {name} at {width_mm} mm is refused: {error}"),
                 Ok(drawing) => {
                     drawn += 1;
-                    let pairs = drawing.overlapping_words()?;
-                    crowded.extend(
-                        pairs
-                            .into_iter()
-                            .map(|[a, b]| format!("{name} at {width_mm} mm: “{a}” and “{b}”")),
-                    );
-                    small.extend(
-                        drawing
-                            .small_words()
-                            .into_iter()
-                            .map(|word| format!("{name} at {width_mm} mm: “{word}”")),
-                    );
+                    for [a, b] in drawing.overlapping_words()? {
+                        crowded.push(format!("{name} at {width_mm} mm: “{a}” and “{b}”"));
+                    }
+                    for word in drawing.small_words() {
+                        small.push(format!("{name} at {width_mm} mm: “{word}”"));
+                    }
                 }
             }
         }

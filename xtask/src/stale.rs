@@ -2,12 +2,13 @@
 //! parameters is changed in turn. What a run then leaves as it was must be what a run from nothing
 //! makes, byte for byte (apart from the origin of the files).
 
-use anyhow::{Context as _, bail, ensure};
+use crate::shell::{hashed, lay_down, program, remove, scratch};
+use crate::soak::changed;
+use anyhow::{Context as _, ensure};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Output};
-use zwidth_store::file_blake3;
 
 /// The study: the template with few repeats, and with something for every stage.
 const STUDY: &str = "stale";
@@ -20,23 +21,10 @@ const CHANGES: [(&str, &str); 3] = [
     ),
 ];
 /// Words that a field may have besides its own.
-const WORDS: [&str; 10] = [
-    "landmarks",
-    "onset",
-    "constrained",
-    "williams",
-    "difference",
-    "second_order",
-    "linear",
-    "free",
-    "spring",
-    "none",
-];
+const WORDS: &str =
+    "landmarks onset constrained williams difference second_order linear free spring none";
 /// Elements of a list that are changed: the first and the last.
 const ENDS: usize = 2;
-
-/// Hash of each file below `derived/` and `reports/` but the records, by its path.
-type Hashes = BTreeMap<PathBuf, String>;
 
 /// What came of all changes.
 #[derive(Default)]
@@ -49,29 +37,30 @@ struct Tally {
 }
 
 /// Changes every field in turn, or one in so many; fails if any result is stale.
-pub(crate) fn stale(program: &Path, scratch: &Path, one_in: usize) -> anyhow::Result<()> {
+pub(crate) fn stale(one_in: usize) -> anyhow::Result<()> {
     ensure!(one_in > 0, "one field in how many? At least 1");
-    if scratch.exists() {
-        std::fs::remove_dir_all(scratch)?;
-    }
+    let program = &program()?;
+    let scratch = &scratch("stale");
+    remove(scratch)?;
     let base = scratch.join("base");
-    let study = lay_down(program, &base)?;
+    let study = recorded(program, &base)?;
     run(program, &base, &[])?;
     let mut tally = Tally::default();
-    for (name, text) in toml_changes(&study)?.into_iter().step_by(one_in) {
+    // A change that TOML cannot say is none.
+    let changed = changes(&serde_json::to_value(&study)?);
+    let texts =
+        changed.into_iter().filter_map(|(name, to)| Some((name, toml::to_string(&to).ok()?)));
+    for (name, text) in texts.step_by(one_in) {
         one(program, scratch, &format!("study.toml {name}"), "study.toml", &text, &mut tally)?;
     }
     let record = "sessions/P01_S01.json";
-    let text = std::fs::read_to_string(base.join("raw").join(STUDY).join(record))?;
-    for (name, text) in json_changes(&text)?.into_iter().step_by(one_in) {
+    let text = std::fs::read(base.join("raw").join(STUDY).join(record))?;
+    for (name, to) in changes(&serde_json::from_slice(&text)?).into_iter().step_by(one_in) {
+        let text = serde_json::to_string_pretty(&to)?;
         one(program, scratch, &format!("session {name}"), record, &text, &mut tally)?;
     }
     let parameters = parameters(program, scratch)?;
     std::fs::remove_dir_all(scratch)?;
-    tell(&tally, parameters)
-}
-
-fn tell(tally: &Tally, parameters: usize) -> anyhow::Result<()> {
     for (field, stages) in &tally.needless {
         let stages: Vec<String> = stages.iter().map(|(stage, n)| format!("{n} {stage}")).collect();
         println!("needless: {field}: {}", stages.join(", "));
@@ -88,18 +77,14 @@ fn tell(tally: &Tally, parameters: usize) -> anyhow::Result<()> {
 }
 
 /// Writes the study and records it with the simulated device; its `study.toml`.
-fn lay_down(program: &Path, root: &Path) -> anyhow::Result<toml::Table> {
-    let mut text = zwidth_study::template(&STUDY.parse()?);
-    for (from, to) in CHANGES {
-        ensure!(text.contains(from), "the template of a study lost '{from}'");
-        text = text.replace(from, to);
-    }
+fn recorded(program: &Path, root: &Path) -> anyhow::Result<toml::Table> {
+    let text = changed(zwidth_study::template(&STUDY.parse()?), &CHANGES)?;
     let study: toml::Table = text.parse()?;
     let folder = root.join("raw").join(STUDY);
     std::fs::create_dir_all(&folder)?;
     std::fs::write(folder.join("study.toml"), toml::to_string(&study)?)?;
-    let twin = ["--quiet", "twin", STUDY, "--participants", "1", "--sessions", "1", "--seed", "1"];
-    let made = Command::new(program).arg("--root").arg(root).args(twin).output()?;
+    let twin = format!("--quiet twin {STUDY} --participants 1 --sessions 1 --seed 1");
+    let made = Command::new(program).arg("--root").arg(root).args(twin.split(' ')).output()?;
     ensure!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
     Ok(study)
 }
@@ -123,10 +108,11 @@ fn one(
     let again = scratch.join("again");
     let anew = scratch.join("anew");
     for (root, folders) in [(&again, ["raw", "derived", "reports"].as_slice()), (&anew, &["raw"])] {
-        if root.exists() {
-            std::fs::remove_dir_all(root)?;
+        remove(root)?;
+        // Hard links: results are replaced, never written into.
+        for folder in folders {
+            lay_down(&base.join(folder), &root.join(folder), std::fs::hard_link)?;
         }
-        folders.iter().try_for_each(|folder| link(&base.join(folder), &root.join(folder)))?;
         let changed = root.join("raw").join(STUDY).join(file);
         std::fs::remove_file(&changed)?;
         std::fs::write(&changed, text)?;
@@ -142,14 +128,11 @@ fn one(
         return Ok(());
     }
     tally.changed += 1;
-    let now = hashes(&again)?;
-    let expected = hashes(&anew)?;
-    let paths: BTreeSet<&PathBuf> = now.keys().chain(expected.keys()).collect();
-    let differ: Vec<String> = paths
-        .into_iter()
-        .filter(|path| now.get(*path) != expected.get(*path))
-        .map(|path| path.display().to_string())
-        .collect();
+    let (now, expected) = (hashed(&again)?, hashed(&anew)?);
+    let paths: BTreeSet<&String> = now.keys().chain(expected.keys()).collect();
+    let results = paths.into_iter().filter(|path| !path.ends_with("/records.json"));
+    let differ = results.filter(|path| now.get(*path) != expected.get(*path));
+    let differ: Vec<&str> = differ.map(String::as_str).collect();
     if !differ.is_empty() {
         tally.stale.push(format!("{name}: {}", differ.join(", ")));
     }
@@ -218,28 +201,9 @@ fn without_numbers(field: &str) -> String {
     field.chars().filter(|c| !c.is_ascii_digit()).collect()
 }
 
-/// Every text of a study with one field changed or left out.
-fn toml_changes(study: &toml::Table) -> anyhow::Result<Vec<(String, String)>> {
-    let value = serde_json::to_value(study)?;
-    let mut texts = Vec::new();
-    for (name, other) in changes(&value) {
-        if let Ok(text) = toml::to_string(&other) {
-            texts.push((name, text));
-        }
-    }
-    Ok(texts)
-}
-
-fn json_changes(text: &str) -> anyhow::Result<Vec<(String, String)>> {
-    let value: Value = serde_json::from_str(text)?;
-    changes(&value)
-        .into_iter()
-        .map(|(name, other)| Ok((name, serde_json::to_string_pretty(&other)?)))
-        .collect()
-}
-
 /// The value with each of its fields changed in turn, in every way of [`others`].
 fn changes(value: &Value) -> Vec<(String, Value)> {
+    let dot = |name: &str| if name.starts_with([' ', '[']) { "" } else { "." };
     match value {
         Value::Object(fields) => {
             let mut found = Vec::new();
@@ -253,10 +217,11 @@ fn changes(value: &Value) -> Vec<(String, Value)> {
                     Value::Object(fields)
                 };
                 found.push((format!("{key} left out"), put(None)));
-                found.extend(changes(inner).into_iter().map(|(name, inner)| {
-                    let dot = if name.starts_with([' ', '[']) { "" } else { "." };
-                    (format!("{key}{dot}{name}"), put(Some(inner)))
-                }));
+                found.extend(
+                    changes(inner).into_iter().map(|(name, inner)| {
+                        (format!("{key}{}{name}", dot(&name)), put(Some(inner)))
+                    }),
+                );
             }
             found
         }
@@ -267,8 +232,7 @@ fn changes(value: &Value) -> Vec<(String, Value)> {
                 found.extend(changes(&items[i]).into_iter().map(|(name, inner)| {
                     let mut items = items.clone();
                     items[i] = inner;
-                    let dot = if name.starts_with([' ', '[']) { "" } else { "." };
-                    (format!("[{i}]{dot}{name}"), Value::Array(items))
+                    (format!("[{i}]{}{name}", dot(&name)), Value::Array(items))
                 }));
             }
             found
@@ -287,46 +251,12 @@ fn others(leaf: &Value) -> Vec<Value> {
             vec![Value::from(0.87 * x + 0.0123)]
         }
         Value::Number(n) => vec![Value::from(n.as_i64().unwrap_or_default() + 1)],
-        Value::String(text) if WORDS.contains(&text.as_str()) => {
-            WORDS.iter().filter(|word| *word != text).map(|word| Value::from(*word)).collect()
+        Value::String(text) if WORDS.split(' ').any(|word| word == text) => {
+            WORDS.split(' ').filter(|word| *word != text).map(Value::from).collect()
         }
         Value::String(text) => vec![Value::from(format!("{text}x"))],
         _ => vec![Value::from("x")],
     }
-}
-
-/// The same files under another root, as hard links: results are replaced, never written into.
-fn link(from: &Path, to: &Path) -> anyhow::Result<()> {
-    if !from.exists() {
-        bail!("{} was not made", from.display());
-    }
-    std::fs::create_dir_all(to)?;
-    for entry in std::fs::read_dir(from)? {
-        let path = entry?.path();
-        let other = to.join(path.file_name().unwrap_or_default());
-        if path.is_dir() {
-            link(&path, &other)?;
-        } else {
-            std::fs::hard_link(&path, &other)?;
-        }
-    }
-    Ok(())
-}
-
-fn hashes(root: &Path) -> anyhow::Result<Hashes> {
-    let mut found = Hashes::new();
-    let mut folders = vec![root.join("derived"), root.join("reports")];
-    while let Some(folder) = folders.pop() {
-        for entry in std::fs::read_dir(&folder)? {
-            let path = entry?.path();
-            if path.is_dir() {
-                folders.push(path);
-            } else if !path.ends_with("records.json") {
-                found.insert(path.strip_prefix(root)?.to_owned(), file_blake3(&path)?);
-            }
-        }
-    }
-    Ok(found)
 }
 
 #[cfg(test)]
@@ -341,7 +271,8 @@ mod tests {
         for name in ["a left out", "a.x left out", "b[0].on = false", "b[1].on = true"] {
             assert!(names.iter().any(|n| n == name), "{name}: {names:?}");
         }
-        assert_eq!(names.iter().filter(|n| n.starts_with("c = ")).count(), WORDS.len() - 1);
+        let words = WORDS.split(' ').count();
+        assert_eq!(names.iter().filter(|n| n.starts_with("c = ")).count(), words - 1);
         assert!(changes(&value).iter().all(|(_, other)| *other != value));
     }
 }

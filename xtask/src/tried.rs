@@ -2,6 +2,7 @@
 //! `docs/reliability.md` from it. A row of the page stays until a longer run of the same chore
 //! replaces it: the notes are in a build folder, which may be emptied at any time.
 
+use crate::shell::{files, target};
 use anyhow::Context as _;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -11,65 +12,63 @@ use zwidth_store::hex_blake3;
 
 /// One thing that was tried many times.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Tried {
+struct Tried {
     /// What, in words.
-    pub(crate) what: String,
+    what: String,
     /// How to try it again.
-    pub(crate) command: String,
+    command: String,
     /// How often.
-    pub(crate) times: u64,
+    times: u64,
     /// How often a promise was broken.
-    pub(crate) broken: u64,
+    broken: u64,
     /// How long it took, s.
-    pub(crate) seconds: f64,
+    seconds: f64,
 }
 
 /// Where the notes lie: beside what cargo builds, one file a thing.
 fn folder() -> PathBuf {
-    std::env::var_os("CARGO_TARGET_DIR")
-        .map_or_else(|| PathBuf::from("target"), PathBuf::from)
-        .join("tried")
+    target().join("tried")
 }
 
-/// Notes it in the place of an earlier, shorter try of the same.
-pub(crate) fn note(tried: &Tried) -> anyhow::Result<()> {
-    let path = folder().join(format!("{}.json", &hex_blake3(tried.what.as_bytes())[..16]));
+/// Notes how often something was tried since `began`, and how often a promise was broken, in the
+/// place of an earlier, shorter try of the same.
+pub(crate) fn note(
+    what: &str,
+    command: String,
+    times: u64,
+    broken: u64,
+    began: Instant,
+) -> anyhow::Result<()> {
+    let path = folder().join(format!("{}.json", &hex_blake3(what.as_bytes())[..16]));
     let before: Option<Tried> =
         std::fs::read(&path).ok().and_then(|bytes| serde_json::from_slice(&bytes).ok());
-    if before.is_some_and(|before| before.times > tried.times && tried.broken == 0) {
+    if before.is_some_and(|before| before.times > times && broken == 0) {
         return Ok(());
     }
+    let seconds = began.elapsed().as_secs_f64();
+    let tried = Tried { what: what.to_owned(), command, times, broken, seconds };
     std::fs::create_dir_all(folder())?;
-    std::fs::write(&path, serde_json::to_vec_pretty(tried)?)?;
-    Ok(())
+    Ok(std::fs::write(&path, serde_json::to_vec_pretty(&tried)?)?)
 }
 
 /// Notes what was tried so often since `began` without a promise broken.
 pub(crate) fn held(what: &str, command: String, times: u64, began: Instant) -> anyhow::Result<()> {
-    let seconds = began.elapsed().as_secs_f64();
-    note(&Tried { what: what.to_owned(), command, times, broken: 0, seconds })
+    note(what, command, times, 0, began)
 }
 
-/// The notes.
-fn all() -> anyhow::Result<Vec<Tried>> {
-    let mut all = Vec::new();
-    let entries = std::fs::read_dir(folder())
-        .context("nothing was tried yet: run `cargo xtask soak …` and `cargo xtask fuzz` first")?;
-    for entry in entries {
-        let path = entry?.path();
-        let tried = serde_json::from_slice(&std::fs::read(&path)?)
-            .with_context(|| format!("{} is no note", path.display()))?;
-        all.push(tried);
-    }
-    Ok(all)
-}
-
-/// Writes the table into `docs/reliability.md`, between its marks.
+/// Writes the table of all notes into `docs/reliability.md`, between its marks.
 pub(crate) fn reliability() -> anyhow::Result<()> {
     const PATH: &str = "docs/reliability.md";
     let text = std::fs::read_to_string(PATH)?;
-    std::fs::write(PATH, put(&text, &all()?)?)?;
-    Ok(())
+    let mut notes: Vec<Tried> = Vec::new();
+    let paths = files(&folder())
+        .context("nothing was tried yet: run `cargo xtask soak …` and `cargo xtask fuzz` first")?;
+    for path in paths {
+        let note = serde_json::from_slice(&std::fs::read(&path)?)
+            .with_context(|| format!("{} is no note", path.display()))?;
+        notes.push(note);
+    }
+    Ok(std::fs::write(PATH, put(&text, &notes)?)?)
 }
 
 const BEGIN: &str = "<!-- begin: cargo xtask reliability -->\n";
@@ -112,7 +111,10 @@ fn cell(row: &str, column: usize) -> &str {
 
 fn row(Tried { what, command, times, broken, seconds }: &Tried) -> String {
     let times = grouped(*times);
-    let took = took(*seconds);
+    let took = match *seconds {
+        seconds if seconds < 120.0 => format!("{seconds:.0} s"),
+        seconds => format!("{:.0} min", seconds / 60.0),
+    };
     format!("| {what} | {times} | {broken} | {took} | `{command}` |")
 }
 
@@ -124,17 +126,8 @@ fn ungrouped(text: &str) -> u64 {
 /// 1000000 as 1,000,000.
 fn grouped(n: u64) -> String {
     let digits = n.to_string();
-    let groups: Vec<&str> = digits
-        .as_bytes()
-        .rchunks(3)
-        .rev()
-        .filter_map(|group| std::str::from_utf8(group).ok())
-        .collect();
-    groups.join(",")
-}
-
-fn took(seconds: f64) -> String {
-    if seconds < 120.0 { format!("{seconds:.0} s") } else { format!("{:.0} min", seconds / 60.0) }
+    let groups = digits.as_bytes().rchunks(3).rev().map(String::from_utf8_lossy);
+    groups.collect::<Vec<_>>().join(",")
 }
 
 #[cfg(test)]

@@ -1,36 +1,16 @@
 //! `raw/thesis-twin`: the study that comes with the clone, made by the program itself from a seed.
 
-use crate::soak;
-use anyhow::{Context as _, bail};
+use crate::shell::{program, remove};
+use anyhow::{Context as _, ensure};
 use std::path::Path;
 use std::process::Command;
 
 /// One participant, one session, at the thesis' 120 Hz.
-const ARGUMENTS: [&str; 10] = [
-    "twin",
-    "thesis-twin",
-    "--participants",
-    "1",
-    "--sessions",
-    "1",
-    "--seed",
-    "1",
-    "--rate",
-    "120",
-];
+const LINE: &str = "twin thesis-twin --participants 1 --sessions 1 --seed 1 --rate 120";
 
 /// The scenes that its figures of the model are drawn from: copies of those in `scenes/`, so that
 /// the study holds all that its results rest on.
-const SCENES: [&str; 8] = [
-    "figure_11",
-    "ramp",
-    "ramp_finger",
-    "sine",
-    "sine_finger",
-    "step",
-    "step_finger",
-    "two_actuators",
-];
+const SCENES: &str = "figure_11 ramp ramp_finger sine sine_finger step step_finger two_actuators";
 
 /// What stands at the end of its study.toml.
 const FIGURES: &str = r#"
@@ -79,17 +59,13 @@ step_s = 0.001
 
 /// Writes `raw/thesis-twin` under `root`, replacing what stands there.
 pub(crate) fn write(root: &Path) -> anyhow::Result<()> {
-    let program = soak::program()?;
+    let program = program()?;
     let folder = root.join("raw/thesis-twin");
-    if folder.exists() {
-        std::fs::remove_dir_all(&folder).context("cannot remove the old raw/thesis-twin")?;
-    }
-    let status = Command::new(program).arg("--root").arg(root).args(ARGUMENTS).status()?;
-    if !status.success() {
-        bail!("the study could not be made");
-    }
+    remove(&folder).context("cannot remove the old raw/thesis-twin")?;
+    let status = Command::new(program).arg("--root").arg(root).args(LINE.split(' ')).status()?;
+    ensure!(status.success(), "the study could not be made");
     std::fs::create_dir(folder.join("scenes"))?;
-    for scene in SCENES {
+    for scene in SCENES.split(' ') {
         let file = format!("{scene}.toml");
         std::fs::copy(Path::new("scenes").join(&file), folder.join("scenes").join(file))?;
     }

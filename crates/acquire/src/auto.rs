@@ -29,8 +29,7 @@ impl<F: Front> Front for Auto<F> {
         let own = match self.phase {
             Phase::Ready | Phase::AtStop | Phase::Step { moves: false, .. } => Some(Input::Start),
             // Nobody is there to consent.
-            Phase::Step { moves: true, .. } => Some(Input::Skip),
-            Phase::Question { .. } => Some(Input::Skip),
+            Phase::Step { moves: true, .. } | Phase::Question { .. } => Some(Input::Skip),
             Phase::Stopped { .. } | Phase::Done => Some(Input::Quit),
             _ => None,
         };

@@ -78,13 +78,7 @@ mod tests {
     use crate::{Nobody, Point};
 
     fn view(phase: Phase, top_rad: f64) -> View {
-        let point = |theta_rad| Point {
-            t_s: 0.0,
-            theta_rad,
-            theta_dot_rad_s: 0.0,
-            force_ex_n: 0.0,
-            voltages: None,
-        };
+        let point = |theta_rad| Point { theta_rad, ..Point::default() };
         View {
             phase,
             theta_range_rad: (-0.8, 0.8),

@@ -9,71 +9,64 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use zwidth_store::{Append, Entry, Files, Held, Stamp, StoreError};
 
-/// A folder, and which one it was at the start.
-pub(crate) struct StudyFolder {
+/// The disk, of which nothing is touched once the study's folder is not where it was.
+#[derive(Clone)]
+pub(crate) struct Within<'a> {
+    files: &'a dyn Files,
     path: PathBuf,
-    held: Box<dyn Held>,
+    /// Which folder was at the path at the start.
+    folder: Arc<dyn Held>,
 }
 
-impl StudyFolder {
-    /// Opens the folder.
+impl<'a> Within<'a> {
+    /// Opens the study's folder.
     ///
     /// # Errors
     /// It is not there, or cannot be read.
-    pub(crate) fn open(files: &dyn Files, path: &Path) -> Result<Self, StoreError> {
-        let held =
+    pub(crate) fn open(files: &'a dyn Files, path: &Path) -> Result<Self, StoreError> {
+        let folder =
             files.hold(path).map_err(|e| StoreError::io(path, "open the study's folder", &e))?;
-        Ok(Self { path: path.to_owned(), held })
+        Ok(Self { files, path: path.to_owned(), folder: folder.into() })
     }
 
     /// Checks that the folder is still at its path.
     ///
     /// # Errors
-    /// It was moved or removed.
+    /// It was moved or removed: what became of it, and what to do.
     pub(crate) fn check(&self) -> Result<(), AcquireError> {
-        if self.held.is_there() {
+        if self.folder.is_there() {
             return Ok(());
         }
-        Err(AcquireError::Gone { folder: self.path.clone(), now: self.held.now() })
-    }
-}
-
-/// The disk, of which nothing is touched once the study's folder is not where it was.
-#[derive(Clone)]
-pub(crate) struct Within<'a> {
-    files: &'a dyn Files,
-    folder: Arc<StudyFolder>,
-}
-
-impl<'a> Within<'a> {
-    pub(crate) fn new(files: &'a dyn Files, folder: StudyFolder) -> Self {
-        Self { files, folder: Arc::new(folder) }
-    }
-
-    /// As [`StudyFolder::check`].
-    pub(crate) fn check(&self) -> Result<(), AcquireError> {
-        self.folder.check()
+        let went = match self.folder.now() {
+            Some(now) => format!("what was recorded is now in {}", now.display()),
+            None => "what was recorded went with it".to_owned(),
+        };
+        let what = format!(
+            "{}: the study's folder was moved or removed while the session ran, and nothing is written to another; {went}, the samples of a trial in progress in its folder journal",
+            self.path.display()
+        );
+        Err(AcquireError::refused(what, "put it back, and give the same command"))
     }
 
     /// The disk, if the study's folder is where it was.
     fn checked(&self) -> io::Result<&'a dyn Files> {
-        check_place(&self.folder).map(|()| self.files)
+        check_place(&*self.folder).map(|()| self.files)
     }
 
     /// The same for a folder that is created: the study's own is never made here, not even if it
     /// went since that look.
     fn checked_for_folder(&self, path: &Path) -> io::Result<&'a dyn Files> {
         let files = self.checked()?;
-        if self.folder.path.starts_with(path) {
+        if self.path.starts_with(path) {
             return Err(io::ErrorKind::NotFound.into());
         }
         Ok(files)
     }
 }
 
-/// An error for a write; the runner's says more ([`AcquireError::Gone`]).
-fn check_place(folder: &StudyFolder) -> io::Result<()> {
-    if folder.held.is_there() {
+/// An error for a write; the runner's says more ([`Within::check`]).
+fn check_place(folder: &dyn Held) -> io::Result<()> {
+    if folder.is_there() {
         return Ok(());
     }
     Err(io::Error::new(io::ErrorKind::NotFound, "the study's folder is not where it was"))
@@ -141,14 +134,14 @@ impl Files for Within<'_> {
 /// A file in the study's folder.
 struct WithinFile {
     file: Box<dyn Append>,
-    folder: Arc<StudyFolder>,
+    folder: Arc<dyn Held>,
 }
 
 impl Append for WithinFile {
     fn append_synced(&mut self, bytes: &[u8]) -> io::Result<()> {
         // First the bytes: the file went with its folder, and keeps them there.
         self.file.append_synced(bytes)?;
-        check_place(&self.folder)
+        check_place(&*self.folder)
     }
 
     fn take_back(&mut self) -> io::Result<()> {
@@ -168,7 +161,7 @@ mod tests {
         let root = tempfile::tempdir().unwrap();
         let path = root.path().join("raw/s");
         fs::create_dir_all(&path).unwrap();
-        let files = Within::new(&RealFiles, StudyFolder::open(&RealFiles, &path).unwrap());
+        let files = Within::open(&RealFiles, &path).unwrap();
         (root, path, files)
     }
 

@@ -7,7 +7,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 use zwidth_store::{Files, Layout, StoreError, read_records};
-use zwidth_study::{ParticipantId, SessionId, SessionRecord};
+use zwidth_study::{ParticipantId, SessionId};
 
 /// The numbers of a session, and remarks on them for the operator.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -37,7 +37,17 @@ pub(crate) fn numbers(
     // Where every id has its number, nothing need be read: a whole simulated study is as fast as
     // its trials.
     let records = read_records(files, layout, &|path| all || may_lack_a_number(path))?;
-    Ok(numbers_after(&records, participant, session))
+    let mut participants = BTreeMap::new();
+    let mut sessions = BTreeMap::new();
+    for record in &records {
+        // An imported session has no order, and so no numbers.
+        let Some(order) = record.order else { continue };
+        participants.insert(record.participant.as_str(), order.participant_number);
+        sessions.insert(record.session.as_str(), order.session_number);
+    }
+    let (participant, first) = number_of("participant", participant.as_str(), &participants);
+    let (session, second) = number_of("session", session.as_str(), &sessions);
+    Ok(Numbers { participant, session, remarks: first.into_iter().chain(second).collect() })
 }
 
 /// Whether the ids in a record's name, `<participant>_<session>`, may be without a number; an id
@@ -47,24 +57,6 @@ fn may_lack_a_number(record: &Path) -> bool {
         record.file_stem().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     name.match_indices('_')
         .any(|(at, _)| number(&name[..at]).is_none() || number(&name[at + 1..]).is_none())
-}
-
-/// The numbers of a session that comes after these.
-fn numbers_after(
-    records: &[SessionRecord],
-    participant: &ParticipantId,
-    session: &SessionId,
-) -> Numbers {
-    let (mut participants, mut sessions) = (BTreeMap::new(), BTreeMap::new());
-    for record in records {
-        // An imported session has no order, and so no numbers.
-        let Some(order) = record.order else { continue };
-        participants.insert(record.participant.as_str(), order.participant_number);
-        sessions.insert(record.session.as_str(), order.session_number);
-    }
-    let (participant, first) = number_of("participant", participant.as_str(), &participants);
-    let (session, second) = number_of("session", session.as_str(), &sessions);
-    Numbers { participant, session, remarks: first.into_iter().chain(second).collect() }
 }
 
 /// The number of an id, and a remark on it; `earlier` has the numbers of the ids before it.
@@ -96,7 +88,7 @@ fn number_of(kind: &str, id: &str, earlier: &BTreeMap<&str, u32>) -> (u32, Optio
 mod tests {
     use super::*;
     use zwidth_store::{RealFiles, write_new};
-    use zwidth_study::{OrderRecord, OrderScheme, Source};
+    use zwidth_study::{OrderRecord, OrderScheme, SessionRecord, Source};
 
     #[test]
     fn the_digits_at_the_end_of_an_id_are_its_number_and_an_id_without_any_has_none() {

@@ -40,19 +40,9 @@ impl<W: Write> Plain<W> {
         stop: Arc<AtomicBool>,
         ends: bool,
     ) -> Self {
-        let (sender, lines) = channel();
-        // The thread ends with the input, or with the program; nobody waits for a line that may
-        // never come.
-        std::thread::spawn(move || {
-            // By bytes: a letter in another encoding must not end the session.
-            for bytes in input.split(b'\n').map_while(Result::ok) {
-                let line = String::from_utf8_lossy(&bytes).into_owned();
-                if parse(&line) == Ok(Input::Stop) {
-                    stop.store(true, Ordering::SeqCst);
-                }
-                if sender.send(line).is_err() {
-                    break;
-                }
+        let lines = read_lines(input, move |line| {
+            if parse(line) == Ok(Input::Stop) {
+                stop.store(true, Ordering::SeqCst);
             }
         });
         Self { lines, waiting: VecDeque::new(), out, view: View::default(), shown: None, ends }
@@ -124,6 +114,26 @@ impl<W: Write> Front for Plain<W> {
             None => Ok(None),
         }
     }
+}
+
+/// Lines, read on a thread of its own, which ends with the input or with the program: nobody waits
+/// for a line that may never come. `hear` gets each as soon as it is read.
+pub(crate) fn read_lines(
+    input: impl BufRead + Send + 'static,
+    hear: impl Fn(&str) + Send + 'static,
+) -> Receiver<String> {
+    let (sender, lines) = channel();
+    std::thread::spawn(move || {
+        // By bytes: a letter in another encoding must not end the session.
+        for bytes in input.split(b'\n').map_while(Result::ok) {
+            let line = String::from_utf8_lossy(&bytes).into_owned();
+            hear(&line);
+            if sender.send(line).is_err() {
+                break;
+            }
+        }
+    });
+    lines
 }
 
 /// A line's input; the error says what may be said.

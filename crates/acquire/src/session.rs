@@ -1,6 +1,6 @@
 //! A session as it is set up before its first trial, or found again on the disk.
 
-use crate::flow::Recorded;
+use crate::flow::{Flow, Recorded};
 use crate::number::{Numbers, numbers};
 use crate::own::opening;
 use crate::plan::Plan;
@@ -11,8 +11,8 @@ use zwidth_store::{
     lay_down, read_session,
 };
 use zwidth_study::{
-    Calibration, Channel, Event, ModeId, OrderRecord, PlannedTrial, Question, Scene, Seal,
-    SessionRecord, Status, Study, TrialMeta, order,
+    Channel, Event, ModeId, OrderRecord, PlannedTrial, Question, Scene, Seal, SessionRecord,
+    Status, Study, TrialMeta, order,
 };
 
 /// A session, set up or found again.
@@ -50,15 +50,29 @@ impl Session {
         files: &dyn Files,
     ) -> Result<Self, AcquireError> {
         if let Some(environment) = plan.study.environments.iter().find(|e| e.scene == Scene::None) {
-            return Err(AcquireError::Refused {
-                what: format!(
+            return Err(AcquireError::refused(
+                format!(
                     "environment {} has kind = \"none\", so no trial can be recorded in it",
                     environment.id
                 ),
-                remedy: "give it another kind in study.toml, for instance \"spring\"".to_owned(),
-            });
+                "give it another kind in study.toml, for instance \"spring\"",
+            ));
         }
-        check_channels(&plan.study, device)?;
+        // A channel of the study that the device gives in another unit would be recorded wrongly.
+        for Channel { id, unit, .. } in &plan.study.channels {
+            let other = device.channels.iter().find(|other| other.id == *id && other.unit != *unit);
+            if let Some(other) = other {
+                return Err(AcquireError::refused(
+                    format!(
+                        "channel '{}' is in '{unit}' in study.toml, and {} gives it in '{}'",
+                        id.as_str(),
+                        device.name,
+                        other.unit
+                    ),
+                    "give it the device's unit in study.toml, or another id",
+                ));
+            }
+        }
         if plan.study.design.blinded {
             vault::check_apart(&plan.keys, &plan.layout)?;
         }
@@ -128,37 +142,6 @@ impl Plan {
     }
 }
 
-/// BLAKE3 of a calibration's text, hexadecimal.
-///
-/// # Errors
-/// A value that cannot be written.
-pub fn calibration_blake3(calibration: &Calibration) -> Result<String, AcquireError> {
-    let text = calibration.to_toml().map_err(|e| AcquireError::Refused {
-        what: e.to_string(),
-        remedy: "correct calibration.toml beside study.toml".to_owned(),
-    })?;
-    Ok(hex_blake3(text.as_bytes()))
-}
-
-/// A channel of the study that the device gives in another unit would be recorded wrongly.
-fn check_channels(study: &Study, device: &Capabilities) -> Result<(), AcquireError> {
-    for Channel { id, unit, .. } in &study.channels {
-        let other = device.channels.iter().find(|other| other.id == *id && other.unit != *unit);
-        if let Some(other) = other {
-            return Err(AcquireError::Refused {
-                what: format!(
-                    "channel '{}' is in '{unit}' in study.toml, and {} gives it in '{}'",
-                    id.as_str(),
-                    device.name,
-                    other.unit
-                ),
-                remedy: "give it the device's unit in study.toml, or another id".to_owned(),
-            });
-        }
-    }
-    Ok(())
-}
-
 /// A record without its trials: what must stay the same while the session lasts.
 fn bare_record(plan: &Plan, device: &Capabilities) -> Result<SessionRecord, AcquireError> {
     let mut record = SessionRecord::new(
@@ -171,7 +154,10 @@ fn bare_record(plan: &Plan, device: &Capabilities) -> Result<SessionRecord, Acqu
     );
     record.device = Some(device.name.clone());
     record.calibration = Some(plan.calibration.clone());
-    record.calibration_blake3 = Some(calibration_blake3(&plan.calibration)?);
+    let calibration = plan.calibration.to_toml().map_err(|e| {
+        AcquireError::refused(e.to_string(), "correct calibration.toml beside study.toml")
+    })?;
+    record.calibration_blake3 = Some(hex_blake3(calibration.as_bytes()));
     record.rate_hz = Some(plan.rate_hz);
     Ok(record)
 }
@@ -225,7 +211,9 @@ fn resume_session(
     let WholeSession { log, trials } = whole;
     let differences = differences(&log.record, &bare_record(plan, device)?, plan.seed);
     if !differences.is_empty() {
-        return Err(AcquireError::Differs { session: log.path, differences });
+        let what = format!("cannot go on with {}: {}", log.path.display(), differences.join("; "));
+        let remedy = "begin a new session, or restore what this one began with";
+        return Err(AcquireError::refused(what, remedy));
     }
     let opening = opening(plan, &log)?;
     let seal = match (&log.seal, &log.record.commitment) {
@@ -234,9 +222,14 @@ fn resume_session(
         (None, Some(_)) => Some(vault::find(files, &plan.keys, plan.layout.study(), &log.record)?),
         (None, None) => None,
     };
-    let modes = match &seal {
-        Some(seal) => open_modes(seal, &log.record)?,
-        None => log.record.trials.iter().map(|t| t.mode.clone()).collect(),
+    let trials_then = match &seal {
+        Some(seal) => seal.opened(&log.record.trials).map_err(|e| {
+            AcquireError::refused(
+                format!("session {} of {}: {e}", log.record.session, log.record.participant),
+                "restore the session's record and its seal from copies",
+            )
+        })?,
+        None => log.record.trials.clone(),
     };
     Ok(Session {
         recorded: recorded(&trials, &log),
@@ -244,14 +237,14 @@ fn resume_session(
         laid_down: true,
         blinded: log.is_sealed(),
         seal,
-        modes,
+        modes: trials_then.into_iter().map(|trial| trial.mode).collect(),
         events: log.events,
         opening,
     })
 }
 
 /// What was recorded of a session.
-pub(crate) fn recorded<'t>(
+fn recorded<'t>(
     trials: impl IntoIterator<Item = &'t TrialEntry>,
     log: &SessionLog,
 ) -> Vec<Recorded> {
@@ -267,20 +260,26 @@ pub(crate) fn recorded<'t>(
     recorded.collect()
 }
 
-fn open_modes(seal: &Seal, record: &SessionRecord) -> Result<Vec<ModeId>, AcquireError> {
-    let trials = seal.opened(&record.trials).map_err(|e| AcquireError::Refused {
-        what: format!("session {} of {}: {e}", record.session, record.participant),
-        remedy: "restore the session's record and its seal from copies".to_owned(),
-    })?;
-    Ok(trials.into_iter().map(|t| t.mode).collect())
+/// How many trials of a session's order are still to be done, its own among `trials`; 0 for an
+/// imported session, which has no order.
+pub fn left_to_do<'t>(trials: impl IntoIterator<Item = &'t TrialEntry>, log: &SessionLog) -> usize {
+    if log.record.order.is_none() {
+        return 0;
+    }
+    // Without questions: one that is open is no trial to be done.
+    let order = log.record.trials.iter().map(|t| (t.clone(), Vec::new())).collect();
+    let (flow, _) = Flow::begin(order, 0.0, &recorded(trials, log), &log.events);
+    flow.places().len() - flow.done()
 }
 
 /// What a session on the disk began with that is not at hand now, in words.
 fn differences(record: &SessionRecord, now: &SessionRecord, seed: Option<u64>) -> Vec<String> {
     let [rate_then, rate_now] =
         [record, now].map(|record| record.rate_hz.map(|hz| format!("{hz} Hz")));
-    let [calibration_then, calibration_now] =
-        [record, now].map(|record| record.calibration_blake3.as_deref().map(short));
+    // Enough digits of a hash to see that two differ.
+    let [calibration_then, calibration_now] = [record, now].map(|record| {
+        record.calibration_blake3.as_ref().map(|hash| hash.chars().take(12).collect::<String>())
+    });
     // Only where both have one: a seed need not be named again, and a blinded record has none.
     let seeds = [record.seed.filter(|_| seed.is_some()), seed.filter(|_| record.seed.is_some())];
     let [seed_then, seed_now] = seeds.map(|s| s.map(|s| s.to_string()));
@@ -299,12 +298,6 @@ fn differences(record: &SessionRecord, now: &SessionRecord, seed: Option<u64>) -
     .collect()
 }
 
-/// The first digits of a hash: enough to see that two differ.
-fn short(hash: &str) -> String {
-    const SHOWN: usize = 12;
-    hash.chars().take(SHOWN).collect()
-}
-
 /// The order's seed of an open study: from its id, the same for every participant.
 pub fn seed_of(study: &Study) -> u64 {
     // 32 bits, which every reader of JSON keeps.
@@ -319,36 +312,4 @@ fn derived(plan: &Plan, purpose: &str) -> [u8; 32] {
 
 fn first_u64(bytes: &[u8; 32]) -> u64 {
     bytes.first_chunk().map_or(0, |first| u64::from_le_bytes(*first))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn what_differs_from_the_record_is_told_with_both_sides() {
-        let record = |device: &str, seed| {
-            let mut record = SessionRecord::new(
-                "P01".parse().unwrap(),
-                "S01".parse().unwrap(),
-                zwidth_study::Source::Twin,
-                "test",
-                "abcdef0123456789",
-                Vec::new(),
-            );
-            (record.device, record.rate_hz, record.seed) =
-                (Some(device.to_owned()), Some(120.0), seed);
-            record
-        };
-        let then = record("twin 1", Some(3));
-        assert_eq!(differences(&then, &record("twin 1", None), None), Vec::<String>::new());
-        let now = SessionRecord { rate_hz: Some(1000.0), ..record("rig", None) };
-        let found = differences(&then, &now, Some(4));
-        let expect = [
-            "the device is rig, and was twin 1",
-            "the rate is 1000 Hz, and was 120 Hz",
-            "the seed is 4, and was 3",
-        ];
-        assert_eq!(found, expect);
-    }
 }

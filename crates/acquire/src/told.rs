@@ -1,6 +1,24 @@
-//! The findings of the device check, as a person would say them.
+//! The device check as a person would say it: what to do before a step, and what was found.
 
+use zwidth_device::check::Step;
 use zwidth_study::Check;
+
+/// What the person must do, and whether the lever will then move by itself: that needs a consent.
+pub fn step_words(step: Step) -> (String, bool) {
+    let what = match step {
+        Step::Rest => "Lever against its lower stop, hands off.".to_owned(),
+        Step::Load(mass_kg) => {
+            format!("Hang {mass_kg} kg from the load cell so that it pulls towards the wall, and let it hang still.")
+        }
+        Step::Hand => {
+            "Lever against its lower stop. Once this begins, move it all the way to the upper stop and back, within 4 s.".to_owned()
+        }
+        Step::Actuators => {
+            "Lever against its lower stop, hands off: motor and brake are switched on for a moment, and the lever moves.".to_owned()
+        }
+    };
+    (what, step == Step::Actuators)
+}
 
 /// A value in the unit that a person would name it in, no finer than one would; the record holds
 /// all its digits.

@@ -14,7 +14,7 @@ use crate::AcquireError;
 use std::io;
 use std::path::{Path, PathBuf};
 use zwidth_store::{Files, Layout, StoreError, keep_private, real_path, sync_names, write_private};
-use zwidth_study::{ParticipantId, Seal, SessionId, SessionRecord, StudyId};
+use zwidth_study::{Seal, SessionRecord, StudyId};
 
 /// Digits of the commitment in a seal's name: enough to tell any two apart.
 const DIGITS: usize = 16;
@@ -33,15 +33,14 @@ pub fn check_apart(folder: &Path, layout: &Layout) -> Result<(), AcquireError> {
         let real_data = resolve(&data)?;
         for seals in &seals {
             if resolve(seals)?.starts_with(&real_data) {
-                return Err(AcquireError::Refused {
-                    what: format!(
+                return Err(AcquireError::refused(
+                    format!(
                         "the folder of the seals, {}, is inside {}, where all who read the data could read the seals",
                         seals.display(),
                         data.display()
                     ),
-                    remedy: "name a folder outside of raw/, derived/ and reports/ with --key"
-                        .to_owned(),
-                });
+                    "name a folder outside of raw/, derived/ and reports/ with --key",
+                ));
             }
         }
     }
@@ -56,13 +55,8 @@ fn resolve(path: &Path) -> Result<PathBuf, StoreError> {
 }
 
 /// Where a session's seal is.
-pub fn seal_path(
-    folder: &Path,
-    study: &StudyId,
-    participant: &ParticipantId,
-    session: &SessionId,
-    commitment: &str,
-) -> PathBuf {
+fn seal_path(folder: &Path, study: &StudyId, record: &SessionRecord, commitment: &str) -> PathBuf {
+    let SessionRecord { participant, session, .. } = record;
     let digits: String = commitment.chars().take(DIGITS).collect();
     folder.join(study.as_str()).join(format!("{participant}_{session}.{digits}.json"))
 }
@@ -79,7 +73,7 @@ pub fn keep(
     record: &SessionRecord,
     seal: &Seal,
 ) -> Result<(), AcquireError> {
-    let path = seal_path(folder, study, &record.participant, &record.session, &seal.commitment());
+    let path = seal_path(folder, study, record, &seal.commitment());
     let text = seal.to_json().map_err(|e| {
         StoreError::new(&path, e.to_string(), "this is a defect of zwidth, please report it")
     })?;
@@ -114,12 +108,12 @@ pub fn find(
     record: &SessionRecord,
 ) -> Result<Seal, AcquireError> {
     let Some(commitment) = &record.commitment else {
-        return Err(AcquireError::Refused {
-            what: format!("session {} of {} is not sealed", record.session, record.participant),
-            remedy: "there is nothing to unseal".to_owned(),
-        });
+        return Err(AcquireError::refused(
+            format!("session {} of {} is not sealed", record.session, record.participant),
+            "there is nothing to unseal",
+        ));
     };
-    let path = seal_path(folder, study, &record.participant, &record.session, commitment);
+    let path = seal_path(folder, study, record, commitment);
     let text = text(files, &path).map_err(|e| {
         let remedy =
             "the seal is where the session was begun: name that folder with --key, or copy the file here";
@@ -190,20 +184,11 @@ mod tests {
         keep(&RealFiles, folder.path(), &study, &record, &seal).unwrap();
         keep(&RealFiles, folder.path(), &study, &record, &seal).unwrap();
         assert_eq!(find(&RealFiles, folder.path(), &study, &record).unwrap(), seal);
-        record.commitment = Some("0".repeat(64));
-        assert!(
-            find(&RealFiles, folder.path(), &study, &record)
-                .unwrap_err()
-                .to_string()
-                .contains("--key")
-        );
-        record.commitment = None;
-        assert!(
-            find(&RealFiles, folder.path(), &study, &record)
-                .unwrap_err()
-                .to_string()
-                .contains("not sealed")
-        );
+        for (commitment, words) in [(Some("0".repeat(64)), "--key"), (None, "not sealed")] {
+            record.commitment = commitment;
+            let error = find(&RealFiles, folder.path(), &study, &record).unwrap_err().to_string();
+            assert!(error.contains(words), "{error}");
+        }
     }
 
     /// In which folder the child of the test below keeps a seed and a seal.

@@ -157,7 +157,7 @@ pub struct Current {
 }
 
 /// One point of a trace, SI.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Point {
     /// Time since the trial's start, s.
     pub t_s: f64,
@@ -243,14 +243,7 @@ mod tests {
     fn a_trace_takes_in_no_more_than_its_rate_and_forgets_its_oldest_points() {
         let mut view = View::default();
         for i in 0..20_000 {
-            let point = Point {
-                t_s: f64::from(i) * 1e-3,
-                theta_rad: 0.0,
-                theta_dot_rad_s: 0.0,
-                force_ex_n: 0.0,
-                voltages: None,
-            };
-            view.trace(point);
+            view.trace(Point { t_s: f64::from(i) * 1e-3, ..Point::default() });
         }
         assert_eq!(view.trace.len(), TRACE_POINTS);
         assert!((view.trace[1].t_s - view.trace[0].t_s - 0.01).abs() < 1e-9);

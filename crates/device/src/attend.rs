@@ -320,17 +320,16 @@ fn attend<'a>(mut station: Station<'a>, mut orders: Consumer<Order<'a>>, shared:
 mod tests {
     use super::*;
     use crate::mock::{Fault, Mock, SharedClock};
-    use crate::trial::tests::{mode, plan};
-    use crate::{Limits, watch};
-    use std::f64::consts::FRAC_PI_4;
+    use crate::participant::intent::tests::SPRING;
+    use crate::trial::tests::{LIMITS, controller, environment, mode, plan};
+    use crate::watch;
     use std::ops::ControlFlow;
-    use zwidth_study::{Control, Environment, Scene, Spring};
+    use zwidth_study::{Environment, Scene};
 
     const RATE_HZ: f64 = 120.0;
 
     fn station<'a>(device: &'a mut Mock, clock: &'a mut SharedClock) -> Station<'a> {
-        let limits = Limits { theta_min_rad: -FRAC_PI_4, theta_max_rad: FRAC_PI_4, force_n: 10.0 };
-        let guard = Guard::new(&device.capabilities, limits, false);
+        let guard = Guard::new(&device.capabilities, LIMITS, false);
         Station::new(device, clock, guard, RATE_HZ)
     }
 
@@ -433,22 +432,17 @@ mod tests {
 
     impl Place {
         fn new() -> Self {
-            let scene = Scene::Spring(Spring { stiffness_n_per_rad: 4.0, rest_rad: -FRAC_PI_4 });
-            let id = "e".parse().unwrap();
-            let environment = Environment {
-                id,
-                label: String::new(),
-                scene,
-                question: None,
-                further: Vec::new(),
-            };
-            let (calibration, stop) = (Calibration::thesis(), AtomicBool::default());
-            Self { environment, mode: mode(), calibration, stop }
+            Self {
+                environment: environment(Scene::Spring(SPRING)),
+                mode: mode(),
+                calibration: Calibration::thesis(),
+                stop: AtomicBool::default(),
+            }
         }
 
         fn task(&self) -> TrialTask<'_> {
             let Self { environment, mode, calibration, stop } = self;
-            let controller = Controller::new(&Control::default(), environment, mode, calibration);
+            let controller = controller(environment, mode);
             TrialTask { plan: plan(environment), mode, calibration, controller, stop }
         }
     }

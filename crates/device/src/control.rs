@@ -148,6 +148,7 @@ impl Controller {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::trial::tests::{environment, mode_of};
     use proptest::prelude::*;
     use std::f64::consts::FRAC_PI_4;
     use zwidth_study::Spring;
@@ -164,21 +165,8 @@ mod tests {
     }
 
     fn controller(scene: Scene, motor_max_v: Option<f64>, brake_max_v: Option<f64>) -> Controller {
-        let mode = Mode {
-            id: "m".parse().unwrap(),
-            label: String::new(),
-            motor_max_v,
-            brake_max_v,
-            law: None,
-        };
-        let environment = Environment {
-            id: "e".parse().unwrap(),
-            label: String::new(),
-            scene,
-            question: None,
-            further: Vec::new(),
-        };
-        Controller::new(&Control::default(), &environment, &mode, &Calibration::thesis())
+        let environment = environment(scene);
+        crate::trial::tests::controller(&environment, &mode_of(motor_max_v, brake_max_v))
     }
 
     fn active(scene: Scene) -> Controller {

@@ -74,4 +74,4 @@ pub use twin::{
     COUNTS_PER_TURN, SHAFT_PER_LEVER, SweepPoint, Twin, TwinParameter, TwinParameters, brake_sweep,
     motor_sweep,
 };
-pub use velocity::{Difference, Differentiator, Velocity};
+pub use velocity::Velocity;

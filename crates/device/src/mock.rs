@@ -90,12 +90,11 @@ impl Default for Mock {
 impl Mock {
     /// A sound device that moves like this.
     pub fn new(motion: Motion) -> Self {
-        let writes = Vec::with_capacity(WRITES);
         Self {
             capabilities: capabilities(),
             motion,
             faults: Vec::new(),
-            writes,
+            writes: Vec::with_capacity(WRITES),
             moments: Vec::with_capacity(MOMENTS),
             began_s: 0.0,
         }
@@ -175,15 +174,7 @@ impl Device for Mock {
 
     fn home(&mut self, now_s: f64) -> Result<Reading, DeviceError> {
         self.connected(now_s)?;
-        let angle = self.angle(-FRAC_PI_4);
-        Ok(Reading {
-            t_device_s: None,
-            angle,
-            angle_age_s: 0.0,
-            force_n: 0.0,
-            force_age_s: Some(0.0),
-            extra: Extra::default(),
-        })
+        Ok(reading(self.angle(-FRAC_PI_4)))
     }
 
     #[expect(clippy::panic, reason = "a fault that is asked for")]
@@ -197,12 +188,10 @@ impl Device for Mock {
         let (theta_rad, _) = self.state(angle_s);
         let (_, force_n) = self.state(force_s);
         Ok(Reading {
-            t_device_s: None,
-            angle: self.angle(theta_rad),
             angle_age_s: now_s - angle_s,
             force_n,
             force_age_s: Some(now_s - force_s),
-            extra: Extra::default(),
+            ..reading(self.angle(theta_rad))
         })
     }
 
@@ -269,12 +258,11 @@ impl Clock for SharedClock {
     }
 }
 
-/// A reading at the lower stop.
-#[cfg(test)]
-pub(crate) fn reading() -> Reading {
+/// A reading of an angle of just now, and of no force.
+pub(crate) fn reading(angle: Angle) -> Reading {
     Reading {
         t_device_s: None,
-        angle: Angle::Counts(0),
+        angle,
         angle_age_s: 0.0,
         force_n: 0.0,
         force_age_s: Some(0.0),

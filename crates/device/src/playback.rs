@@ -107,22 +107,11 @@ impl Device for Playback {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use zwidth_study::{Environment, Flags, Scene};
+    use crate::trial::tests::{environment, sample};
+    use zwidth_study::Scene;
 
     fn row(t_s: f64, theta_rad: f64, force_ex_n: f64) -> Sample {
-        Sample {
-            t_s,
-            t_device_s: None,
-            theta_rad,
-            theta_dot_rad_s: 0.0,
-            force_ex_n,
-            voltages: Voltages::OFF,
-            force_age_s: Some(0.002),
-            theta_raw: None,
-            force_cmd_n: 0.0,
-            flags: Flags::default(),
-            extra: Extra::default(),
-        }
+        Sample { force_age_s: Some(0.002), ..sample(t_s, theta_rad, 0.0, force_ex_n) }
     }
 
     fn playback() -> Playback {
@@ -133,14 +122,7 @@ mod tests {
     #[test]
     fn each_row_stands_until_the_next_and_the_last_one_for_good() {
         let mut playback = playback();
-        let scene = Scene::None;
-        let environment = Environment {
-            id: "e".parse().unwrap(),
-            label: String::new(),
-            scene,
-            question: None,
-            further: Vec::new(),
-        };
+        let environment = environment(Scene::None);
         for begin_s in [5.0, 7.0] {
             playback.begin(begin_s, &Cue { trial: 1, environment: &environment, limit_s: 4.0 });
             for (t_s, theta_rad, age_s) in

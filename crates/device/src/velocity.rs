@@ -15,57 +15,18 @@ use zwidth_study::VelocityFilter;
 /// of up to 0.021 rad/s with the default differentiator (40 Hz, 8.0 ms late) and 0.22 rad/s with
 /// the difference (0.5 ms late).
 #[derive(Debug, Clone, PartialEq)]
-pub enum Velocity {
-    /// A second-order differentiator.
-    Differentiator(Differentiator),
-    /// The last step divided by its time: delay half a step, and all of the sensor's noise.
-    Difference(Difference),
-}
+pub struct Velocity(Filter);
 
-impl Velocity {
-    /// The filter a study asks for, at its beginning.
-    ///
-    /// # Errors
-    /// A cut-off that is not above 0 and finite.
-    pub fn new(filter: VelocityFilter) -> Result<Self, DeviceError> {
-        match filter {
-            VelocityFilter::Difference => Ok(Self::Difference(Difference::default())),
-            VelocityFilter::SecondOrder { cutoff_hz } => {
-                positive("control.velocity_cutoff_hz", cutoff_hz)?;
-                Ok(Self::Differentiator(Differentiator { omega: TAU * cutoff_hz, state: None }))
-            }
-        }
-    }
-
-    /// The velocity at a new angle, rad/s; 0 at the first. An angle that is not newer than the last
-    /// changes nothing.
-    pub fn step(&mut self, t_s: f64, theta_rad: f64) -> f64 {
-        match self {
-            Self::Differentiator(filter) => filter.step(t_s, theta_rad),
-            Self::Difference(filter) => filter.step(t_s, theta_rad),
-        }
-    }
-
-    /// How late a slowly changing velocity is shown when angles come every `period_s`, s.
-    #[cfg(test)]
-    pub(crate) fn delay_s(&self, period_s: f64) -> f64 {
-        match self {
-            Self::Differentiator(filter) => 2.0 / filter.omega,
-            Self::Difference(_) => 0.5 * period_s,
-        }
-    }
-}
-
-/// The critically damped filter H(s) = s ω² / (s + ω)², whose velocity is 2/ω late at low
-/// frequencies.
-///
-/// Solved exactly between the samples, the angle taken as joined by straight lines, so that uneven
-/// times do no harm and no step is too long.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Differentiator {
-    /// ω, 1/s.
-    omega: f64,
-    state: Option<Smooth>,
+enum Filter {
+    /// The critically damped filter H(s) = s ω² / (s + ω)², whose velocity is 2/ω late at low
+    /// frequencies; ω in 1/s.
+    ///
+    /// Solved exactly between the samples, the angle taken as joined by straight lines, so that
+    /// uneven times do no harm and no step is too long.
+    Differentiator { omega: f64, state: Option<Smooth> },
+    /// The last step divided by its time: delay half a step, and all of the sensor's noise.
+    Difference { last: Option<(f64, f64)>, v: f64 },
 }
 
 /// The last input, and the filtered angle and its rate there.
@@ -77,15 +38,53 @@ struct Smooth {
     v: f64,
 }
 
-impl Differentiator {
-    fn step(&mut self, t_s: f64, x: f64) -> f64 {
-        let next = match self.state {
-            None => Smooth { t_s, x, y: x, v: 0.0 },
-            Some(last) if t_s <= last.t_s => last,
-            Some(last) => advance(self.omega, last, t_s, x),
-        };
-        self.state = Some(next);
-        next.v
+impl Velocity {
+    /// The filter a study asks for, at its beginning.
+    ///
+    /// # Errors
+    /// A cut-off that is not above 0 and finite.
+    pub fn new(filter: VelocityFilter) -> Result<Self, DeviceError> {
+        Ok(Self(match filter {
+            VelocityFilter::Difference => Filter::Difference { last: None, v: 0.0 },
+            VelocityFilter::SecondOrder { cutoff_hz } => {
+                positive("control.velocity_cutoff_hz", cutoff_hz)?;
+                Filter::Differentiator { omega: TAU * cutoff_hz, state: None }
+            }
+        }))
+    }
+
+    /// The velocity at a new angle, rad/s; 0 at the first. An angle that is not newer than the last
+    /// changes nothing.
+    pub fn step(&mut self, t_s: f64, theta_rad: f64) -> f64 {
+        match &mut self.0 {
+            Filter::Differentiator { omega, state } => {
+                let next = match *state {
+                    None => Smooth { t_s, x: theta_rad, y: theta_rad, v: 0.0 },
+                    Some(last) if t_s <= last.t_s => last,
+                    Some(last) => advance(*omega, last, t_s, theta_rad),
+                };
+                *state = Some(next);
+                next.v
+            }
+            Filter::Difference { last, v } => {
+                match *last {
+                    Some((last_s, _)) if t_s <= last_s => return *v,
+                    Some((last_s, last_rad)) => *v = (theta_rad - last_rad) / (t_s - last_s),
+                    None => {}
+                }
+                *last = Some((t_s, theta_rad));
+                *v
+            }
+        }
+    }
+
+    /// How late a slowly changing velocity is shown when angles come every `period_s`, s.
+    #[cfg(test)]
+    pub(crate) fn delay_s(&self, period_s: f64) -> f64 {
+        match self.0 {
+            Filter::Differentiator { omega, .. } => 2.0 / omega,
+            Filter::Difference { .. } => 0.5 * period_s,
+        }
     }
 }
 
@@ -100,25 +99,6 @@ fn advance(omega: f64, last: Smooth, t_s: f64, x: f64) -> Smooth {
     let a = rate0 + omega * z0;
     let decay = libm::exp(-omega * h);
     Smooth { t_s, x, y: x - lag + (z0 + a * h) * decay, v: slope + (rate0 - omega * a * h) * decay }
-}
-
-/// The last step divided by its time.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Difference {
-    last: Option<(f64, f64)>,
-    v: f64,
-}
-
-impl Difference {
-    fn step(&mut self, t_s: f64, x: f64) -> f64 {
-        match self.last {
-            Some((last_s, _)) if t_s <= last_s => return self.v,
-            Some((last_s, last)) => self.v = (x - last) / (t_s - last_s),
-            None => {}
-        }
-        self.last = Some((t_s, x));
-        self.v
-    }
 }
 
 #[cfg(test)]

@@ -13,13 +13,13 @@ use zwidth_study::{
 };
 
 const HALF_STROKE_RAD: f64 = std::f64::consts::FRAC_PI_4;
+const LIMITS: Limits =
+    Limits { theta_min_rad: -HALF_STROKE_RAD, theta_max_rad: HALF_STROKE_RAD, force_n: 10.0 };
 
 /// Allocations of so much reading between trials, s.
 fn allocations_between(for_s: f64) -> u64 {
     let mut device = Mock::default();
-    let limits =
-        Limits { theta_min_rad: -HALF_STROKE_RAD, theta_max_rad: HALF_STROKE_RAD, force_n: 10.0 };
-    let mut guard = Guard::new(&device.capabilities, limits, false);
+    let mut guard = Guard::new(&device.capabilities, LIMITS, false);
     guard.home(&mut device, 0.0).unwrap();
     let (mut clock, stop) = (SimulatedClock::new(1), AtomicBool::new(false));
     let mut reads = 0;
@@ -38,28 +38,17 @@ fn reading_on_between_trials_allocates_nothing() {
 
 fn allocations(limit_s: f64, filter: VelocityFilter) -> u64 {
     let mut device = Mock::default();
-    let limits =
-        Limits { theta_min_rad: -HALF_STROKE_RAD, theta_max_rad: HALF_STROKE_RAD, force_n: 10.0 };
     let spring = Spring { stiffness_n_per_rad: 4.0, rest_rad: -HALF_STROKE_RAD };
     let scene = Scene::SpringWall { spring, wall_rad: 0.1 };
-    let environment = Environment {
-        id: "e".parse().unwrap(),
-        label: String::new(),
-        scene,
-        question: None,
-        further: Vec::new(),
-    };
-    let (motor_max_v, brake_max_v) = (Some(8.0), Some(8.0));
-    let mode = Mode {
-        id: "m".parse().unwrap(),
-        label: String::new(),
-        motor_max_v,
-        brake_max_v,
-        law: None,
-    };
+    let label = String::new();
+    let id = "e".parse().unwrap();
+    let environment = Environment { id, label, scene, question: None, further: Vec::new() };
+    let label = String::new();
+    let id = "m".parse().unwrap();
+    let mode = Mode { id, label, motor_max_v: Some(8.0), brake_max_v: Some(8.0), law: None };
     let calibration = Calibration::thesis();
     let mut controller = Controller::new(&Control::default(), &environment, &mode, &calibration);
-    let mut guard = Guard::new(&device.capabilities, limits, false);
+    let mut guard = Guard::new(&device.capabilities, LIMITS, false);
     guard.home(&mut device, 0.0).unwrap();
     guard.arm(&mode, &calibration).unwrap();
     let cue = Cue { trial: 1, environment: &environment, limit_s };

@@ -50,13 +50,10 @@ impl Noise {
     }
 }
 
-/// Time, angle, force and velocity of one push against a spring with a wall at 26.6°.
-struct Push {
-    t_s: Vec<f64>,
-    theta_deg: Vec<f64>,
-    force_n: Vec<f64>,
-    velocity_deg_s: Vec<f64>,
-}
+/// The quantities of one push against a spring with a wall at 26.6°: time, s, angle, °, force, N, and
+/// velocity, °/s.
+type Push = [Vec<f64>; 4];
+const QUANTITIES: [&str; 4] = ["t", "θ", "F", "θ̇"];
 
 const WALL_DEG: f64 = 26.6;
 
@@ -68,40 +65,31 @@ fn push(mode: usize, repeat: u32) -> Push {
     let lag = 0.05 * noise.next();
     let phase = TAU * noise.next();
     let depth = [0.05, 0.12, 0.03][mode];
-    let mut run = Push { t_s: vec![], theta_deg: vec![], force_n: vec![], velocity_deg_s: vec![] };
+    let mut run = Push::default();
     for i in 0..3000 {
         let t = f64::from(i) / 1000.0;
         let way = (TAU * (t - lag) / period / 2.0).sin().max(0.0);
-        let speed = if way > 0.0 {
-            (TAU * (t - lag) / period / 2.0).cos() * TAU / period / 2.0
-        } else {
-            0.0
-        };
+        let turning = (TAU * (t - lag) / period / 2.0).cos() * TAU / period / 2.0;
+        let speed = if way > 0.0 { turning } else { 0.0 };
         let theta = reach * way;
         let wall = if theta > WALL_DEG { (theta - WALL_DEG) * [0.2, 4.0, 4.2][mode] } else { 0.0 };
         let spring = 0.14 * theta - if speed < 0.0 { drop * way.min(0.4) } else { 0.0 };
-        run.t_s.push(t);
-        run.theta_deg.push(theta);
-        run.force_n.push(
-            (spring + wall + depth * (40.0 * t + phase).sin() + 0.04 * noise.next()).max(0.0),
-        );
-        run.velocity_deg_s.push(reach * speed + 1.5 * noise.next());
+        let force = spring + wall + depth * (40.0 * t + phase).sin() + 0.04 * noise.next();
+        let velocity = reach * speed + 1.5 * noise.next();
+        for (values, value) in run.iter_mut().zip([t, theta, force.max(0.0), velocity]) {
+            values.push(value);
+        }
     }
     run
 }
 
 fn quantity<'a>(run: &'a Push, name: &str) -> &'a [f64] {
-    match name {
-        "t" => &run.t_s,
-        "θ" => &run.theta_deg,
-        "F" => &run.force_n,
-        _ => &run.velocity_deg_s,
-    }
+    &run[QUANTITIES.iter().position(|own| *own == name).unwrap_or(3)]
 }
 
 /// Mean and standard deviation over the repeats, sample by sample.
 fn mean_sd(runs: &[Push], name: &str) -> Vec<(f64, f64)> {
-    (0..runs[0].t_s.len())
+    (0..runs[0][0].len())
         .map(|i| {
             let values: Vec<f64> = runs.iter().map(|run| quantity(run, name)[i]).collect();
             let mean = values.iter().sum::<f64>() / values.len() as f64;
@@ -131,10 +119,9 @@ fn mode_layers(x: &str, y: &str) -> Vec<Layer> {
         let x: Vec<f64> = along.iter().map(|(mean, _)| *mean).collect();
         let y: Vec<f64> = across.iter().map(|(mean, _)| *mean).collect();
         if along[1].1 == 0.0 {
-            let (low, high) = across
-                .iter()
-                .map(|(mean, sd)| (mean - 2.57 * sd / 2.45, mean + 2.57 * sd / 2.45))
-                .unzip();
+            let half = |sd: &f64| 2.57 * sd / 2.45;
+            let low = across.iter().map(|(mean, sd)| mean - half(sd)).collect();
+            let high = across.iter().map(|(mean, sd)| mean + half(sd)).collect();
             layers.push(Layer::Band(Band { x: x.clone(), low, high, colour, name: name.clone() }));
         }
         let dotted = mean_sd(runs, "θ").iter().map(|(theta, _)| *theta > WALL_DEG).collect();
@@ -144,14 +131,8 @@ fn mode_layers(x: &str, y: &str) -> Vec<Layer> {
 }
 
 fn wall(direction: Direction, label: Option<&str>) -> Layer {
-    let label = label.map(str::to_owned);
-    Layer::Reference(Reference {
-        direction,
-        at: WALL_DEG,
-        label,
-        stroke: style::reference(),
-        name: None,
-    })
+    let line = Reference::new(direction, WALL_DEG, style::reference());
+    Layer::Reference(Reference { label: label.map(str::to_owned), ..line })
 }
 
 /// Time, shared by all panels of a figure.
@@ -255,12 +236,8 @@ fn characteristic() -> Figure {
             place: TextPlace::EmptiestCorner,
         }),
     ];
-    let panel = Panel::new(
-        Cell::at(0, 0),
-        Axis::new("*U*", "V").ranged(Range::Fixed(0.0, 16.0)),
-        Axis::new("*F*", "N"),
-        layers,
-    );
+    let x = Axis::new("*U*", "V").ranged(Range::Fixed(0.0, 16.0));
+    let panel = Panel::new(Cell::at(0, 0), x, Axis::new("*F*", "N"), layers);
     Figure { width_mm: ONE_COLUMN_MM, panels: vec![panel], ..Figure::default() }
 }
 
@@ -300,14 +277,8 @@ fn intervals() -> Figure {
     let mut panels = Vec::new();
     for (column, (label, unit, size, seed)) in parameters.into_iter().enumerate() {
         let mut noise = Noise(seed);
-        let mut layers = vec![Layer::Reference(Reference {
-            direction: Direction::Horizontal,
-            at: 0.0,
-            label: None,
-            stroke: style::zero(),
-            name: None,
-        })];
-        let markers = [style::Marker::Disc, style::Marker::Square, style::Marker::Diamond];
+        let zero = Reference::new(Direction::Horizontal, 0.0, style::zero());
+        let mut layers = vec![Layer::Reference(zero)];
         for (mode, name) in ["none", "feedforward", "closed loop"].into_iter().enumerate() {
             let at: Vec<f64> = (0..4).map(|i| f64::from(i) + dodge(mode, 3)).collect();
             let estimate: Vec<f64> =
@@ -315,19 +286,11 @@ fn intervals() -> Figure {
             let half: Vec<f64> = at.iter().map(|_| size * (0.12 + 0.08 * noise.next())).collect();
             let low = estimate.iter().zip(&half).map(|(e, h)| e - h).collect();
             let high = estimate.iter().zip(&half).map(|(e, h)| e + h).collect();
-            let colour = style::mode_colour(mode);
-            let marker = markers[mode];
-            let direction = Direction::Vertical;
-            let name = Some(name.to_owned());
             layers.push(Layer::Intervals(Intervals {
-                direction,
-                at,
-                estimate,
-                low,
-                high,
-                colour,
-                marker,
-                name,
+                colour: style::mode_colour(mode),
+                marker: style::marker(mode),
+                name: Some(name.to_owned()),
+                ..Intervals::new(Direction::Vertical, at, [estimate, low, high])
             }));
         }
         let (x, y) = (Axis::categories(sessions), Axis::new(label, unit));
@@ -351,20 +314,11 @@ fn powers() -> Figure {
         let x = steps.clone();
         let y = steps.iter().map(|h| order * h - 1.0).collect::<Vec<f64>>();
         let colour = style::mode_colour(i);
-        layers.push(Layer::Points(Points {
-            x: x.clone(),
-            y: y.clone(),
-            colour,
-            ..Points::default()
-        }));
+        let points = Points { x: x.clone(), y: y.clone(), colour, ..Points::default() };
+        layers.push(Layer::Points(points));
+        let stroke = style::single(colour);
         let name = Some(name.to_owned());
-        layers.push(Layer::Line(Line {
-            x,
-            y,
-            stroke: style::single(colour),
-            name,
-            ..Line::default()
-        }));
+        layers.push(Layer::Line(Line { x, y, stroke, name, ..Line::default() }));
     }
     let [x, y] = [("step *h*", "s"), ("largest error", "rad")]
         .map(|(label, unit)| Axis { ticks: Ticks::Powers, ..Axis::new(label, unit) });
@@ -407,8 +361,9 @@ fn places() -> Figure {
         layers.extend((0..4).map(|i| line([corners[i], corners[i + 1]])));
         layers.push(text(lines, TextPlace::Within((left, low), (right, high))));
     }
-    let panel = Panel::new(Cell::at(0, 0), Axis::bare(0.0, 82.0), Axis::bare(0.0, 34.0), layers);
-    let panel = Panel { height_mm: Some(34.0), ..panel };
+    let x = Axis::bare(0.0, 82.0);
+    let y = Axis::bare(0.0, 34.0);
+    let panel = Panel::new(Cell::at(0, 0), x, y, layers).tall(34.0);
     Figure { width_mm: ONE_COLUMN_MM, panels: vec![panel], ..Figure::default() }
 }
 
@@ -416,17 +371,7 @@ fn note() -> Figure {
     let force = Axis::new("torque", "N·m");
     let mut panel = Panel::new(Cell::at(1, 0), time(), force, mode_layers("t", "F"));
     panel.layers.truncate(6);
-    Figure {
-        width_mm: ONE_COLUMN_MM,
-        panels: vec![
-            Panel::with_note(
-                Cell::at(0, 0),
-                time(),
-                Axis::new("*θ*", "°"),
-                "no angle was recorded, and its integral drifts by a radian",
-            ),
-            panel,
-        ],
-        ..Figure::default()
-    }
+    let words = "no angle was recorded, and its integral drifts by a radian";
+    let noted = Panel::with_note(Cell::at(0, 0), time(), Axis::new("*θ*", "°"), words);
+    Figure { width_mm: ONE_COLUMN_MM, panels: vec![noted, panel], ..Figure::default() }
 }

@@ -48,19 +48,14 @@ pub(crate) struct AxisPlan {
 }
 
 impl AxisPlan {
-    /// Room that tick labels take across the axis.
-    pub(crate) fn ticks_depth_pt(&self, direction: Direction) -> f64 {
+    /// Room from the plot's edge outwards.
+    pub(crate) fn depth_pt(&self, direction: Direction) -> f64 {
         let depths = self.ticks.iter().map(|tick| match (direction, self.turned) {
             (Direction::Horizontal, false) => font::height_pt(&tick.lines),
             _ => font::widest_pt(&tick.lines),
         });
-        depths.fold(0.0, f64::max)
-    }
-
-    /// Room from the plot's edge outwards.
-    pub(crate) fn depth_pt(&self, direction: Direction) -> f64 {
         let ticks = if self.ticks.iter().any(|tick| !tick.lines.is_empty()) {
-            TICK_PT + TICK_GAP_PT + self.ticks_depth_pt(direction)
+            TICK_PT + TICK_GAP_PT + depths.fold(0.0, f64::max)
         } else if self.bare {
             0.0
         } else {

@@ -232,8 +232,8 @@ mod tests {
     use plotters::style::{Color as _, IntoFont as _, RGBColor};
 
     use super::*;
+    use crate::drawing::Drawing;
     use crate::font::Fonts;
-    use crate::svg::{self, Head};
 
     const RED: RGBColor = RGBColor(255, 0, 0);
 
@@ -248,8 +248,15 @@ mod tests {
             .into_drawing_area()
             .draw(&element)
             .unwrap();
-        let head = Head { title: "", description: "", provenance: None };
-        let svg = svg::svg(&sheet.shapes, sheet.fonts, 100.0, 50.0, &head, svg::Words::Outlines);
+        let drawing = Drawing {
+            shapes: sheet.shapes,
+            size_pt: (100.0, 50.0),
+            title: String::new(),
+            description: String::new(),
+            font: None,
+            provenance: None,
+        };
+        let svg = drawing.svg().unwrap();
         assert!(expect.iter().all(|part| svg.contains(part)), "{expect:?} in {svg}");
     }
 

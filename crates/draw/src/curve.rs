@@ -54,9 +54,7 @@ pub(crate) fn stretches(points: &[Point], kind: impl Fn(usize) -> bool) -> Vec<(
 pub(crate) fn cut_line(points: &[Point], window: &Window) -> Vec<Vec<Point>> {
     let mut parts: Vec<Vec<Point>> = Vec::new();
     for pair in points.windows(2) {
-        let Some((from, to)) = cut_piece(pair[0], pair[1], window) else {
-            continue;
-        };
+        let Some((from, to)) = cut_piece(pair[0], pair[1], window) else { continue };
         match parts.last_mut() {
             // A point that was not cut is the same to the bit in the piece before it.
             Some(part) if part.last() == Some(&from) => part.push(to),

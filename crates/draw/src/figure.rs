@@ -133,6 +133,19 @@ impl Panel {
         Self { title: Some(title.into()), ..self }
     }
 
+    /// Its curves.
+    pub fn lines(&self) -> impl Iterator<Item = &Line> {
+        self.layers.iter().filter_map(|layer| match layer {
+            Layer::Line(line) => Some(line),
+            _ => None,
+        })
+    }
+
+    /// The same panel with a plot area of this height.
+    pub fn tall(self, height_mm: f64) -> Self {
+        Self { height_mm: Some(height_mm), ..self }
+    }
+
     /// An empty panel that says why it is empty.
     pub fn with_note(cell: Cell, x: Axis, y: Axis, note: impl Into<String>) -> Self {
         Self { note: Some(note.into()), ..Self::new(cell, x, y, Vec::new()) }
@@ -232,6 +245,16 @@ pub enum Direction {
     Vertical,
 }
 
+impl Direction {
+    /// What belongs to x and what to y, of something that lies along it and something across it.
+    pub(crate) fn x_and_y<T>(self, along: T, across: T) -> (T, T) {
+        match self {
+            Self::Horizontal => (along, across),
+            Self::Vertical => (across, along),
+        }
+    }
+}
+
 /// One thing drawn in a panel.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Layer {
@@ -328,6 +351,13 @@ pub struct Reference {
     pub name: Option<String>,
 }
 
+impl Reference {
+    /// A line without words and without an entry in the legend.
+    pub fn new(direction: Direction, at: f64, stroke: Stroke) -> Self {
+        Self { direction, at, label: None, stroke, name: None }
+    }
+}
+
 /// Words inside the panel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Text {
@@ -374,6 +404,14 @@ pub struct Intervals {
     pub marker: Marker,
     /// Entry in the legend.
     pub name: Option<String>,
+}
+
+impl Intervals {
+    /// Discs in ink, without an entry in the legend.
+    pub fn new(direction: Direction, at: Vec<f64>, [estimate, low, high]: [Vec<f64>; 3]) -> Self {
+        let marker = Marker::Disc;
+        Self { direction, at, estimate, low, high, colour: style::INK, marker, name: None }
+    }
 }
 
 /// Diverging stacked bars: one row of boxes per group of answers, one box per answer, with its count

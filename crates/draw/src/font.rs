@@ -14,7 +14,7 @@ use rustybuzz::{BufferClusterLevel, Face, UnicodeBuffer};
 use crate::error::Error;
 use crate::markup::{self, Run, Script};
 use crate::style::SMALL_PT;
-use crate::typeface::{Font, Style, Typeface};
+use crate::typeface::{DAMAGED, Font, Style, Typeface, fault, guarded};
 
 /// Size of lowered and raised letters, relative to the others.
 const SCRIPT_SIZE: f64 = 0.7;
@@ -130,44 +130,39 @@ type Shaped = (Vec<Glyph>, i32);
 /// Texts that were shaped already: a page is laid out in rounds, and figures share words.
 type Cache = Mutex<BTreeMap<(Style, String), Shaped>>;
 
-/// The bundled font, parsed once per process.
-struct Bundled {
-    faces: [Face<'static>; 3],
+/// The faces of a font, parsed.
+struct Faces<'a> {
+    faces: [Face<'a>; 3],
     shaped: Cache,
+}
+
+impl<'a> Faces<'a> {
+    /// All or none.
+    fn parsed(faces: [Option<Face<'a>>; 3]) -> Option<Self> {
+        let [regular, italic, bold] = faces;
+        Some(Self { faces: [regular?, italic?, bold?], shaped: Cache::default() })
+    }
 }
 
 /// The faces in which a figure is set.
 pub(crate) struct Fonts<'a> {
     /// A font of one's own, in whose place the bundled one stands where it lacks a letter.
-    own: Option<Own<'a>>,
-    bundled: &'static Bundled,
+    own: Option<Faces<'a>>,
+    /// Parsed once per process.
+    bundled: &'static Faces<'static>,
     metrics: Metrics,
-}
-
-/// A font of one's own, parsed.
-struct Own<'a> {
-    faces: [Face<'a>; 3],
-    shaped: Cache,
 }
 
 impl<'a> Fonts<'a> {
     /// A font of one's own over the bundled one, or the bundled one alone.
     pub(crate) fn new(font: Option<&'a Font>) -> Result<Self, Error> {
-        static BUNDLED: LazyLock<Option<Bundled>> =
-            LazyLock::new(|| match Style::ALL.map(|style| Face::from_slice(style.bundled(), 0)) {
-                [Some(regular), Some(italic), Some(bold)] => {
-                    Some(Bundled { faces: [regular, italic, bold], shaped: Cache::default() })
-                }
-                _ => None,
-            });
+        static BUNDLED: LazyLock<Option<Faces<'static>>> = LazyLock::new(|| {
+            Faces::parsed(Style::ALL.map(|style| Face::from_slice(style.bundled(), 0)))
+        });
         let bundled = BUNDLED.as_ref().ok_or(Error::Font)?;
-        // All or none: a missing face has the upright one's file, and `Font::new` has tried each.
-        let own = match Style::ALL.map(|style| Face::from_slice(&font?.file(style)?.bytes, 0)) {
-            [Some(regular), Some(italic), Some(bold)] => {
-                Some(Own { faces: [regular, italic, bold], shaped: Cache::default() })
-            }
-            _ => None,
-        };
+        // A missing face has the upright one's file, and `Font::new` has tried each.
+        let own = Style::ALL.map(|style| Face::from_slice(&font?.file(style)?.bytes, 0));
+        let own = Faces::parsed(own);
         let metrics = own.as_ref().map_or(Metrics::default(), |own| Metrics::new(&own.faces[0]));
         Ok(Self { own, bundled, metrics })
     }
@@ -178,11 +173,12 @@ impl<'a> Fonts<'a> {
         FONTS.as_ref().map_err(Clone::clone)
     }
 
+    fn faces(&self, is_own: bool) -> &Faces<'a> {
+        self.own.as_ref().filter(|_| is_own).unwrap_or(self.bundled)
+    }
+
     fn face(&self, Typeface { is_own, style }: Typeface) -> &Face<'a> {
-        match &self.own {
-            Some(own) if is_own => &own.faces[style as usize],
-            _ => &self.bundled.faces[style as usize],
-        }
+        &self.faces(is_own).faces[style as usize]
     }
 
     /// Font units per em.
@@ -204,13 +200,26 @@ impl<'a> Fonts<'a> {
     fn line(&self, runs: &[Run], size_pt: f64, markup: &str) -> Result<Label, Error> {
         let mut label = Label { size_pt, metrics: self.metrics, ..Label::default() };
         for run in runs {
+            let (scale, raise_em) = match run.script {
+                Script::Base => (1.0, 0.0),
+                Script::Sub => (SCRIPT_SIZE, -SUB_EM),
+                Script::Super => (SCRIPT_SIZE, SUPER_EM),
+            };
+            let piece_pt = scale * size_pt;
             for (text, is_own) in self.stretches(run) {
-                let text = text.to_owned();
-                let x_pt = label.width_pt;
-                let run = Run { text, ..*run };
-                let (piece, advance_pt) = self.piece(&run, is_own, size_pt, x_pt, markup)?;
-                label.width_pt += advance_pt;
-                label.pieces.push(piece);
+                let face = Typeface { is_own, style: style(run) };
+                let (glyphs, advance) = self.shaped(text, face, markup)?;
+                label.pieces.push(Piece {
+                    face,
+                    text: text.to_owned(),
+                    x_pt: label.width_pt,
+                    y_pt: -raise_em * size_pt,
+                    size_pt: piece_pt,
+                    line_pt: size_pt,
+                    glyphs,
+                    advance,
+                });
+                label.width_pt += f64::from(advance) * piece_pt / self.units_per_em(face);
             }
         }
         Ok(label)
@@ -238,49 +247,12 @@ impl<'a> Fonts<'a> {
                 _ => ends.push((end, is_own)),
             }
         }
-        let mut start = 0;
-        let mut stretches = Vec::new();
-        for (end, is_own) in ends {
-            stretches.push((&run.text[start..end], is_own));
-            start = end;
-        }
-        stretches
-    }
-
-    fn piece(
-        &self,
-        run: &Run,
-        is_own: bool,
-        size_pt: f64,
-        x_pt: f64,
-        markup: &str,
-    ) -> Result<(Piece, f64), Error> {
-        let face = Typeface { is_own, style: style(run) };
-        let (scale, raise_em) = match run.script {
-            Script::Base => (1.0, 0.0),
-            Script::Sub => (SCRIPT_SIZE, -SUB_EM),
-            Script::Super => (SCRIPT_SIZE, SUPER_EM),
-        };
-        let (glyphs, advance) = self.shaped(&run.text, face, markup)?;
-        let piece_size = scale * size_pt;
-        let piece = Piece {
-            face,
-            text: run.text.clone(),
-            x_pt,
-            y_pt: -raise_em * size_pt,
-            size_pt: piece_size,
-            line_pt: size_pt,
-            glyphs,
-            advance,
-        };
-        Ok((piece, f64::from(advance) * piece_size / self.units_per_em(face)))
+        let starts = std::iter::once(0).chain(ends.iter().map(|(end, _)| *end));
+        starts.zip(&ends).map(|(start, (end, is_own))| (&run.text[start..*end], *is_own)).collect()
     }
 
     fn shaped(&self, text: &str, face: Typeface, markup: &str) -> Result<Shaped, Error> {
-        let cache = match &self.own {
-            Some(own) if face.is_own => &own.shaped,
-            _ => &self.bundled.shaped,
-        };
+        let cache = &self.faces(face.is_own).shaped;
         let key = (face.style, text.to_owned());
         if let Some(shaped) = cache.lock().unwrap_or_else(PoisonError::into_inner).get(&key) {
             return Ok(shaped.clone());
@@ -306,18 +278,32 @@ impl<'a> Fonts<'a> {
     ) -> Result<Vec<Label>, Error> {
         let mut lines: Vec<(Vec<Run>, Label)> = Vec::new();
         for word in markup::words(markup) {
-            if let Some((line, label)) = lines.last_mut() {
-                let longer = markup::join(line, &word);
-                let set = self.line(&longer, size_pt, markup)?;
-                if set.width_pt <= width_pt {
-                    (*line, *label) = (longer, set);
-                    continue;
-                }
-            }
-            let label = self.line(&word, size_pt, markup)?;
-            lines.push((word, label));
+            self.add(&mut lines, word, markup::join, size_pt, width_pt, markup)?;
         }
         Ok(lines.into_iter().map(|(_, label)| label).collect())
+    }
+
+    /// Puts what comes next to the last of what is set, where both have room, or behind it.
+    fn add(
+        &self,
+        set: &mut Vec<(Vec<Run>, Label)>,
+        next: Vec<Run>,
+        join: fn(&[Run], &[Run]) -> Vec<Run>,
+        size_pt: f64,
+        width_pt: f64,
+        markup: &str,
+    ) -> Result<(), Error> {
+        if let Some((last, label)) = set.last_mut() {
+            let longer = join(last, &next);
+            let both = self.line(&longer, size_pt, markup)?;
+            if both.width_pt <= width_pt {
+                (*last, *label) = (longer, both);
+                return Ok(());
+            }
+        }
+        let label = self.line(&next, size_pt, markup)?;
+        set.push((next, label));
+        Ok(())
     }
 
     /// Sets markup in lines no wider than `width_pt`: at `size_pt`, or smaller down to [`SMALL_PT`]
@@ -354,31 +340,17 @@ impl<'a> Fonts<'a> {
         }
         let mut lines: Vec<(Vec<Run>, Label)> = Vec::new();
         for word in markup::words(markup) {
-            let fits = |runs: &[Run]| -> Result<Option<Label>, Error> {
-                let set = self.line(runs, SMALL_PT, markup)?;
-                Ok((set.width_pt <= width_pt).then_some(set))
-            };
             let mut parts: Vec<(Vec<Run>, Label)> = Vec::new();
             for letter in markup::letters(&word) {
-                let longer = parts.last().map(|(part, _)| markup::append(part, &letter));
-                let set = longer.as_deref().map(fits).transpose()?.flatten();
-                match (parts.last_mut(), longer, set) {
-                    (Some(part), Some(longer), Some(set)) => *part = (longer, set),
-                    _ => {
-                        let set = self.line(&letter, SMALL_PT, markup)?;
-                        parts.push((letter, set));
-                    }
-                }
+                self.add(&mut parts, letter, markup::append, SMALL_PT, width_pt, markup)?;
             }
             // A word that was parted begins a line; what comes after may join its last part.
-            let whole = parts.len() == 1;
-            for (part, set) in parts {
-                let longer = lines.last().map(|(line, _)| markup::join(line, &part));
-                let joined = longer.as_deref().map(fits).transpose()?.flatten();
-                match (lines.last_mut(), longer, joined) {
-                    (Some(line), Some(longer), Some(joined)) if whole => *line = (longer, joined),
-                    _ => lines.push((part, set)),
+            match &parts[..] {
+                [(whole, _)] => {
+                    let whole = whole.clone();
+                    self.add(&mut lines, whole, markup::join, SMALL_PT, width_pt, markup)?;
                 }
+                _ => lines.extend(parts),
             }
         }
         let lines: Vec<Label> = lines.into_iter().map(|(_, label)| label).collect();
@@ -453,9 +425,7 @@ fn over(face: &Face<'_>, base: &Glyph, mark: Glyph) -> Glyph {
     /// No letter leans further; a damaged file may claim more.
     const MOST_LEAN_DEG: f64 = 45.0;
     let bounds = [base, &mark].map(|glyph| face.glyph_bounding_box(GlyphId(glyph.id)));
-    let [Some(under), Some(dot)] = bounds else {
-        return mark;
-    };
+    let [Some(under), Some(dot)] = bounds else { return mark };
     let [under_x, dot_x] =
         [under, dot].map(|ink| (i32::from(ink.x_min) + i32::from(ink.x_max)) / 2);
     let em = f64::from(face.units_per_em());
@@ -474,6 +444,25 @@ pub(crate) fn widest_pt(lines: &[Label]) -> f64 {
 /// Height of lines set one under the other.
 pub(crate) fn height_pt(lines: &[Label]) -> f64 {
     lines.iter().map(Label::height_pt).sum()
+}
+
+/// Draws with a font of one's own, or with the bundled one. The libraries that read fonts are not
+/// ours: if one gives up on a damaged file, this is an error that names the font.
+// Fonts are parsed anew for each file: faces borrow the font's bytes, so a `Drawing` cannot hold them.
+pub(crate) fn with_fonts<T>(
+    font: Option<&Font>,
+    draw: impl FnOnce(&Fonts) -> Result<T, Error>,
+) -> Result<T, Error> {
+    let draw = || draw(&Fonts::new(font)?);
+    let Some(font) = font else { return draw() };
+    // A font that passed its check may still break at a letter that the check does not draw.
+    match guarded(draw) {
+        Some(Err(Error::Encode { format: "PDF", reason })) => {
+            Err(fault(&font.name(), format!("it cannot be embedded in a PDF ({reason})")))
+        }
+        Some(result) => result,
+        None => Err(fault(&font.name(), DAMAGED)),
+    }
 }
 
 #[cfg(test)]

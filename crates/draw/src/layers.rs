@@ -12,7 +12,7 @@ use plotters_backend::text_anchor::{HPos, Pos, VPos};
 use crate::backend::{Curve, Mark, Pen, UNITS_PER_PT, units};
 use crate::curve::{self, COLUMN_PT, Point, Window};
 use crate::error::Error;
-use crate::figure::{Band, Direction, Intervals, Layer, Likert, Line, Points, Reference};
+use crate::figure::{Band, Intervals, Layer, Likert, Line, Points, Reference};
 use crate::likert::{self, Segment};
 use crate::panel::PanelPlan;
 use crate::scale::{Ends, Scale};
@@ -39,9 +39,7 @@ fn rgb(Colour { r, g, b }: Colour) -> RGBColor {
 
 /// Draws all layers of a panel that has data.
 pub(crate) fn draw(sheet: &mut Sheet, plan: &PanelPlan<'_>, size_pt: (f64, f64)) -> Outcome {
-    let (Some(x), Some(y)) = (plan.x_scale(), plan.y_scale()) else {
-        return Ok(());
-    };
+    let (Some(x), Some(y)) = (plan.x_scale, plan.y_scale) else { return Ok(()) };
     let [x_units, y_units] = [&x, &y].map(|s| units(s.page_pt.0)..units(s.page_pt.1));
     let coordinates = Cartesian2d::new(x.ends.0..x.ends.1, y.ends.0..y.ends.1, (x_units, y_units));
     let area = Pen { sheet, size_pt }.into_drawing_area().apply_coord_spec(coordinates);
@@ -131,21 +129,15 @@ impl Plot<'_, '_> {
     }
 
     fn reference(&self, reference: &Reference) -> Outcome {
-        let at = reference.at;
-        let Window { x, y } = self.window;
-        let ends = match reference.direction {
-            Direction::Horizontal => [(x.0, at), (x.1, at)],
-            Direction::Vertical => [(at, y.0), (at, y.1)],
-        };
+        let &Reference { direction, at, .. } = reference;
+        let (along, _) = direction.x_and_y(self.window.x, self.window.y);
+        let ends = [along.0, along.1].map(|end| direction.x_and_y(end, at));
         let parts = curve::cut_line(&ends, &self.window);
         parts.into_iter().try_for_each(|part| self.curve(part, reference.stroke))
     }
 
     fn intervals(&self, intervals: &Intervals) -> Outcome {
-        let point = |at: f64, value: f64| match intervals.direction {
-            Direction::Horizontal => (value, at),
-            Direction::Vertical => (at, value),
-        };
+        let point = |at: f64, value: f64| intervals.direction.x_and_y(value, at);
         let whisker = rgb(intervals.colour).stroke_width(units(style::WHISKER_PT).unsigned_abs());
         for (i, &at) in intervals.at.iter().enumerate() {
             let ends = [point(at, intervals.low[i]), point(at, intervals.high[i])];
@@ -154,9 +146,8 @@ impl Plot<'_, '_> {
             }
             let estimate = point(at, intervals.estimate[i]);
             if self.window.holds(estimate) {
-                let mark =
-                    Mark { at: estimate, marker: intervals.marker, colour: intervals.colour };
-                self.area.draw(&mark).map_err(refused)?;
+                let &Intervals { marker, colour, .. } = intervals;
+                self.area.draw(&Mark { at: estimate, marker, colour }).map_err(refused)?;
             }
         }
         Ok(())
@@ -176,8 +167,8 @@ impl Plot<'_, '_> {
                     let colour = style::likert_colour(segment.answer, likert.answers.len());
                     let room_pt = self.segment(&segment, (top, top + height), colour)?;
                     if let (Some(room_pt), [_]) = (room_pt, &strips[..]) {
-                        let count = segment.count;
-                        taken_pt = self.count(count, row as f64, room_pt, colour, taken_pt)?;
+                        taken_pt =
+                            self.count(segment.count, row as f64, room_pt, colour, taken_pt)?;
                     }
                 }
             }

@@ -65,7 +65,10 @@ fn check(figure: &Figure) -> Result<(), Error> {
         check_size("a column's weight", weight, 1e6)?;
     }
     match grid::clash(&cells(figure)) {
-        Some(i) => Err(Error::Grid { panel: scale::name(&figure.panels[i]) }),
+        Some(i) => Err(scale::wrong(
+            &figure.panels[i],
+            " covers no cell of the grid, or one that another panel covers too",
+        )),
         None => Ok(()),
     }
 }
@@ -89,14 +92,20 @@ pub(crate) fn plan<'a>(figure: &'a Figure, fonts: &Fonts) -> Result<Plan<'a>, Er
     let (mark_width, mark_height) =
         beside.map_or((0.0, 0.0), |(_, frame)| (frame.width() + BLOCK_GAP_PT, frame.height()));
     let beside_mark_pt = inner_pt - mark_width;
-    let title = title(figure, fonts, beside_mark_pt)?;
+    let title = match figure.title.as_ref().filter(|_| !figure.bare) {
+        Some(title) => fonts.parted(&format!("**{title}**"), TITLE_PT, beside_mark_pt)?,
+        None => Vec::new(),
+    };
     let title_pt = if title.is_empty() { 0.0 } else { font::height_pt(&title) + TITLE_GAP_PT };
     let below = figure.legend == LegendPlace::Below;
     // under a heading the legend lies below the stamp as well
     let clear_of_mark = below || title_pt >= mark_height;
     let legend_room_pt = if clear_of_mark { inner_pt } else { beside_mark_pt };
     let legend = legend::plan(figure, fonts, legend_room_pt)?;
-    let footnotes = footnotes(figure, fonts, inner_pt)?;
+    let mut footnotes = Vec::new();
+    for note in figure.footnotes.iter().filter(|_| !figure.bare) {
+        footnotes.extend(fonts.parted(note, SMALL_PT, inner_pt)?);
+    }
 
     let (above_pt, below_pt) =
         if below { (0.0, spaced(legend.height_pt())) } else { (legend.height_pt(), 0.0) };
@@ -120,13 +129,6 @@ pub(crate) fn plan<'a>(figure: &'a Figure, fonts: &Fonts) -> Result<Plan<'a>, Er
     })
 }
 
-fn title(figure: &Figure, fonts: &Fonts, width_pt: f64) -> Result<Vec<Label>, Error> {
-    match figure.title.as_ref().filter(|_| !figure.bare) {
-        Some(title) => fonts.parted(&format!("**{title}**"), TITLE_PT, width_pt),
-        None => Ok(Vec::new()),
-    }
-}
-
 /// Height of a block with its distance from the next, nothing if it is empty.
 fn spaced(height_pt: f64) -> f64 {
     if height_pt > 0.0 { height_pt + BLOCK_GAP_PT } else { 0.0 }
@@ -138,24 +140,13 @@ fn mark(figure: &Figure, fonts: &Fonts, width_pt: f64) -> Result<Option<(Label, 
     let label = fonts.label(&format!("**{mark}**"), SMALL_PT)?;
     let room_pt = width_pt - 2.0 * (PAGE_MARGIN_PT + MARK_PAD_PT.0);
     if label.width_pt > room_pt {
-        return Err(Error::TextTooLong {
-            text: mark.clone(),
-            need_pt: label.width_pt,
-            have_pt: room_pt,
-        });
+        let need_pt = label.width_pt;
+        return Err(Error::TextTooLong { text: mark.clone(), need_pt, have_pt: room_pt });
     }
     let right = width_pt - PAGE_MARGIN_PT;
     let left = right - label.width_pt - 2.0 * MARK_PAD_PT.0;
     let bottom = PAGE_MARGIN_PT + label.cap_pt() + 2.0 * MARK_PAD_PT.1;
     Ok(Some((label, Rect { left, right, top: PAGE_MARGIN_PT, bottom })))
-}
-
-fn footnotes(figure: &Figure, fonts: &Fonts, width_pt: f64) -> Result<Vec<Label>, Error> {
-    let mut lines = Vec::new();
-    for note in figure.footnotes.iter().filter(|_| !figure.bare) {
-        lines.extend(fonts.parted(note, SMALL_PT, width_pt)?);
-    }
-    Ok(lines)
 }
 
 /// Plans all panels from `top` down and says where the lowest ends. The grid is `height_pt` high,

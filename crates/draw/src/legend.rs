@@ -1,7 +1,7 @@
 //! The shared legend: every named layer once.
 
 use crate::error::Error;
-use crate::figure::{Direction, Figure, Layer, LegendPlace};
+use crate::figure::{Direction, Figure, Intervals, Layer, LegendPlace, Points};
 use crate::font::{Fonts, Label};
 use crate::sheet::{At, Rect, Sheet};
 use crate::style::{self, Colour, INK, Marker, SMALL_PT, Stroke};
@@ -42,11 +42,7 @@ impl Sample {
 }
 
 /// A name with its samples, one over the other.
-#[derive(Debug, Clone, PartialEq)]
-struct Entry {
-    name: String,
-    samples: Vec<Sample>,
-}
+type Entry = (String, Vec<Sample>);
 
 /// An entry with its place along its row.
 #[derive(Debug, Clone, PartialEq)]
@@ -86,10 +82,10 @@ pub(crate) fn plan(figure: &Figure, fonts: &Fonts, width_pt: f64) -> Result<Lege
     let mut rows: Vec<Vec<Placed>> = Vec::new();
     let mut x_pt = 0.0;
     let shown = figure.legend != LegendPlace::Hidden;
-    for entry in entries(figure).into_iter().filter(|_| shown) {
-        let sample_pt = entry.samples.iter().map(Sample::width_pt).fold(0.0, f64::max);
-        let label = fonts.label(&entry.name, SMALL_PT)?;
-        let mut placed = Placed { samples: entry.samples, sample_pt, label, x_pt };
+    for (name, samples) in entries(figure).into_iter().filter(|_| shown) {
+        let sample_pt = samples.iter().map(Sample::width_pt).fold(0.0, f64::max);
+        let label = fonts.label(&name, SMALL_PT)?;
+        let mut placed = Placed { samples, sample_pt, label, x_pt };
         if rows.is_empty() || placed.end_pt() > width_pt {
             placed.x_pt = 0.0;
             rows.push(Vec::new());
@@ -97,7 +93,7 @@ pub(crate) fn plan(figure: &Figure, fonts: &Fonts, width_pt: f64) -> Result<Lege
         // Too wide even alone in its row.
         let need_pt = placed.end_pt();
         if need_pt > width_pt {
-            return Err(Error::TextTooLong { text: entry.name, need_pt, have_pt: width_pt });
+            return Err(Error::TextTooLong { text: name, need_pt, have_pt: width_pt });
         }
         x_pt = need_pt + ENTRY_GAP_PT;
         if let Some(row) = rows.last_mut() {
@@ -113,10 +109,10 @@ fn entries(figure: &Figure) -> Vec<Entry> {
     // What a note stands in the place of is not drawn, and not named.
     let shown = figure.panels.iter().filter(|panel| panel.note.is_none());
     for (name, sample) in shown.flat_map(|panel| &panel.layers).flat_map(samples) {
-        match entries.iter_mut().find(|entry| entry.name == name) {
-            Some(entry) if !entry.samples.contains(&sample) => entry.samples.push(sample),
+        match entries.iter_mut().find(|entry| entry.0 == name) {
+            Some((_, samples)) if !samples.contains(&sample) => samples.push(sample),
             Some(_) => {}
-            None => entries.push(Entry { name, samples: vec![sample] }),
+            None => entries.push((name, vec![sample])),
         }
     }
     entries
@@ -126,18 +122,12 @@ fn samples(layer: &Layer) -> Vec<(String, Sample)> {
     let (name, sample) = match layer {
         Layer::Line(l) => (&l.name, Sample::Line(l.stroke)),
         Layer::Band(b) => (&b.name, Sample::Band(b.colour)),
-        Layer::Points(p) => {
-            let colour = p.colour;
-            let diameter_pt = p.diameter_pt;
-            let opacity = p.opacity;
-            (&p.name, Sample::Disc { colour, diameter_pt, opacity })
+        &Layer::Points(Points { colour, diameter_pt, opacity, ref name, .. }) => {
+            (name, Sample::Disc { colour, diameter_pt, opacity })
         }
         Layer::Reference(r) => (&r.name, Sample::Line(r.stroke)),
-        Layer::Intervals(i) => {
-            let colour = i.colour;
-            let marker = i.marker;
-            let direction = i.direction;
-            (&i.name, Sample::Whisker { colour, marker, direction })
+        &Layer::Intervals(Intervals { colour, marker, direction, ref name, .. }) => {
+            (name, Sample::Whisker { colour, marker, direction })
         }
         Layer::Text(_) => return Vec::new(),
         Layer::Likert(likert) => {
@@ -185,10 +175,10 @@ fn draw_sample(sheet: &mut Sheet, sample: &Sample, (centre, middle): At) {
         }
         Sample::Whisker { colour, marker, direction } => {
             let half = BOX_PT / 2.0 + WHISKER_OUT_PT;
-            let ends = match direction {
-                Direction::Horizontal => [(centre - half, middle), (centre + half, middle)],
-                Direction::Vertical => [(centre, middle - half), (centre, middle + half)],
-            };
+            let ends = [-half, half].map(|off| {
+                let (dx, dy) = direction.x_and_y(off, 0.0);
+                (centre + dx, middle + dy)
+            });
             sheet.stroke(&ends, &Stroke { width_pt: style::WHISKER_PT, ..style::mean(*colour) });
             draw_marker(sheet, *marker, (centre, middle), *colour);
         }
@@ -203,11 +193,8 @@ pub(crate) fn draw_marker(sheet: &mut Sheet, marker: Marker, (x, y): At, colour:
         Marker::Disc => sheet.disc((x, y), style::MARKER_PT, colour, 1.0),
         Marker::Square => {
             let r = 0.88 * r; // of the disc's area
-            sheet.fill(
-                &[(x - r, y - r), (x + r, y - r), (x + r, y + r), (x - r, y + r)],
-                colour,
-                1.0,
-            );
+            let corners = [(x - r, y - r), (x + r, y - r), (x + r, y + r), (x - r, y + r)];
+            sheet.fill(&corners, colour, 1.0);
         }
         Marker::Diamond => {
             let r = 1.25 * r; // of the disc's area
@@ -227,27 +214,24 @@ mod tests {
             let band = Layer::Band(Band { name: name.clone(), ..Band::default() });
             [band, Layer::Line(Line { name, ..Line::default() })]
         });
-        let panel =
-            Panel::new(Cell::at(0, 0), Axis::new("", ""), Axis::new("", ""), layers.collect());
+        let [x, y] = [0, 1].map(|_| Axis::new("", ""));
+        let panel = Panel::new(Cell::at(0, 0), x, y, layers.collect());
         Figure { panels: vec![panel.clone(), panel], ..Figure::default() }
     }
 
     #[test]
     fn a_name_appears_once_with_all_its_samples() {
         let entries = entries(&figure(&["active", "passive"]));
-        assert_eq!(
-            entries.iter().map(|e| e.name.as_str()).collect::<Vec<_>>(),
-            ["active", "passive"]
-        );
-        assert!(entries.iter().all(|entry| entry.samples.len() == 2));
+        let names: Vec<&str> = entries.iter().map(|(name, _)| name.as_str()).collect();
+        assert_eq!(names, ["active", "passive"]);
+        assert!(entries.iter().all(|(_, samples)| samples.len() == 2));
     }
 
     #[test]
     fn rows_are_no_wider_than_they_may() {
         let fonts = Fonts::bundled().unwrap();
-        let legend =
-            plan(&figure(&["active", "passive", "hybrid", "commanded force"]), fonts, 120.0)
-                .unwrap();
+        let figure = figure(&["active", "passive", "hybrid", "commanded force"]);
+        let legend = plan(&figure, fonts, 120.0).unwrap();
         assert!(legend.rows.len() > 1);
         for entry in legend.rows.iter().flatten() {
             assert!(entry.end_pt() <= 120.0);

@@ -33,6 +33,7 @@
 mod axis;
 mod backend;
 mod curve;
+mod drawing;
 mod error;
 mod figure;
 mod font;
@@ -55,6 +56,7 @@ mod ticks;
 mod typeface;
 mod words;
 
+pub use drawing::Drawing;
 pub use error::Error;
 pub use figure::{
     Axis, Band, Cell, Direction, Figure, Intervals, Layer, LegendPlace, Likert, LikertScale, Line,
@@ -62,24 +64,11 @@ pub use figure::{
 };
 pub use typeface::{Font, FontFile};
 
-use font::Fonts;
-use sheet::{Shape, Sheet};
-use svg::Head;
-use typeface::with_font;
+use font::{Fonts, with_fonts};
+use sheet::Sheet;
 
 /// Resolution of PNGs for screens, in dots per inch.
 pub const DEFAULT_DPI: f64 = 200.0;
-
-/// A figure that has been laid out and drawn.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Drawing {
-    shapes: Vec<Shape>,
-    size_pt: (f64, f64),
-    title: String,
-    description: String,
-    font: Option<Font>,
-    provenance: Option<String>,
-}
 
 /// Lays a figure out and draws it.
 ///
@@ -87,10 +76,9 @@ pub struct Drawing {
 /// Data that do not fit together, nothing to draw, an impossible range or size, a text that finds
 /// no room, a font that cannot be drawn with: see [`Error`].
 pub fn draw(figure: &Figure) -> Result<Drawing, Error> {
-    with_font(figure.font.as_ref(), || {
-        let fonts = Fonts::new(figure.font.as_ref())?;
-        let plan = layout::plan(figure, &fonts)?;
-        let mut sheet = Sheet::new(&fonts);
+    with_fonts(figure.font.as_ref(), |fonts| {
+        let plan = layout::plan(figure, fonts)?;
+        let mut sheet = Sheet::new(fonts);
         page::draw(&mut sheet, &plan)?;
         Ok(Drawing {
             shapes: sheet.shapes,
@@ -110,7 +98,7 @@ impl Drawing {
     /// # Errors
     /// [`Error::Font`] and [`Error::FontFile`] as [`draw`].
     pub fn svg(&self) -> Result<String, Error> {
-        self.svg_of(svg::Words::Outlines)
+        with_fonts(self.font.as_ref(), |fonts| Ok(svg::svg(self, fonts, svg::Words::Outlines)))
     }
 
     /// The SVG with its words as text, to be edited and searched, in the font of this name where it is
@@ -121,17 +109,8 @@ impl Drawing {
     /// As [`svg`](Self::svg).
     pub fn svg_with_text(&self, font: Option<&str>) -> Result<String, Error> {
         let own = self.font.as_ref().and_then(Font::family);
-        self.svg_of(svg::Words::Text(font.or(own)))
-    }
-
-    // Fonts are parsed anew for each file: faces borrow the font's bytes, so a `Drawing` cannot
-    // hold them.
-    fn svg_of(&self, words: svg::Words<'_>) -> Result<String, Error> {
-        with_font(self.font.as_ref(), || {
-            let (width_pt, height_pt) = self.size_pt;
-            let fonts = Fonts::new(self.font.as_ref())?;
-            Ok(svg::svg(&self.shapes, &fonts, width_pt, height_pt, &self.head(), words))
-        })
+        let words = svg::Words::Text(font.or(own));
+        with_fonts(self.font.as_ref(), |fonts| Ok(svg::svg(self, fonts, words)))
     }
 
     /// An opaque PNG at `dpi` dots per inch ([`DEFAULT_DPI`] for screens), provenance in its
@@ -141,11 +120,7 @@ impl Drawing {
     /// [`Error::Size`] if `dpi` is not positive or the image would pass 100 megapixels,
     /// [`Error::Encode`] if the libraries refuse the drawing, otherwise as [`svg`](Self::svg).
     pub fn png(&self, dpi: f64) -> Result<Vec<u8>, Error> {
-        with_font(self.font.as_ref(), || {
-            let (width_pt, height_pt) = self.size_pt;
-            let fonts = Fonts::new(self.font.as_ref())?;
-            png::png(&self.shapes, &fonts, width_pt, height_pt, dpi, self.provenance.as_deref())
-        })
+        with_fonts(self.font.as_ref(), |fonts| png::png(self, fonts, dpi))
     }
 
     /// A one-page PDF of the figure's size, its font embedded so that words can be searched and
@@ -154,11 +129,7 @@ impl Drawing {
     /// # Errors
     /// [`Error::Encode`] if the libraries refuse the drawing, otherwise as [`svg`](Self::svg).
     pub fn pdf(&self) -> Result<Vec<u8>, Error> {
-        with_font(self.font.as_ref(), || {
-            let (width_pt, height_pt) = self.size_pt;
-            let fonts = Fonts::new(self.font.as_ref())?;
-            pdf::pdf(&self.shapes, &fonts, self.font.as_ref(), width_pt, height_pt, &self.head())
-        })
+        with_fonts(self.font.as_ref(), |fonts| pdf::pdf(self, fonts))
     }
 
     /// Every two words whose letters overlap: none, if a figure has the room that its words need.
@@ -187,33 +158,22 @@ impl Drawing {
     /// Every word of a line whose letters are smaller than those of small print
     /// ([`style::SMALL_PT`]), its lowered and raised letters apart: none.
     pub fn small_words(&self) -> Vec<String> {
-        let small = self.shapes.iter().filter_map(|shape| match &shape.form {
-            sheet::Form::Words { piece, .. } if piece.line_pt < style::SMALL_PT => {
-                Some(piece.text.clone())
-            }
+        let pieces = self.shapes.iter().filter_map(|shape| match &shape.form {
+            sheet::Form::Words { piece, .. } => Some(piece),
             _ => None,
         });
-        small.collect()
+        let small = pieces.filter(|piece| piece.line_pt < style::SMALL_PT);
+        small.map(|piece| piece.text.clone()).collect()
     }
 
     /// The words with what their letters cover on the page, pt.
     fn words(&self, fonts: &Fonts) -> Vec<(String, tiny_skia::Rect)> {
-        let words = self.shapes.iter().filter_map(|shape| match &shape.form {
-            form @ sheet::Form::Words { piece, .. } => {
-                let ink = png::outline(form, fonts, 1.0)?.compute_tight_bounds()?;
-                Some((piece.text.clone(), ink))
-            }
-            _ => None,
+        let words = self.shapes.iter().filter_map(|shape| {
+            let sheet::Form::Words { piece, .. } = &shape.form else { return None };
+            let ink = png::outline(&shape.form, fonts, 1.0)?.compute_tight_bounds()?;
+            Some((piece.text.clone(), ink))
         });
         words.collect()
-    }
-
-    fn head(&self) -> Head<'_> {
-        Head {
-            title: &self.title,
-            description: &self.description,
-            provenance: self.provenance.as_deref(),
-        }
     }
 }
 

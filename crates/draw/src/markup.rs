@@ -52,10 +52,8 @@ pub fn typed(markup: &str) -> String {
     let mut typed = String::new();
     for Run { text, script, .. } in parse(markup) {
         // Raised letters of their own only if there are some for the whole run.
-        let raised: Option<String> = text
-            .chars()
-            .map(|letter| RAISED.iter().find(|(_, plain)| *plain == letter).map(|(r, _)| *r))
-            .collect();
+        let raise = |letter: char| Some(RAISED[LEVEL.iter().position(|plain| *plain == letter)?]);
+        let raised: Option<String> = text.chars().map(raise).collect();
         match (script, raised) {
             (Script::Base, _) => typed.push_str(&text),
             (Script::Super, Some(raised)) => typed.push_str(&raised),
@@ -177,7 +175,7 @@ fn push(runs: &mut Vec<Run>, run: Run) {
     match runs.last_mut() {
         _ if run.text.is_empty() => {}
         Some(last)
-            if Run { text: String::new(), ..*last } == (Run { text: String::new(), ..run }) =>
+            if (last.italic, last.bold, last.script) == (run.italic, run.bold, run.script) =>
         {
             last.text.push_str(&run.text);
         }
@@ -192,24 +190,12 @@ fn script_start(rest: &str) -> Option<(Script, &str)> {
 }
 
 /// Raised signs and the plain ones behind them; the font has only some of the raised ones.
-const RAISED: [(char, char); 12] = [
-    ('⁰', '0'),
-    ('¹', '1'),
-    ('²', '2'),
-    ('³', '3'),
-    ('⁴', '4'),
-    ('⁵', '5'),
-    ('⁶', '6'),
-    ('⁷', '7'),
-    ('⁸', '8'),
-    ('⁹', '9'),
-    ('⁻', '−'),
-    ('⁺', '+'),
-];
+const RAISED: [char; 12] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹', '⁻', '⁺'];
+const LEVEL: [char; 12] = ['0', '1', '2', '3', '4', '5', '6', '7', '8', '9', '−', '+'];
 
 /// The plain sign behind a raised one.
 fn raised(letter: char) -> Option<char> {
-    RAISED.iter().find(|(raised, _)| *raised == letter).map(|(_, plain)| *plain)
+    RAISED.iter().position(|raised| *raised == letter).map(|place| LEVEL[place])
 }
 
 #[cfg(test)]
@@ -226,8 +212,8 @@ mod tests {
                     Script::Sub => "_",
                     Script::Super => "^",
                 };
-                let (bold, italic) =
-                    (if run.bold { "b" } else { "" }, if run.italic { "i" } else { "" });
+                let bold = if run.bold { "b" } else { "" };
+                let italic = if run.italic { "i" } else { "" };
                 format!("{bold}{italic}{script}:{}", run.text)
             })
             .collect();
@@ -284,11 +270,8 @@ mod tests {
     fn an_escaped_text_is_set_as_it_stands() {
         for text in ["*_{}^\\", "a*b*c", "**", "x_{1}", "m²", "θ̇"] {
             assert_eq!(plain(&escape(text)), text);
-            assert!(
-                parse(&escape(text))
-                    .iter()
-                    .all(|run| *run == Run { text: run.text.clone(), ..Run::default() })
-            );
+            let is_plain = |run: &Run| *run == Run { text: run.text.clone(), ..Run::default() };
+            assert!(parse(&escape(text)).iter().all(is_plain));
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Draws a planned page: frames, ticks, words, and the data between them.
 
-use crate::axis::{PLOT_GAP_PT, PlannedTick, TICK_GAP_PT};
+use crate::axis::{AxisPlan, PLOT_GAP_PT, PlannedTick, TICK_GAP_PT};
 use crate::error::Error;
 use crate::figure::{Direction, Layer};
 use crate::font::{self, Label};
@@ -10,7 +10,7 @@ use crate::legend;
 use crate::panel::PanelPlan;
 use crate::scale::Scale;
 use crate::sheet::{At, Rect, Sheet, centred, lines};
-use crate::style::{self, AXIS_PT, Dash, GREY, GRID, GRID_PT, INK, MARK, PAPER, Stroke, TICK_PT};
+use crate::style::{self, AXIS_PT, GREY, GRID, GRID_PT, INK, MARK, PAPER, Stroke, TICK_PT};
 use crate::words;
 
 /// Draws the page.
@@ -48,11 +48,8 @@ fn draw_panel(sheet: &mut Sheet, plan: &PanelPlan<'_>, size_pt: (f64, f64)) -> R
     for word in &plan.references {
         sheet.text(&word.label, word.at, GREY, false);
     }
-    let middle = (
-        (plot.left + plot.right) / 2.0,
-        (plot.top + plot.bottom - font::height_pt(&plan.note)) / 2.0,
-    );
-    centred(sheet, &plan.note, middle, GREY);
+    let note_top = (plot.top + plot.bottom - font::height_pt(&plan.note)) / 2.0;
+    centred(sheet, &plan.note, ((plot.left + plot.right) / 2.0, note_top), GREY);
     // Words avoid those of the layers before theirs.
     let mut taken = Vec::new();
     for layer in plan.panel.layers.iter().filter(|_| plan.note.is_empty()) {
@@ -71,29 +68,22 @@ fn length_pt(tick: &PlannedTick) -> f64 {
 }
 
 /// Each tick with its place on the page.
-fn places(
-    ticks: &[PlannedTick],
-    scale: Option<Scale>,
-) -> impl Iterator<Item = (&PlannedTick, f64)> {
-    ticks.iter().filter_map(move |tick| scale.map(|scale| (tick, scale.pt(tick.at))))
+fn places(axis: &AxisPlan, scale: Option<Scale>) -> impl Iterator<Item = (&PlannedTick, f64)> {
+    axis.ticks.iter().filter_map(move |tick| scale.map(|scale| (tick, scale.pt(tick.at))))
 }
 
 fn grid_lines(sheet: &mut Sheet, plan: &PanelPlan<'_>) {
     if !plan.note.is_empty() {
         return; // lines would run through the words
     }
-    let pen =
-        Stroke { colour: GRID, width_pt: GRID_PT, opacity: 1.0, dash: Dash::Solid, from_pt: 0.0 };
+    let pen = Stroke { width_pt: GRID_PT, ..style::mean(GRID) };
     let Rect { left, top, right, bottom } = plan.plot;
-    for (_, x) in
-        places(&plan.x.ticks, plan.x_scale()).filter(|(tick, _)| !plan.x.named && !tick.minor)
-    {
-        sheet.stroke(&[(x, top), (x, bottom)], &pen);
+    let PanelPlan { x, y, .. } = plan;
+    for (_, at) in places(x, plan.x_scale).filter(|(tick, _)| !x.named && !tick.minor) {
+        sheet.stroke(&[(at, top), (at, bottom)], &pen);
     }
-    for (_, y) in
-        places(&plan.y.ticks, plan.y_scale()).filter(|(tick, _)| !plan.y.named && !tick.minor)
-    {
-        sheet.stroke(&[(left, y), (right, y)], &pen);
+    for (_, at) in places(y, plan.y_scale).filter(|(tick, _)| !y.named && !tick.minor) {
+        sheet.stroke(&[(left, at), (right, at)], &pen);
     }
 }
 
@@ -109,10 +99,10 @@ fn axis_lines(sheet: &mut Sheet, plan: &PanelPlan<'_>) {
         (true, false) => sheet.stroke(&corner[..2], &pen),
         (true, true) => {}
     }
-    for (tick, x) in places(&plan.x.ticks, plan.x_scale()).filter(|_| !plan.x.named) {
+    for (tick, x) in places(&plan.x, plan.x_scale).filter(|_| !plan.x.named) {
         sheet.stroke(&[(x, bottom), (x, bottom + length_pt(tick))], &pen);
     }
-    for (tick, y) in places(&plan.y.ticks, plan.y_scale()).filter(|_| !plan.y.named) {
+    for (tick, y) in places(&plan.y, plan.y_scale).filter(|_| !plan.y.named) {
         sheet.stroke(&[(left, y), (left - length_pt(tick), y)], &pen);
     }
 }
@@ -120,7 +110,7 @@ fn axis_lines(sheet: &mut Sheet, plan: &PanelPlan<'_>) {
 fn x_labels(sheet: &mut Sheet, plan: &PanelPlan<'_>) {
     let plot = &plan.plot;
     let top = plot.bottom + TICK_PT + TICK_GAP_PT;
-    for (tick, x) in places(&plan.x.ticks, plan.x_scale()) {
+    for (tick, x) in places(&plan.x, plan.x_scale) {
         if plan.x.turned {
             let left = x - font::height_pt(&tick.lines) / 2.0;
             let longest = font::widest_pt(&tick.lines);
@@ -137,7 +127,7 @@ fn x_labels(sheet: &mut Sheet, plan: &PanelPlan<'_>) {
 fn y_labels(sheet: &mut Sheet, plan: &PanelPlan<'_>) {
     let plot = &plan.plot;
     let right = plot.left - TICK_PT - TICK_GAP_PT;
-    for (tick, y) in places(&plan.y.ticks, plan.y_scale()) {
+    for (tick, y) in places(&plan.y, plan.y_scale) {
         // centred by the capitals' height, which is what digits have
         let line_pt = tick.lines.first().map_or(0.0, Label::height_pt);
         let first = y - (tick.lines.len().saturating_sub(1)) as f64 * line_pt / 2.0

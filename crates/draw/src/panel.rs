@@ -22,6 +22,8 @@ pub(crate) struct PanelPlan<'a> {
     pub(crate) plot: Rect,
     pub(crate) x: AxisPlan,
     pub(crate) y: AxisPlan,
+    pub(crate) x_scale: Option<Scale>,
+    pub(crate) y_scale: Option<Scale>,
     pub(crate) title: Vec<Label>,
     pub(crate) note: Vec<Label>,
     pub(crate) references: Vec<Word>,
@@ -29,26 +31,6 @@ pub(crate) struct PanelPlan<'a> {
     pub(crate) decor: Decor,
     /// Room left of the plot that its column has: axis labels of a column line up at its far side.
     pub(crate) left_pt: f64,
-}
-
-impl PanelPlan<'_> {
-    pub(crate) fn x_scale(&self) -> Option<Scale> {
-        x_scale(&self.x, &self.plot)
-    }
-
-    pub(crate) fn y_scale(&self) -> Option<Scale> {
-        y_scale(&self.y, &self.plot)
-    }
-}
-
-fn x_scale(x: &AxisPlan, plot: &Rect) -> Option<Scale> {
-    x.ends.map(|ends| Scale { ends, page_pt: (plot.left, plot.right) })
-}
-
-/// Numbers count upwards, names downwards.
-fn y_scale(y: &AxisPlan, plot: &Rect) -> Option<Scale> {
-    let page_pt = if y.named { (plot.top, plot.bottom) } else { (plot.bottom, plot.top) };
-    y.ends.map(|ends| Scale { ends, page_pt })
 }
 
 /// Plans a panel whose plot area is `plot` and whose axes run between `ends`.
@@ -61,7 +43,12 @@ pub(crate) fn plan<'a>(
 ) -> Result<PanelPlan<'a>, Error> {
     let have_pt = plot.width().min(plot.height());
     if have_pt < LEAST_PLOT_PT {
-        return Err(Error::NoRoom { panel: scale::name(panel), have_pt, need_pt: LEAST_PLOT_PT });
+        return Err(scale::wrong(
+            panel,
+            &format!(
+                " has {have_pt:.0} pt of room for its data and needs {LEAST_PLOT_PT:.0}; make the figure larger or its labels shorter"
+            ),
+        ));
     }
     let [x_numbered, y_numbered] = numbered(figure, panel);
     let is_drawing = panel.x.ticks == Ticks::Bare && panel.y.ticks == Ticks::Bare;
@@ -76,14 +63,28 @@ pub(crate) fn plan<'a>(
         Some(note) => fonts.parted(note, SMALL_PT, NOTE_SHARE * plot.width())?,
         None => Vec::new(),
     };
+    let x_scale = x.ends.map(|ends| Scale { ends, page_pt: (plot.left, plot.right) });
+    // Numbers count upwards, names downwards.
+    let page_pt = if y.named { (plot.top, plot.bottom) } else { (plot.bottom, plot.top) };
+    let y_scale = y.ends.map(|ends| Scale { ends, page_pt });
     let references = match panel.note {
-        None => {
-            references::plan(fonts, panel, x_scale(&x, &plot), y_scale(&y, &plot), &title, &plot)?
-        }
+        None => references::plan(fonts, panel, x_scale, y_scale, &title, &plot)?,
         Some(_) => Vec::new(),
     };
     let decor = decor(&x, &y, &title, &references, &plot);
-    Ok(PanelPlan { panel, plot, x, y, title, note, references, decor, left_pt: decor.left })
+    Ok(PanelPlan {
+        panel,
+        plot,
+        x,
+        y,
+        x_scale,
+        y_scale,
+        title,
+        note,
+        references,
+        decor,
+        left_pt: decor.left,
+    })
 }
 
 /// The ends, the range of one axis grown to both sides so that a unit is as long on either.
@@ -140,14 +141,13 @@ mod tests {
         let bare = || Axis::bare(-1.0, 1.0);
         let line =
             crate::figure::Line { x: vec![0.0, 1.0], y: vec![0.0, 1.0], ..Default::default() };
-        let panel =
-            Panel::new(Cell::at(0, 0), bare(), bare(), vec![crate::figure::Layer::Line(line)]);
-        let figure =
-            Figure { panels: vec![Panel { height_mm: Some(40.0), ..panel }], ..Figure::default() };
+        let layers = vec![crate::figure::Layer::Line(line)];
+        let panel = Panel::new(Cell::at(0, 0), bare(), bare(), layers).tall(40.0);
+        let figure = Figure { panels: vec![panel], ..Figure::default() };
         let page = crate::layout::plan(&figure, Fonts::bundled().unwrap()).unwrap();
         let plan = &page.panels[0];
         let length = |scale: Scale| (scale.pt(1.0) - scale.pt(0.0)).abs();
-        let (x, y) = (length(plan.x_scale().unwrap()), length(plan.y_scale().unwrap()));
+        let (x, y) = (length(plan.x_scale.unwrap()), length(plan.y_scale.unwrap()));
         assert!((x - y).abs() < 1e-9 && x > 0.0, "{x} pt across, {y} pt upwards");
         assert!(plan.x.ticks.is_empty() && plan.y.ticks.is_empty());
         assert_eq!(plan.decor, Decor::default(), "no room is taken around it");

@@ -11,45 +11,38 @@ use krilla::num::NormalizedF32;
 use krilla::page::PageSettings;
 use krilla::paint::{Fill, LineCap, LineJoin, Stroke, StrokeDash};
 use krilla::surface::Surface;
-use krilla::text::{GlyphId, KrillaGlyph};
+use krilla::text::{Font, GlyphId, KrillaGlyph};
 use rustybuzz::ttf_parser::OutlineBuilder;
 
+use crate::drawing::Drawing;
 use crate::error::Error;
 use crate::font::{Fonts, Piece};
-use crate::sheet::{At, Form, Ink, Shape};
+use crate::sheet::{At, Form, Ink};
 use crate::style::{self, Colour};
-use crate::svg::Head;
-use crate::typeface::{Font, Style, Typeface};
+use crate::typeface::{Style, Typeface};
 
 fn fault(reason: &dyn std::fmt::Display) -> Error {
     Error::Encode { format: "PDF", reason: reason.to_string() }
 }
 
 /// A one-page PDF of a size on paper with its fonts embedded; the provenance is its keyword. The
-/// `fonts` are those of `font`, or the bundled ones.
-pub(crate) fn pdf(
-    shapes: &[Shape],
-    fonts: &Fonts,
-    font: Option<&Font>,
-    width_pt: f64,
-    height_pt: f64,
-    head: &Head<'_>,
-) -> Result<Vec<u8>, Error> {
+/// `fonts` are the drawing's own, or the bundled ones.
+pub(crate) fn pdf(drawing: &Drawing, fonts: &Fonts) -> Result<Vec<u8>, Error> {
+    let (width_pt, height_pt) = drawing.size_pt;
     let size = Size::from_wh(width_pt as f32, height_pt as f32)
         .ok_or_else(|| fault(&"the page is empty"))?;
-    let own =
-        Style::ALL.map(|style| krilla::text::Font::new(font?.file(style)?.bytes.clone().into(), 0));
-    let faces = Faces { fonts, own };
+    let font = drawing.font.as_ref();
+    let own = Style::ALL.map(|style| Font::new(font?.file(style)?.bytes.clone().into(), 0));
     let mut document = Document::new();
     let metadata =
-        Metadata::new().title(head.title.to_owned()).description(head.description.to_owned());
-    document.set_metadata(match head.provenance {
-        Some(provenance) => metadata.keywords(vec![provenance.to_owned()]),
+        Metadata::new().title(drawing.title.clone()).description(drawing.description.clone());
+    document.set_metadata(match &drawing.provenance {
+        Some(provenance) => metadata.keywords(vec![provenance.clone()]),
         None => metadata,
     });
     let mut page = document.start_page_with(PageSettings::new(size));
     let mut surface = page.surface();
-    for shape in shapes {
+    for shape in &drawing.shapes {
         let (fill, stroke) = match &shape.ink {
             Ink::Fill(colour, opacity) => (Some(fill(*colour, *opacity)), None),
             Ink::Stroke(pen) => (None, Some(stroke(pen))),
@@ -58,7 +51,10 @@ pub(crate) fn pdf(
         surface.set_fill(fill);
         surface.set_stroke(stroke);
         if let Form::Words { piece, start, turned } = &shape.form {
-            write(&mut surface, piece, *start, *turned, &faces)?;
+            let Typeface { is_own, style } = piece.face;
+            let faces = if is_own { &own } else { &*BUNDLED };
+            let face = faces[style as usize].clone().ok_or(Error::Font)?;
+            write(&mut surface, piece, *start, *turned, face, fonts.units_per_em(piece.face));
             continue;
         }
         let mut paper = Paper(PathBuilder::new());
@@ -72,32 +68,12 @@ pub(crate) fn pdf(
     document.finish().map_err(|error| fault(&format!("{error:?}")))
 }
 
-/// The faces of a document, as they are laid out and as they are embedded.
-struct Faces<'a> {
-    fonts: &'a Fonts<'a>,
-    own: [Option<krilla::text::Font>; 3],
-}
+/// The faces of the bundled font as they are embedded, parsed once per process.
+static BUNDLED: LazyLock<[Option<Font>; 3]> =
+    LazyLock::new(|| Style::ALL.map(|style| Font::new(style.bundled().into(), 0)));
 
-impl Faces<'_> {
-    /// A face to be embedded; those of the bundled font are parsed once per process.
-    fn embedded(&self, Typeface { is_own, style }: Typeface) -> Result<krilla::text::Font, Error> {
-        static BUNDLED: LazyLock<[Option<krilla::text::Font>; 3]> = LazyLock::new(|| {
-            Style::ALL.map(|style| krilla::text::Font::new(style.bundled().into(), 0))
-        });
-        let faces = if is_own { &self.own } else { &*BUNDLED };
-        faces[style as usize].clone().ok_or(Error::Font)
-    }
-}
-
-/// Writes letters of one face as text.
-fn write(
-    surface: &mut Surface<'_>,
-    piece: &Piece,
-    (x, y): At,
-    turned: bool,
-    faces: &Faces<'_>,
-) -> Result<(), Error> {
-    let em = faces.fonts.units_per_em(piece.face);
+/// Writes letters of one face, which has so many units per em, as text.
+fn write(surface: &mut Surface<'_>, piece: &Piece, (x, y): At, turned: bool, face: Font, em: f64) {
     let mut glyphs = Vec::new();
     for (k, glyph) in piece.glyphs.iter().enumerate() {
         // As far as to the next: glyphs have places here, and advances in a PDF.
@@ -118,16 +94,8 @@ fn write(
     let from = Point::from_xy((f64::from(first) / em * piece.size_pt) as f32, 0.0);
     // Letters that changed places cannot be copied in their order: they are outlines.
     let outlined = !piece.glyphs.is_sorted_by_key(|glyph| glyph.letters.start);
-    surface.draw_glyphs(
-        from,
-        &glyphs,
-        faces.embedded(piece.face)?,
-        &piece.text,
-        piece.size_pt as f32,
-        outlined,
-    );
+    surface.draw_glyphs(from, &glyphs, face, &piece.text, piece.size_pt as f32, outlined);
     surface.pop();
-    Ok(())
 }
 
 fn colour(Colour { r, g, b }: Colour) -> rgb::Color {

@@ -12,6 +12,7 @@ use tiny_skia::{
     StrokeDash, Transform,
 };
 
+use crate::drawing::Drawing;
 use crate::error::Error;
 use crate::font::Fonts;
 use crate::sheet::{At, Form, Ink, Shape};
@@ -31,18 +32,11 @@ fn fault(reason: &dyn std::fmt::Display) -> Error {
     Error::Encode { format: "PNG", reason: reason.to_string() }
 }
 
-/// An opaque 8-bit PNG at `dpi`, with its resolution and `comment` inside.
-pub(crate) fn png(
-    shapes: &[Shape],
-    fonts: &Fonts,
-    width_pt: f64,
-    height_pt: f64,
-    dpi: f64,
-    comment: Option<&str>,
-) -> Result<Vec<u8>, Error> {
+/// An opaque 8-bit PNG at `dpi`, with its resolution and the provenance inside.
+pub(crate) fn png(drawing: &Drawing, fonts: &Fonts, dpi: f64) -> Result<Vec<u8>, Error> {
     let scale = dpi / PT_PER_INCH;
-    let width = width_pt * scale;
-    let height = height_pt * scale;
+    let width = drawing.size_pt.0 * scale;
+    let height = drawing.size_pt.1 * scale;
     if !(dpi > 0.0 && width * height <= MOST_PIXELS) {
         let most = (MOST_PIXELS / (width * height)).sqrt() * dpi;
         return Err(Error::Size {
@@ -55,10 +49,11 @@ pub(crate) fn png(
     let height = height.round().max(1.0) as u32;
     let mut pixmap = Pixmap::new(width, height).ok_or_else(|| fault(&"the image has no pixels"))?;
     pixmap.fill(Color::WHITE);
-    shapes.iter().for_each(|shape| paint(&mut pixmap, shape, fonts, scale as f32));
+    drawing.shapes.iter().for_each(|shape| paint(&mut pixmap, shape, fonts, scale as f32));
 
     let mut bytes = Vec::new();
-    encode(&mut bytes, &pixmap, dpi, comment).map_err(|error| fault(&error))?;
+    encode(&mut bytes, &pixmap, dpi, drawing.provenance.as_deref())
+        .map_err(|error| fault(&error))?;
     Ok(bytes)
 }
 

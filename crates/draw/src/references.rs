@@ -97,6 +97,7 @@ fn stack_beside(labels: Vec<(f64, Label)>, plot: &Rect) -> Vec<Word> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::figure::Reference;
 
     const PLOT: Rect = Rect { left: 50.0, top: 50.0, right: 150.0, bottom: 100.0 };
 
@@ -125,15 +126,8 @@ mod tests {
     #[test]
     fn a_label_longer_than_the_plot_is_wide_breaks_at_spaces_over_it() {
         let layers = ["brake: none below 1.01 V of the command", "stop"].map(|label| {
-            let (direction, label) = (Direction::Vertical, Some(label.to_owned()));
-            let stroke = crate::style::reference();
-            Layer::Reference(crate::figure::Reference {
-                direction,
-                at: 1.0,
-                label,
-                stroke,
-                name: None,
-            })
+            let line = Reference::new(Direction::Vertical, 1.0, crate::style::reference());
+            Layer::Reference(Reference { label: Some(label.to_owned()), ..line })
         });
         let [x, y] = [0, 1].map(|_| crate::figure::Axis::new("", ""));
         let cell = crate::figure::Cell::at(0, 0);

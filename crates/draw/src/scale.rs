@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::error::Error;
-use crate::figure::{Direction, Figure, Layer, Likert, Panel, Range, TextPlace, Ticks};
+use crate::figure::{Figure, Layer, Likert, Panel, Range, TextPlace, Ticks};
 use crate::likert;
 
 /// Ends of an axis: low, high.
@@ -42,9 +42,10 @@ impl Scale {
     }
 }
 
-/// Row and column as errors name them.
-pub(crate) fn name(panel: &Panel) -> String {
-    format!("({}, {})", panel.cell.row.saturating_add(1), panel.cell.column.saturating_add(1))
+/// What is wrong with a panel, after its row and column, which count from 1.
+pub(crate) fn wrong(panel: &Panel, what: &str) -> Error {
+    let [row, column] = [panel.cell.row, panel.cell.column].map(|first| first.saturating_add(1));
+    Error::Panel(format!("panel ({row}, {column}){what}"))
 }
 
 /// Refuses arrays of unequal length, infinities, and panels with nothing in them.
@@ -54,25 +55,35 @@ pub(crate) fn check(panel: &Panel) -> Result<(), Error> {
         return Ok(());
     }
     panel.layers.iter().try_for_each(|layer| check_layer(panel, layer))?;
-    let drawn = panel.layers.iter().any(has_data);
-    if drawn { Ok(()) } else { Err(Error::NoData { panel: name(panel) }) }
+    match panel.layers.iter().any(has_data) {
+        true => Ok(()),
+        false => Err(wrong(
+            panel,
+            " has nothing to draw; give it data, or a note that says why there are none",
+        )),
+    }
 }
 
 fn check_layer(panel: &Panel, layer: &Layer) -> Result<(), Error> {
     let arrays = arrays(layer);
     for pair in arrays.windows(2) {
-        let (first, a) = pair[0];
-        let (second, b) = pair[1];
-        same_length(panel, first, a.len(), second, b.len())?;
+        let [first, second] = [pair[0], pair[1]].map(|(name, values)| (name, values.len()));
+        same_length(panel, first, second)?;
     }
     for (what, values) in arrays {
         if let Some(index) = values.iter().position(|v| v.is_infinite()) {
-            return Err(Error::Infinite { panel: name(panel), what, index, value: values[index] });
+            let value = values[index];
+            return Err(wrong(
+                panel,
+                &format!(
+                    ": {what}[{index}] is {value}; a missing value is NaN, anything else must be finite"
+                ),
+            ));
         }
     }
     match layer {
         Layer::Line(line) if !line.dotted.is_empty() => {
-            same_length(panel, "x", line.x.len(), "dotted", line.dotted.len())
+            same_length(panel, ("x", line.x.len()), ("dotted", line.dotted.len()))
         }
         Layer::Reference(reference) => place(panel, "a reference line", &[reference.at]),
         Layer::Text(text) => place(panel, "a text", &coordinates(text.place)),
@@ -94,24 +105,23 @@ fn coordinates(place: TextPlace) -> Vec<f64> {
 }
 
 /// The place of a single thing is a number: it cannot be missing.
-fn place(panel: &Panel, what: &'static str, at: &[f64]) -> Result<(), Error> {
-    match at.iter().find(|value| !value.is_finite()) {
-        Some(&value) => Err(Error::Place { panel: name(panel), what, value }),
-        None => Ok(()),
-    }
+fn place(panel: &Panel, what: &str, at: &[f64]) -> Result<(), Error> {
+    let Some(value) = at.iter().find(|value| !value.is_finite()) else { return Ok(()) };
+    let stands =
+        format!(": {what} stands at {value}; it needs a finite place, or is to be left out");
+    Err(wrong(panel, &stands))
 }
 
-fn same_length(
-    panel: &Panel,
-    first: &'static str,
-    first_len: usize,
-    second: &'static str,
-    second_len: usize,
-) -> Result<(), Error> {
-    if first_len == second_len {
-        return Ok(());
-    }
-    Err(Error::Lengths { panel: name(panel), first, first_len, second, second_len })
+/// The name of an array, and its length.
+type Named<'a> = (&'a str, usize);
+
+fn same_length(panel: &Panel, first: Named, second: Named) -> Result<(), Error> {
+    if first.1 == second.1 { Ok(()) } else { Err(unlike(panel, first, second)) }
+}
+
+fn unlike(panel: &Panel, (first, a): Named, (second, b): Named) -> Error {
+    let lengths = format!(": {first} has {a} values but {second} has {b}; they go in pairs");
+    wrong(panel, &lengths)
 }
 
 /// The arrays of a layer that must be equally long, with their names.
@@ -145,11 +155,10 @@ fn extent(layer: &Layer) -> [Option<Ends>; 2] {
         Layer::Points(p) => [cover([&p.x]), cover([&p.y])],
         Layer::Band(b) => [cover([&b.x]), cover([&b.low, &b.high])],
         Layer::Intervals(i) => {
-            let at = cover([&i.at]);
             let reach = cover([&i.estimate, &i.low, &i.high]);
-            along(i.direction, reach, at)
+            i.direction.x_and_y(reach, cover([&i.at])).into()
         }
-        Layer::Reference(r) => along(r.direction, None, Some((r.at, r.at))),
+        Layer::Reference(r) => r.direction.x_and_y(None, Some((r.at, r.at))).into(),
         Layer::Likert(likert) => {
             let strips = likert.rows.iter().flatten();
             let segments = strips.flat_map(|counts| likert::segments(counts, likert.scale));
@@ -158,14 +167,6 @@ fn extent(layer: &Layer) -> [Option<Ends>; 2] {
             [(ends.0 < ends.1).then_some(ends), None]
         }
         Layer::Text(_) => [None, None],
-    }
-}
-
-/// `[x, y]` of something that has one extent along its direction and another across.
-fn along(direction: Direction, along: Option<Ends>, across: Option<Ends>) -> [Option<Ends>; 2] {
-    match direction {
-        Direction::Horizontal => [along, across],
-        Direction::Vertical => [across, along],
     }
 }
 
@@ -233,7 +234,12 @@ fn panel_ends(panel: &Panel, which: usize) -> Result<Option<Ends>, Error> {
         // Said so that an end that is no number is refused too: every comparison with it fails.
         let is_drawable = high - low > NARROWEST * size.max(SMALLEST) && size < largest;
         if !is_drawable {
-            return Err(Error::Range { panel: name(panel), low, high });
+            return Err(wrong(
+                panel,
+                &format!(
+                    ": an axis cannot run from {low} to {high}; the first must be clearly smaller and both below 1e300"
+                ),
+            ));
         }
     }
     Ok(ends)
@@ -242,9 +248,10 @@ fn panel_ends(panel: &Panel, which: usize) -> Result<Option<Ends>, Error> {
 /// Logarithms between which fewer than two whole powers lie reach to the ones around them: with one
 /// number alone an axis says nothing.
 fn two_powers((low, high): Ends) -> Ends {
-    let inner = (libm::ceil(low), libm::floor(high));
-    let outer = (libm::floor(low), libm::ceil(high));
-    if inner.1 > inner.0 { (low, high) } else { outer }
+    match libm::floor(high) > libm::ceil(low) {
+        true => (low, high),
+        false => (libm::floor(low), libm::ceil(high)),
+    }
 }
 
 /// Adds room on both sides; a single value gets room to be seen in.
@@ -261,13 +268,14 @@ fn widen((low, high): Ends, share: f64) -> Ends {
 /// Every row has one count per answer, and the y axis one name per row.
 fn check_likert(likert: &Likert, panel: &Panel) -> Result<(), Error> {
     for strip in likert.rows.iter().flatten() {
-        same_length(panel, "answers", likert.answers.len(), "a row of counts", strip.len())?;
+        let answers = ("answers", likert.answers.len());
+        same_length(panel, answers, ("a row of counts", strip.len()))?;
     }
-    let (first, second, second_len) = ("the y axis' names", "rows", likert.rows.len());
+    let rows = ("rows", likert.rows.len());
     match &panel.y.ticks {
-        Ticks::Categories(names) => same_length(panel, first, names.len(), second, second_len),
+        Ticks::Categories(names) => same_length(panel, ("the y axis' names", names.len()), rows),
         // Refused even for no rows: the bars stand at places that only such an axis has.
-        _ => Err(Error::Lengths { panel: name(panel), first, first_len: 0, second, second_len }),
+        _ => Err(unlike(panel, ("the y axis' names", 0), rows)),
     }
 }
 
@@ -291,15 +299,13 @@ mod tests {
     fn infinities_are_refused_and_gaps_are_not() {
         assert!(check(&panel(vec![0.0, 1.0], vec![f64::NAN, 1.0])).is_ok());
         let error = check(&panel(vec![0.0, 1.0], vec![0.0, f64::INFINITY])).unwrap_err();
-        assert!(matches!(error, Error::Infinite { what: "y", index: 1, .. }));
+        assert!(error.to_string().starts_with("panel (1, 1): y[1] is inf"), "{error}");
     }
 
     #[test]
     fn a_panel_without_any_value_asks_for_a_note() {
-        assert!(matches!(
-            check(&panel(vec![1.0, f64::NAN], vec![f64::NAN, 1.0])),
-            Err(Error::NoData { .. })
-        ));
+        let error = check(&panel(vec![1.0, f64::NAN], vec![f64::NAN, 1.0])).unwrap_err();
+        assert!(error.to_string().contains("has nothing to draw"), "{error}");
         let axis = || Axis::new("x", "");
         assert!(check(&Panel::with_note(Cell::at(0, 0), axis(), axis(), "not recorded")).is_ok());
     }
@@ -318,8 +324,8 @@ mod tests {
         assert_eq!(two_powers((-0.5, 0.5)), (-1.0, 1.0));
         let mut far = panel(vec![0.0, 1.0], vec![0.0, 400.0]);
         far.y.ticks = Ticks::Powers;
-        let error = ends(&Figure { panels: vec![far], ..Figure::default() });
-        assert!(matches!(error, Err(Error::Range { .. })), "10^400 is no number");
+        let error = ends(&Figure { panels: vec![far], ..Figure::default() }).unwrap_err();
+        assert!(error.to_string().contains("an axis cannot run"), "10^400 is no number: {error}");
     }
 
     #[test]
@@ -350,10 +356,8 @@ mod tests {
         {
             let mut bad = panel(vec![0.0, 1.0], vec![0.0, 1.0]);
             bad.x.range = Range::Fixed(low, high);
-            assert!(matches!(
-                ends(&Figure { panels: vec![bad], ..Figure::default() }),
-                Err(Error::Range { .. })
-            ));
+            let error = ends(&Figure { panels: vec![bad], ..Figure::default() }).unwrap_err();
+            assert!(error.to_string().contains("an axis cannot run"), "{error}");
         }
     }
 }

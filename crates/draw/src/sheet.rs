@@ -204,9 +204,12 @@ fn polygon(points: &[At], pen: &mut dyn OutlineBuilder) {
 
 /// A rectangle with round corners, clockwise from the upper edge's left end.
 fn rounded(&Rect { left, top, right, bottom }: &Rect, r: f64, pen: &mut dyn OutlineBuilder) {
-    let corners = [((right, top), (1.0, 0.0)), ((right, bottom), (0.0, 1.0))];
-    let corners =
-        corners.into_iter().chain([((left, bottom), (-1.0, 0.0)), ((left, top), (0.0, -1.0))]);
+    let corners = [
+        ((right, top), (1.0, 0.0)),
+        ((right, bottom), (0.0, 1.0)),
+        ((left, bottom), (-1.0, 0.0)),
+        ((left, top), (0.0, -1.0)),
+    ];
     pen.move_to((left + r) as f32, top as f32);
     for ((x, y), (dx, dy)) in corners {
         // the way turns from (dx, dy) to (-dy, dx)
@@ -214,10 +217,8 @@ fn rounded(&Rect { left, top, right, bottom }: &Rect, r: f64, pen: &mut dyn Outl
             ((x - back * dx - on * dy) as f32, (y - back * dy + on * dx) as f32)
         };
         let rest = (1.0 - QUARTER) * r;
-        let (x0, y0) = at(r, 0.0);
-        let (x1, y1) = at(rest, 0.0);
-        let (x2, y2) = at(0.0, rest);
-        let (x3, y3) = at(0.0, r);
+        let [(x0, y0), (x1, y1)] = [r, rest].map(|back| at(back, 0.0));
+        let [(x2, y2), (x3, y3)] = [rest, r].map(|on| at(0.0, on));
         pen.line_to(x0, y0);
         pen.curve_to(x1, y1, x2, y2, x3, y3);
     }
@@ -315,30 +316,14 @@ mod tests {
 
     #[test]
     fn a_disc_touches_the_four_sides_of_its_square_and_a_round_corner_its_two() {
-        let expect = [
-            (2.0, 0.0),
-            (2.0, 0.0),
-            (4.0, 2.0),
-            (4.0, 2.0),
-            (2.0, 4.0),
-            (2.0, 4.0),
-            (0.0, 2.0),
-            (0.0, 2.0),
-        ];
+        // Each side twice: a straight piece of no length begins and ends there.
+        let sides = [(2.0, 0.0), (4.0, 2.0), (2.0, 4.0), (0.0, 2.0)];
+        let expect = sides.map(|side| [side; 2]).concat();
         assert_eq!(ends(&Form::Disc((2.0, 2.0), 2.0))[..8], expect);
         let rect = Rect { left: 0.0, top: 0.0, right: 10.0, bottom: 6.0 };
         let found = ends(&Form::Box(rect, 1.0));
-        let expect = [
-            (1.0, 0.0),
-            (9.0, 0.0),
-            (10.0, 1.0),
-            (10.0, 5.0),
-            (9.0, 6.0),
-            (1.0, 6.0),
-            (0.0, 5.0),
-            (0.0, 1.0),
-        ];
-        assert_eq!(found[..8], expect);
+        assert_eq!(found[..4], [(1.0, 0.0), (9.0, 0.0), (10.0, 1.0), (10.0, 5.0)]);
+        assert_eq!(found[4..8], [(9.0, 6.0), (1.0, 6.0), (0.0, 5.0), (0.0, 1.0)]);
     }
 
     #[test]

@@ -182,21 +182,26 @@ pub fn likert_colour(index: usize, count: usize) -> Colour {
 
 /// Black or white, whichever stands out more against `ground` (contrast ratio of WCAG 2.2, §1.4.3).
 pub fn text_on(ground: Colour) -> Colour {
-    let [black, white] = [BLACK, PAPER].map(|colour| {
-        let a = luminance(colour);
-        let b = luminance(ground);
-        (a.max(b) + 0.05) / (a.min(b) + 0.05)
-    });
-    if black >= white { BLACK } else { PAPER }
+    if contrast(BLACK, ground) >= contrast(PAPER, ground) { BLACK } else { PAPER }
+}
+
+fn contrast(a: Colour, b: Colour) -> f64 {
+    let [a, b] = [a, b].map(luminance);
+    (a.max(b) + 0.05) / (a.min(b) + 0.05)
 }
 
 /// Relative luminance of an sRGB colour, 0 … 1 (WCAG 2.2).
 fn luminance(colour: Colour) -> f64 {
-    let [r, g, b] = [colour.r, colour.g, colour.b].map(|channel| {
+    let [r, g, b] = linear(colour);
+    0.2126 * r + 0.7152 * g + 0.0722 * b
+}
+
+/// The channels of an sRGB colour, linear, 0 … 1.
+fn linear(colour: Colour) -> [f64; 3] {
+    [colour.r, colour.g, colour.b].map(|channel| {
         let c = f64::from(channel) / 255.0;
         if c <= 0.04045 { c / 12.92 } else { libm::pow((c + 0.055) / 1.055, 2.4) }
-    });
-    0.2126 * r + 0.7152 * g + 0.0722 * b
+    })
 }
 
 /// How a pen draws along its way.
@@ -356,27 +361,27 @@ pub const fn mean(colour: Colour) -> Stroke {
 
 /// Pen of one repeat behind the mean of all.
 pub const fn faint(colour: Colour) -> Stroke {
-    Stroke { colour, width_pt: 0.5, opacity: 0.32, dash: Dash::Solid, from_pt: 0.0 }
+    Stroke { width_pt: 0.5, opacity: 0.32, ..mean(colour) }
 }
 
 /// Pen of one repeat where the repeats are the message.
 pub const fn single(colour: Colour) -> Stroke {
-    Stroke { colour, width_pt: 0.8, opacity: 1.0, dash: Dash::Solid, from_pt: 0.0 }
+    Stroke { width_pt: 0.8, ..mean(colour) }
 }
 
 /// Pen of what was commanded, beside what was measured.
 pub const fn commanded() -> Stroke {
-    Stroke { colour: INK, width_pt: 0.9, opacity: 1.0, dash: Dash::Dotted, from_pt: 0.0 }
+    Stroke { width_pt: 0.9, dash: Dash::Dotted, ..mean(INK) }
 }
 
 /// Pen of a reference line.
 pub const fn reference() -> Stroke {
-    Stroke { colour: GREY, width_pt: 0.6, opacity: 1.0, dash: Dash::Dashed, from_pt: 0.0 }
+    Stroke { width_pt: 0.6, dash: Dash::Dashed, ..mean(GREY) }
 }
 
 /// Pen of the line that marks zero.
 pub const fn zero() -> Stroke {
-    Stroke { colour: INK, width_pt: AXIS_PT, opacity: 1.0, dash: Dash::Solid, from_pt: 0.0 }
+    Stroke { width_pt: AXIS_PT, ..mean(INK) }
 }
 
 /// Opacity of a band: three overlapping bands can still be told apart.
@@ -406,11 +411,6 @@ pub const SMALL_PT: f64 = 7.0;
 mod tests {
     use super::*;
 
-    fn contrast(a: Colour, b: Colour) -> f64 {
-        let (a, b) = (luminance(a), luminance(b));
-        (a.max(b) + 0.05) / (a.min(b) + 0.05)
-    }
-
     /// How a reader sees linear sRGB.
     type Eye = [[f64; 3]; 3];
 
@@ -430,11 +430,7 @@ mod tests {
 
     /// Each channel of a colour, linear, 0 … 1, as an eye sees it.
     fn seen(colour: Colour, eye: Eye) -> [f64; 3] {
-        let linear = |channel: u8| {
-            let c = f64::from(channel) / 255.0;
-            if c <= 0.04045 { c / 12.92 } else { libm::pow((c + 0.055) / 1.055, 2.4) }
-        };
-        let from = [colour.r, colour.g, colour.b].map(linear);
+        let from = linear(colour);
         eye.map(|row| {
             let sum: f64 = row.iter().zip(from).map(|(a, c)| a * c).sum();
             sum.clamp(0.0, 1.0)

@@ -8,16 +8,10 @@ use std::fmt::Write as _;
 
 use rustybuzz::ttf_parser::OutlineBuilder;
 
+use crate::drawing::Drawing;
 use crate::font::{Fonts, Piece};
 use crate::sheet::{At, Form, Ink, PT_PER_MM, Shape};
 use crate::typeface::{Style, Typeface};
-
-/// Texts stored in the file and not shown.
-pub(crate) struct Head<'a> {
-    pub(crate) title: &'a str,
-    pub(crate) description: &'a str,
-    pub(crate) provenance: Option<&'a str>,
-}
 
 /// How words are written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -32,21 +26,13 @@ pub(crate) enum Words<'a> {
 const FAMILY: &str = "'Noto Sans', 'DejaVu Sans', sans-serif";
 
 /// The document.
-pub(crate) fn svg(
-    shapes: &[Shape],
-    fonts: &Fonts,
-    width_pt: f64,
-    height_pt: f64,
-    head: &Head<'_>,
-    words: Words<'_>,
-) -> String {
+pub(crate) fn svg(drawing: &Drawing, fonts: &Fonts, words: Words<'_>) -> String {
     let mut body = Body { fonts, words, text: String::new(), open: None, glyphs: BTreeMap::new() };
-    shapes.iter().for_each(|shape| body.put(shape));
+    drawing.shapes.iter().for_each(|shape| body.put(shape));
     body.close();
-    let w = number(width_pt);
-    let h = number(height_pt);
-    let w_mm = number(width_pt / PT_PER_MM);
-    let h_mm = number(height_pt / PT_PER_MM);
+    let (width_pt, height_pt) = drawing.size_pt;
+    let [w, h] = [width_pt, height_pt].map(number);
+    let [w_mm, h_mm] = [width_pt, height_pt].map(|pt| number(pt / PT_PER_MM));
     format!(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n\
          <svg xmlns=\"http://www.w3.org/2000/svg\" xmlns:xlink=\"http://www.w3.org/1999/xlink\" \
@@ -61,9 +47,9 @@ pub(crate) fn svg(
                 format!(" font-family=\"'{}', {FAMILY}\"", escape(&font))
             }
         },
-        title = stored("title", head.title),
-        desc = stored("desc", head.description),
-        metadata = stored("metadata", head.provenance.unwrap_or_default()),
+        title = stored("title", &drawing.title),
+        desc = stored("desc", &drawing.description),
+        metadata = stored("metadata", drawing.provenance.as_deref().unwrap_or_default()),
         defs = body.defs(),
         body = body.text,
     )
@@ -90,27 +76,18 @@ impl Body<'_> {
             self.open = Some(shape.ink);
         }
         match &shape.form {
-            Form::Curve(points) => {
+            Form::Curve(points) | Form::Area(points) => {
                 self.text.push_str("<path d=\"");
                 push_path(&mut self.text, points);
-                self.text.push_str("\"/>");
-            }
-            Form::Area(points) => {
-                self.text.push_str("<path d=\"");
-                push_path(&mut self.text, points);
-                self.text.push_str("z\"/>");
+                let is_closed = matches!(shape.form, Form::Area(_));
+                self.text.push_str(if is_closed { "z\"/>" } else { "\"/>" });
             }
             Form::Disc((x, y), r) => {
-                let x = number(*x);
-                let y = number(*y);
-                let r = number(*r);
+                let [x, y, r] = [*x, *y, *r].map(number);
                 let _ = write!(self.text, "<circle cx=\"{x}\" cy=\"{y}\" r=\"{r}\"/>");
             }
             Form::Box(rect, r) => {
-                let x = number(rect.left);
-                let y = number(rect.top);
-                let w = number(rect.width());
-                let h = number(rect.height());
+                let [x, y, w, h] = [rect.left, rect.top, rect.width(), rect.height()].map(number);
                 let _ = write!(self.text, "<rect x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\"");
                 if *r > 0.0 {
                     let _ = write!(self.text, " rx=\"{}\"", number(*r));
@@ -134,10 +111,8 @@ impl Body<'_> {
     /// Text as long as its outlines, whatever the font.
     fn as_text(&mut self, piece: &Piece, (x, y): At, turned: bool) {
         let scale = piece.size_pt / self.fonts.units_per_em(piece.face);
-        let length = number(f64::from(piece.advance) * scale);
-        let x = number(x);
-        let y = number(y);
-        let size = number(piece.size_pt);
+        let length = f64::from(piece.advance) * scale;
+        let [x, y, size, length] = [x, y, piece.size_pt, length].map(number);
         let face = match piece.face.style {
             Style::Regular => "",
             Style::Italic => " font-style=\"italic\"",
@@ -170,8 +145,11 @@ impl Body<'_> {
                 // Readers of SVG 1.1 know no plain `href`.
                 let _ =
                     write!(self.text, "<use xlink:href=\"#{}\"", glyph_name(piece.face, glyph.id));
-                attribute(&mut self.text, "x", glyph.x);
-                attribute(&mut self.text, "y", glyph.y);
+                for (name, value) in [("x", glyph.x), ("y", glyph.y)] {
+                    if value != 0 {
+                        let _ = write!(self.text, " {name}=\"{value}\"");
+                    }
+                }
                 self.text.push_str("/>");
             }
         }
@@ -194,10 +172,8 @@ fn stored(name: &str, text: &str) -> String {
 /// Transform from a piece's own units, y upwards, to the page.
 fn transform(piece: &Piece, fonts: &Fonts, (x, y): At, turned: bool) -> String {
     let scale = piece.size_pt / fonts.units_per_em(piece.face);
-    let along = factor(scale);
-    let down = factor(-scale);
-    let x = number(x);
-    let y = number(y);
+    let [along, down] = [scale, -scale].map(factor);
+    let [x, y] = [x, y].map(number);
     match turned {
         true => format!("matrix(0 {down} {down} 0 {x} {y})"),
         false => format!("matrix({along} 0 0 {down} {x} {y})"),
@@ -212,21 +188,8 @@ fn factor(value: f64) -> String {
 }
 
 fn glyph_name(Typeface { is_own, style }: Typeface, id: u16) -> String {
-    let letter = match (style, is_own) {
-        (Style::Regular, false) => 'r',
-        (Style::Italic, false) => 'i',
-        (Style::Bold, false) => 'b',
-        (Style::Regular, true) => 'R',
-        (Style::Italic, true) => 'I',
-        (Style::Bold, true) => 'B',
-    };
-    format!("{letter}{id}")
-}
-
-fn attribute(element: &mut String, name: &str, value: i32) {
-    if value != 0 {
-        let _ = write!(element, " {name}=\"{value}\"");
-    }
+    let letters = if is_own { ['R', 'I', 'B'] } else { ['r', 'i', 'b'] };
+    format!("{}{id}", letters[style as usize])
 }
 
 fn style(ink: &Ink) -> String {

@@ -8,7 +8,7 @@ use resvg::usvg::{Node, Options, Tree};
 use tiny_skia::{Color, Pixmap, Rect, Transform};
 
 use super::*;
-use crate::sheet::PT_PER_MM;
+use crate::sheet::{PT_PER_MM, Shape};
 use crate::typeface::Style;
 use crate::typeface::tests::{file, file_with_letters};
 
@@ -27,39 +27,25 @@ fn crowded() -> Vec<(&'static str, Figure)> {
         rows: (0..24).map(row).collect(),
         scale: LikertScale::Percent,
     };
-    let mut share = Axis::new("answers", "%");
-    share.ticks = Ticks::Magnitudes;
+    let share = Axis { ticks: Ticks::Magnitudes, ..Axis::new("answers", "%") };
     let survey =
         Panel::new(Cell::at(0, 0), share, Axis::categories(items), vec![Layer::Likert(survey)]);
     let names = ["administration", "configuration", "closed loop", "none"];
     let whiskers = |direction| {
-        let at: Vec<f64> = (0..4).map(f64::from).collect();
-        let estimate = vec![-12_345.6, 99_000.0, 1e5, f64::NAN];
-        let (low, high) = (
-            estimate.iter().map(|v| v - 2e4).collect(),
-            estimate.iter().map(|v| v + 1e4).collect(),
-        );
-        let (colour, marker) = (style::mode_colour(3), style::Marker::Diamond);
+        let at = (0..4).map(f64::from).collect();
+        let ends = [0.0, -2e4, 1e4];
+        let ends = ends.map(|off| [-12_345.6, 99_000.0, 1e5, f64::NAN].map(|v| v + off).to_vec());
         Layer::Intervals(Intervals {
-            direction,
-            at,
-            estimate,
-            low,
-            high,
-            colour,
-            marker,
+            colour: style::mode_colour(3),
+            marker: style::Marker::Diamond,
             name: Some("95 %".into()),
+            ..Intervals::new(direction, at, ends)
         })
     };
     let wall = |direction, at, label: &str| {
+        let line = Reference::new(direction, at, style::reference());
         let label = Some(label.to_owned());
-        Layer::Reference(Reference {
-            direction,
-            at,
-            label,
-            stroke: style::reference(),
-            name: Some("limit".into()),
-        })
+        Layer::Reference(Reference { label, name: Some("limit".into()), ..line })
     };
     let upright = vec![
         whiskers(Direction::Vertical),
@@ -152,16 +138,10 @@ fn words_of_places_that_are_close_make_room_for_each_other() {
         text(0.55, 0.98, "at the edge"),
         text(0.45, 0.98, "at the same edge"),
     ];
-    let panel = Panel::new(Cell::at(0, 0), Axis::new("x", ""), Axis::new("y", ""), layers);
-    let figure = Figure { panels: vec![panel], width_mm: ONE_COLUMN_MM, ..Figure::default() };
-    let drawing = draw(&figure).unwrap();
+    let drawing = draw(&Figure { width_mm: ONE_COLUMN_MM, ..one_panel(layers) }).unwrap();
     assert_eq!(drawing.overlapping_words().unwrap(), [] as [[String; 2]; 0]);
-    nothing_else_was_lost(&drawing, &["Active 16 V", "at the same edge"]);
-}
-
-fn nothing_else_was_lost(drawing: &Drawing, expect: &[&str]) {
     let words = drawing.words(Fonts::bundled().unwrap());
-    for expect in expect {
+    for expect in ["Active 16 V", "at the same edge"] {
         assert!(words.iter().any(|(word, _)| word == expect), "{expect} in {words:?}");
     }
 }
@@ -216,26 +196,12 @@ fn a_legend_lies_on_no_plot_and_on_no_stamp() {
 #[test]
 fn a_legend_under_a_heading_is_as_wide_as_the_page() {
     let names = ["external force", "finger tissue", "brake"].map(str::to_owned);
-    let line = |name: &String| {
-        Layer::Line(Line {
-            x: vec![0.0],
-            y: vec![0.0],
-            name: Some(name.clone()),
-            ..Line::default()
-        })
-    };
-    let panel = Panel::new(
-        Cell::at(0, 0),
-        Axis::new("t", "s"),
-        Axis::new("F", "N"),
-        names.iter().map(line).collect(),
-    );
+    let line = |name| Line { x: vec![0.0], y: vec![0.0], name: Some(name), ..Line::default() };
     let figure = Figure {
         title: Some("Sine".into()),
         width_mm: ONE_COLUMN_MM,
         mark: Some("SIMULATION: a model run".into()),
-        panels: vec![panel],
-        ..Figure::default()
+        ..one_panel(names.map(line).map(Layer::Line).to_vec())
     };
     let fonts = Fonts::bundled().unwrap();
     let rows = |figure: &Figure| layout::plan(figure, fonts).unwrap().legend.0.height_pt();
@@ -339,8 +305,9 @@ fn a_long_recording_makes_a_small_file() {
     let y = x.iter().map(|x| (x / 20.0).sin()).collect();
     let line = Layer::Line(Line { x, y, ..Line::default() });
     let panel = Panel::new(Cell::at(0, 0), Axis::new("t", "s"), Axis::new("x", "m"), vec![line]);
-    let drawing = draw(&Figure { panels: vec![panel], ..Figure::default() }).unwrap();
-    assert!(drawing.svg().unwrap().len() < 30_000, "{} bytes", drawing.svg().unwrap().len());
+    let figure = Figure { panels: vec![panel], ..Figure::default() };
+    let svg = draw(&figure).unwrap().svg().unwrap();
+    assert!(svg.len() < 30_000, "{} bytes", svg.len());
 }
 
 #[test]
@@ -438,9 +405,12 @@ fn a_panel_grows_until_the_names_of_its_rows_have_room() {
 /// A figure of one line with names on its axes.
 fn one_line() -> Figure {
     let line = Line { x: vec![0.0, 1.0], y: vec![0.0, 1.0], ..Line::default() };
+    one_panel(vec![Layer::Line(line)])
+}
+
+fn one_panel(layers: Vec<Layer>) -> Figure {
     let (x, y) = (Axis::new("time", "s"), Axis::new("force", "N"));
-    let panel = Panel::new(Cell::at(0, 0), x, y, vec![Layer::Line(line)]);
-    Figure { panels: vec![panel], ..Figure::default() }
+    Figure { panels: vec![Panel::new(Cell::at(0, 0), x, y, layers)], ..Figure::default() }
 }
 
 /// Numbers that have broken plots before, among ordinary ones.
@@ -494,14 +464,9 @@ fn any_layer() -> impl Strategy<Value = Layer> {
             1 => Layer::Band(Band { x, low, high, ..Band::default() }),
             2 => Layer::Points(Points { x, y: low, ..Points::default() }),
             3 => Layer::Intervals(Intervals {
-                direction: Direction::Vertical,
-                estimate: low.clone(),
-                at: x,
-                low,
-                high,
-                colour: style::INK,
                 marker: style::Marker::Diamond,
                 name: Some("interval".into()),
+                ..Intervals::new(Direction::Vertical, x, [low.clone(), low, high])
             }),
             4 => Layer::Likert(Likert {
                 answers: ["no", "", "yes"].map(String::from).to_vec(),
@@ -511,11 +476,8 @@ fn any_layer() -> impl Strategy<Value = Layer> {
                 scale: LikertScale::Counts,
             }),
             _ => Layer::Reference(Reference {
-                direction: Direction::Horizontal,
                 label: Some("here".into()),
-                stroke: style::reference(),
-                name: None,
-                at,
+                ..Reference::new(Direction::Horizontal, at, style::reference())
             }),
         },
     )

@@ -126,31 +126,14 @@ impl Font {
     }
 }
 
-const DAMAGED: &str = "it is damaged";
+pub(crate) const DAMAGED: &str = "it is damaged";
 
-fn fault(file: &str, reason: impl Into<String>) -> Error {
+pub(crate) fn fault(file: &str, reason: impl Into<String>) -> Error {
     Error::FontFile { file: file.to_owned(), reason: reason.into() }
 }
 
-/// Draws with a font of one's own, or with the bundled one. The libraries that read fonts are not
-/// ours: if one gives up on a damaged file, this is an error that names the font.
-pub(crate) fn with_font<T>(
-    font: Option<&Font>,
-    draw: impl FnOnce() -> Result<T, Error>,
-) -> Result<T, Error> {
-    let Some(font) = font else { return draw() };
-    // A font that passed its check may still break at a letter that the check does not draw.
-    match guarded(draw) {
-        Some(Err(Error::Encode { format: "PDF", reason })) => {
-            Err(fault(&font.name(), format!("it cannot be embedded in a PDF ({reason})")))
-        }
-        Some(result) => result,
-        None => Err(fault(&font.name(), DAMAGED)),
-    }
-}
-
 /// What a reader of fonts gives, or `None` where it panics.
-fn guarded<T>(read: impl FnOnce() -> T) -> Option<T> {
+pub(crate) fn guarded<T>(read: impl FnOnce() -> T) -> Option<T> {
     // Of what `read` touches only the caches of shaped words live on, and their entries are whole.
     catch_unwind(AssertUnwindSafe(read)).ok()
 }
@@ -162,9 +145,8 @@ fn check(file: &FontFile) -> Result<(Style, Option<String>), String> {
         .ok_or("it is damaged, or no TrueType or OpenType font (.ttf, .otf)")?;
     let glyphs: Vec<(char, GlyphId)> =
         ('!'..='~').filter_map(|letter| Some((letter, face.glyph_index(letter)?))).collect();
-    if !glyphs.is_empty()
-        && !glyphs.iter().any(|(_, id)| face.outline_glyph(*id, &mut NoPen).is_some())
-    {
+    let mut outlines = glyphs.iter().map(|(_, id)| face.outline_glyph(*id, &mut NoPen));
+    if !glyphs.is_empty() && !outlines.any(|outline| outline.is_some()) {
         return Err("its letters are pictures without outlines".to_owned());
     }
     embed(file, &glyphs)?;
@@ -246,18 +228,12 @@ pub(crate) mod tests {
     fn a_file_says_itself_which_face_it_is_and_what_is_lacking_is_upright() {
         let [regular, italic, bold] = Style::ALL.map(file);
         let font = Font::new(&[bold.clone(), italic.clone(), regular.clone()]).unwrap();
-        let name = |font: &Font, style| font.file(style).unwrap().name.clone();
-        assert_eq!(
-            Style::ALL.map(|style| name(&font, style)),
-            ["upright.ttf", "italic.ttf", "bold.ttf"]
-        );
+        let names = |font: &Font| Style::ALL.map(|style| font.file(style).unwrap().name.clone());
+        assert_eq!(names(&font), ["upright.ttf", "italic.ttf", "bold.ttf"]);
         assert_eq!(font.family(), Some("Noto Sans"));
         let alone = Font::new(&[bold, italic]).unwrap();
-        assert_eq!(
-            Style::ALL.map(|style| name(&alone, style)),
-            ["bold.ttf", "italic.ttf", "bold.ttf"]
-        );
-        assert_eq!(name(&Font::new(&[regular]).unwrap(), Style::Italic), "upright.ttf");
+        assert_eq!(names(&alone), ["bold.ttf", "italic.ttf", "bold.ttf"]);
+        assert_eq!(names(&Font::new(&[regular]).unwrap())[1], "upright.ttf");
     }
 
     #[test]

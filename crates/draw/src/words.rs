@@ -22,8 +22,8 @@ pub(crate) fn draw(
     taken: &mut Vec<Rect>,
 ) -> Result<(), Error> {
     let plot = plan.plot.grown(-OFF_PT);
-    let x = plan.x_scale();
-    let y = plan.y_scale();
+    let x = plan.x_scale;
+    let y = plan.y_scale;
     let page = |(at_x, at_y): Point| Some((x?.pt(at_x), y?.pt(at_y)));
     if let TextPlace::Within(low, high) = text.place
         && let (Some((left, bottom)), Some((right, top))) = (page(low), page(high))
@@ -185,9 +185,7 @@ fn emptiest(boxes: [Rect; 4], plan: &PanelPlan<'_>) -> Rect {
 /// How much of a panel's data lies inside a rectangle of the page: points by number, curves by
 /// length in pt. Only for comparing places.
 fn covered(plan: &PanelPlan<'_>, rect: &Rect) -> f64 {
-    let (Some(x_scale), Some(y_scale)) = (plan.x_scale(), plan.y_scale()) else {
-        return 0.0;
-    };
+    let (Some(x_scale), Some(y_scale)) = (plan.x_scale, plan.y_scale) else { return 0.0 };
     let page = |x: &[f64], y: &[f64]| -> Vec<Point> {
         x.iter().zip(y).map(|(&x, &y)| (x_scale.pt(x), y_scale.pt(y))).collect()
     };

@@ -67,8 +67,7 @@ impl ExistingAnswers {
                     format!("session {session} of {participant} is there, and cannot be read");
                 StoreError::new(file, what, "see `zwidth verify`")
             })?;
-        let trial = trial_of(log, &row.identity, self.from_zero)
-            .map_err(|(what, remedy)| StoreError::new(file, what, remedy))?;
+        let trial = trial_of(log, &row.identity, self.from_zero)?;
         let mut new = Vec::new();
         for (question, answer) in &row.answers {
             let (value, time_ms) = (answer.value, answer.time_ms);
@@ -99,40 +98,34 @@ impl ExistingAnswers {
 /// The number of the trial that labels name, in an existing session.
 ///
 /// # Errors
-/// What is wrong, and what to do about it.
-fn trial_of(
-    log: &SessionLog,
-    i: &Identity,
-    from_zero: FromZero,
-) -> Result<u32, (String, &'static str)> {
-    let Identity { participant, session, environment, mode, .. } = i;
+/// There is none, or more than one; it is not known which one it is, or it is still to be done.
+fn trial_of(log: &SessionLog, i: &Identity, from_zero: FromZero) -> Result<u32, StoreError> {
+    let Identity { participant, session, environment, mode, file, .. } = i;
     let session = format!("{participant} {session}");
     if log.is_sealed() {
         // Whoever could name the trials by their modes would know which mode each trial had.
         let what = format!("the modes of {session} are sealed");
-        return Err((
-            what,
-            "give its answers by the numbers of its trials: `zwidth answer --from`",
-        ));
+        let remedy = "give its answers by the numbers of its trials: `zwidth answer --from`";
+        return Err(StoreError::new(file, what, remedy));
     }
     // Their numbers are what they were when the session was imported.
     let trial = from_zero.trial || log.record.counted_from_zero;
     let [number, repeat] = FromZero { trial, ..from_zero }.numbers(i);
+    let is_superseded = |trial: u32| {
+        log.events.iter().any(|e| matches!(e, Event::Superseded { trial: t, .. } if *t == trial))
+    };
     let meant = log.trials.iter().filter(|t| {
         (&t.environment, &t.mode, t.kind) == (environment, mode, i.kind)
             && number.is_none_or(|number| number == t.trial)
             && repeat.is_none_or(|repeat| repeat == t.repeat)
-            && !log
-                .events
-                .iter()
-                .any(|e| matches!(e, Event::Superseded { trial, .. } if *trial == t.trial))
+            && !is_superseded(t.trial)
     });
     let meant: Vec<u32> = meant.map(|t| t.trial).collect();
     let named = [("trial", number), ("repeat", repeat)];
     let named = named.map(|(what, number)| number.map(|n| format!(", {what} {n}")));
     let named: String = named.into_iter().flatten().collect();
     let [trial] = meant[..] else {
-        return Err(match meant.len() {
+        let (what, remedy) = match meant.len() {
             0 => (
                 format!(
                     "{session} is there, and has no trial of {environment}, {mode}{named}: a session keeps the trials \
@@ -144,17 +137,14 @@ fn trial_of(
                 format!("{session} has {n} trials of {environment}, {mode}{named}"),
                 "name the trial or the repeat in [trial]",
             ),
-        });
+        };
+        return Err(StoreError::new(file, what, remedy));
     };
+    let is_recorded = |e: &Event| matches!(e, Event::Recorded { trial: t, .. } if *t == trial);
     // Sessions of other people's recordings have no order that was drawn, and all their trials.
-    let is_done = log.record.order.is_none()
-        || log
-            .events
-            .iter()
-            .any(|e| matches!(e, Event::Recorded { trial: done, .. } if *done == trial));
-    if !is_done {
+    if log.record.order.is_some() && !log.events.iter().any(is_recorded) {
         let what = format!("trial {trial} of {session} is still to be done");
-        return Err((what, "record it first"));
+        return Err(StoreError::new(file, what, "record it first"));
     }
     Ok(trial)
 }

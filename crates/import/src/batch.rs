@@ -51,14 +51,6 @@ impl Output {
             Self::Staged(staged) => staged.blake3.clone(),
         }
     }
-
-    fn write(&self, disk: &dyn Files, path: &Path) -> Result<(), StoreError> {
-        match self {
-            // That nothing lies there was looked at for all files, before the first is written.
-            Self::Bytes(bytes) => replace(disk, path, bytes),
-            Self::Staged(staged) => staged.publish(disk, path),
-        }
-    }
 }
 
 impl Batch {
@@ -82,22 +74,17 @@ impl Batch {
         events: Vec<Vec<Event>>,
         sources: &[&str],
     ) -> Result<(), StoreError> {
-        let mut sessions: BTreeMap<_, Vec<(&PlannedTrial, Vec<Event>)>> = BTreeMap::new();
-        let mut imported_from: BTreeMap<_, BTreeSet<String>> = BTreeMap::new();
-        for ((i, trial), events) in identities.iter().zip(trials).zip(events) {
-            sessions.entry((&i.participant, &i.session)).or_default().push((trial, events));
-        }
-        for (i, source) in identities.iter().zip(sources) {
-            imported_from
-                .entry((&i.participant, &i.session))
-                .or_default()
-                .insert((*source).to_owned());
+        type Session<'t> = (Vec<(&'t PlannedTrial, Vec<Event>)>, BTreeSet<String>);
+        let mut sessions: BTreeMap<_, Session> = BTreeMap::new();
+        for (at, ((i, trial), events)) in identities.iter().zip(trials).zip(events).enumerate() {
+            let session = sessions.entry((&i.participant, &i.session)).or_default();
+            session.0.push((trial, events));
+            session.1.extend(sources.get(at).map(|source| (*source).to_owned()));
         }
         // Answers that are imported later name trials by the table's numbers, which may begin at 0.
         let counted_from_zero = FromZero::of(identities).trial;
-        for ((participant, session), mut trials) in sessions {
+        for ((participant, session), (mut trials, imported_from)) in sessions {
             trials.sort_by_key(|(t, _)| t.trial);
-            let imported_from = imported_from.remove(&(participant, session)).unwrap_or_default();
             let record = SessionRecord {
                 imported_from: imported_from.into_iter().collect(),
                 answer_columns: self.answer_columns.clone(),
@@ -188,7 +175,11 @@ impl Batch {
             .and_then(|change| {
                 change.make("imported", || {
                     for (path, output) in &files {
-                        output.write(disk, path)?;
+                        // That nothing lies there was looked at for all of them.
+                        match output {
+                            Output::Bytes(bytes) => replace(disk, path, bytes)?,
+                            Output::Staged(staged) => staged.publish(disk, path)?,
+                        }
                         written(files.len());
                     }
                     Ok(())

@@ -6,7 +6,7 @@ use super::format::Format;
 use super::limits::{LONGEST_FILE, MOST_LINE, long_line};
 use super::mapping::FileForm;
 use super::plain::LABCHART;
-use super::text::{Encoding, check_readable};
+use super::text::{Encoding, check_readable, count_lines};
 use std::fs::File;
 use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
@@ -170,10 +170,6 @@ impl Blocks {
     }
 }
 
-fn count_lines(text: &[u8]) -> u64 {
-    text.iter().filter(|b| **b == b'\n').count() as u64
-}
-
 /// The end of the first record that is neither empty nor a comment.
 fn header_end(text: &[u8], dialect: Dialect) -> Option<usize> {
     let mut begins = 0;
@@ -194,15 +190,7 @@ fn header_end(text: &[u8], dialect: Dialect) -> Option<usize> {
 /// It cannot be read.
 pub(super) fn blake3_of(path: &Path) -> Result<String, StoreError> {
     let mut hasher = blake3::Hasher::new();
-    let mut bytes = vec![0; BLOCK];
-    let read = open_named(path).and_then(|mut file| {
-        loop {
-            match file.read(&mut bytes)? {
-                0 => break Ok(()),
-                n => _ = hasher.update(&bytes[..n]),
-            }
-        }
-    });
+    let read = open_named(path).and_then(|file| hasher.update_reader(file).map(|_| ()));
     read.map_err(|e| StoreError::io(path, "read", &e))?;
     Ok(hasher.finalize().to_hex().to_string())
 }

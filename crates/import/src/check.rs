@@ -1,12 +1,9 @@
 //! Checks a mapping file: from its tables and keys to a [`Mapping`], or every problem with its
 //! line.
 
-use super::errors::Errors;
 use super::label::{Label, LabelShape};
 use super::limits::{LONG_FROM, MOST_ERRORS, MOST_MAPPING};
-use super::mapping::{
-    CellForm, Content, Exclusions, FileForm, Labels, Mapping, Origin, TrialFrom, Who,
-};
+use super::mapping::{CellForm, Content, Exclusions, FileForm, Mapping, Origin, TrialFrom, Who};
 use super::shape::{
     Backwards, ChannelShape, ColumnShape, ExcludeShape, FileShape, KindShape, Shape, SignalsIn,
     Split, TimeShape, TrialShape, ZeroShape,
@@ -39,32 +36,25 @@ impl Mapping {
     /// unknown column of ours, a unit that does not fit, a pattern that is no regular expression, …
     pub fn from_toml(text: &str, path: &Path) -> Result<Self, FirstErrors> {
         // Some editors put a byte-order mark first.
-        let plain = text.strip_prefix('\u{feff}').unwrap_or(text);
-        check(plain, path)
-    }
-}
-
-/// The mapping in `text`, or every problem found in it.
-fn check(text: &str, path: &Path) -> Result<Mapping, Errors> {
-    let mut check = Check { text, errors: Vec::new(), more: 0 };
-    let mapping = match toml::from_str::<Shape>(text) {
-        Ok(shape) => check.mapping(shape, path),
-        Err(error) => {
-            check.errors.push(toml_error(text, &error));
-            None
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+        let mut check = Check { text, errors: Vec::new(), more: 0 };
+        let mapping = match toml::from_str::<Shape>(text) {
+            Ok(shape) => check.mapping(shape, path),
+            Err(error) => {
+                check.errors.push(toml_error(text, &error));
+                None
+            }
+        };
+        // A mapping may come out although something is wrong with it.
+        if let Some(mapping) = mapping.filter(|_| check.errors.is_empty()) {
+            return Ok(mapping);
         }
-    };
-    // A mapping may come out although something is wrong with it.
-    match mapping {
-        Some(mapping) if check.errors.is_empty() => Ok(mapping),
-        _ => {
-            let remedy = "mend the line; docs/import.md explains the keys";
-            let errors = check.errors.iter();
-            let mut errors: Errors =
-                errors.map(|problem| StoreError::new(path, problem.to_string(), remedy)).collect();
-            errors.count(check.more);
-            Err(errors)
-        }
+        let remedy = "mend the line; docs/import.md explains the keys";
+        let errors = check.errors.iter();
+        let mut errors: FirstErrors =
+            errors.map(|problem| StoreError::new(path, problem.to_string(), remedy)).collect();
+        errors.count(check.more);
+        Err(errors)
     }
 }
 
@@ -140,7 +130,7 @@ impl Check<'_> {
         if let Content::Trials { columns, channels, .. } = &content {
             let bits = columns.iter().filter(|column| column.to == Signal::StateBits);
             let bits = bits.filter_map(|column| match &column.origin {
-                Origin::Column { from, .. } => Some(from),
+                Origin::Column { column, .. } => Some(&column.from),
                 Origin::Derived(_) => None,
             });
             // What a channel of the study's own holds may be whether a button was pressed.
@@ -176,17 +166,13 @@ impl Check<'_> {
     }
 
     pub(super) fn regex(&mut self, key: &str, pattern: &str) -> Option<Regex> {
-        self.keep(
-            key,
-            Regex::new(pattern).map_err(|e| {
-                // The reason stands in the last line, below the pattern.
-                let why = e.to_string();
-                format!(
-                    "is not a regular expression: {}",
-                    why.lines().next_back().unwrap_or_default()
-                )
-            }),
-        )
+        let regex = Regex::new(pattern).map_err(|e| {
+            // The reason stands in the last line, below the pattern.
+            let why = e.to_string();
+            let why = why.lines().next_back().unwrap_or_default();
+            format!("is not a regular expression: {why}")
+        });
+        self.keep(key, regex)
     }
 
     fn file(&mut self, f: &FileShape) -> FileForm {
@@ -286,11 +272,11 @@ impl Check<'_> {
                 let participant = self.required("exclude.participant", shape.participant);
                 let session = self.required("exclude.session", shape.session);
                 let trial = self.required("exclude.trial", shape.trial);
-                TrialFrom::Labels(Box::new(Labels {
-                    participant: self.label("exclude.participant", participant?, groups)?,
-                    session: self.label("exclude.session", session?, groups)?,
-                    trial: self.label("exclude.trial", trial?, groups)?,
-                }))
+                TrialFrom::Labels(Box::new([
+                    self.label("exclude.participant", participant?, groups)?,
+                    self.label("exclude.session", session?, groups)?,
+                    self.label("exclude.trial", trial?, groups)?,
+                ]))
             }
         };
         let reason = self.label("exclude.reason", shape.reason, groups)?;
@@ -351,70 +337,42 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn unknown_keys_are_refused_with_their_line() {
+    fn unknown_keys_and_values_that_make_no_sense_are_refused_with_key_and_line() {
         let good = trials_map(&[ONE, FORCE]);
         assert!(Mapping::from_toml(&good, Path::new("map.toml")).is_ok());
-        check(&good, "mode = ", "mod = ", 7, "unknown field `mod`");
-        check(&good, "unit = \"N\"", "unti = \"N\"", 15, "unknown field `unti`");
-        check(&good, "[time]", "[times]", 9, "unknown field `times`");
-        check(&good, "\"trials\"", "\"trial\"", 1, "unknown variant `trial`");
-        check(&good, "mode = \"hybrid\"", "mode = { colum = 1 }", 7, "expected a fixed value");
-        check(&good, "mode = \"hybrid\"", "", 3, "trial.mode: is missing");
-        check(&good, "from = \"f\"", "from = -1", 14, "expected a column's name");
-        check(&good, "= \"N\"", "= ", 15, "string values must be quoted");
-    }
-
-    #[test]
-    fn values_that_make_no_sense_are_refused_with_key_and_line() {
-        let good = trials_map(&[ONE, FORCE]);
-        check(
-            &good,
-            "\"N\"",
-            "\"mV\"",
-            15,
-            "column[0].unit: the unit 'mV' does not fit force_ex_n, which is in N; use one of N, mN",
-        );
-        check(&good, "\"N\"", "\"furlong\"", 15, "the unit 'furlong' is unknown");
-        check(&good, "unit = \"N\"", "", 12, "column[0].unit: is missing");
-        check(
-            &good,
-            "\"force_ex_n\"",
-            "\"force\"",
-            13,
-            "'force' is not a column of a trial; use one of t_device_s, theta_rad",
-        );
-        check(&good, "\"force_ex_n\"", "\"t_s\"", 13, "mapped in [time]");
-        check(
-            &good,
-            "unit = \"N\"",
-            "unit = \"N\"\nsign = 2",
-            16,
-            "column[0].sign: 2 must be 1 or -1",
-        );
-        check(&good, "unit = \"N\"", "unit = \"N\"\nscale = 0", 16, "other than 0");
-        check(&good, "unit = \"N\"", "unit = \"N\"\noffset = nan", 16, "finite");
-        check(&good, "from = \"f\"", "", 12, "needs either from (a column) or derive");
-        for rate in ["0", "-1", "nan", "1e-300", "1e300"] {
-            let rate = format!("rate_hz = {rate}");
-            check(
-                &good,
-                "from = \"t\"\nunit = \"s\"",
-                &rate,
-                10,
-                "must be a number from 0.001 to 1000000",
-            );
+        let other_unit = "column[0].unit: the unit 'mV' does not fit force_ex_n, which is in N; use one of N, mN";
+        let no_column = "'force' is not a column of a trial; use one of t_device_s, theta_rad";
+        let time = "from = \"t\"\nunit = \"s\"";
+        for (from, to, line, words) in [
+            ("mode = ", "mod = ", 7, "unknown field `mod`"),
+            ("unit = \"N\"", "unti = \"N\"", 15, "unknown field `unti`"),
+            ("[time]", "[times]", 9, "unknown field `times`"),
+            ("\"trials\"", "\"trial\"", 1, "unknown variant `trial`"),
+            ("mode = \"hybrid\"", "mode = { colum = 1 }", 7, "expected a fixed value"),
+            ("mode = \"hybrid\"", "", 3, "trial.mode: is missing"),
+            ("from = \"f\"", "from = -1", 14, "expected a column's name"),
+            ("= \"N\"", "= ", 15, "string values must be quoted"),
+            ("\"N\"", "\"mV\"", 15, other_unit),
+            ("\"N\"", "\"furlong\"", 15, "the unit 'furlong' is unknown"),
+            ("unit = \"N\"", "", 12, "column[0].unit: is missing"),
+            ("\"force_ex_n\"", "\"force\"", 13, no_column),
+            ("\"force_ex_n\"", "\"t_s\"", 13, "mapped in [time]"),
+            ("\"N\"", "\"N\"\nsign = 2", 16, "column[0].sign: 2 must be 1 or -1"),
+            ("\"N\"", "\"N\"\nscale = 0", 16, "other than 0"),
+            ("\"N\"", "\"N\"\noffset = nan", 16, "finite"),
+            ("from = \"f\"", "", 12, "needs either from (a column) or derive"),
+            (time, "", 9, "needs either from (a column) or rate_hz"),
+            ("[time]", "[file]\ndecimal = \";\"\n[time]", 10, "must be \".\" or \",\""),
+            ("[time]", "[name]\npattern = '('\n[time]", 10, "not a regular expression"),
+            ("\"hybrid\"", "{ name = \"mode\" }", 7, "not a named group (?<mode>…)"),
+            ("[time]", "[questions]\n[time]", 9, "questions: is not used"),
+        ] {
+            check(&good, from, to, line, words);
         }
-        check(
-            &good,
-            "from = \"t\"\nunit = \"s\"",
-            "",
-            9,
-            "needs either from (a column) or rate_hz",
-        );
-        check(&good, "[time]", "[file]\ndecimal = \";\"\n[time]", 10, "must be \".\" or \",\"");
-        check(&good, "[time]", "[name]\npattern = '('\n[time]", 10, "not a regular expression");
-        check(&good, "\"hybrid\"", "{ name = \"mode\" }", 7, "not a named group (?<mode>…)");
-        check(&good, "[time]", "[questions]\n[time]", 9, "questions: is not used");
+        for rate in ["0", "-1", "nan", "1e-300", "1e300"] {
+            let words = "must be a number from 0.001 to 1000000";
+            check(&good, time, &format!("rate_hz = {rate}"), 10, words);
+        }
     }
 
     #[test]

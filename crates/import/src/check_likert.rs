@@ -23,36 +23,44 @@ impl Check<'_> {
         let time_unit = self.time_unit(shape.time_unit.as_deref(), is_timed);
         let translate = shape.translate.clone();
         let lowest = shape.lowest;
-        let form = match (shape.question.is_some() || shape.answer.is_some(), conditions) {
-            (false, conditions) if conditions.is_empty() => self.wide_form(trial, shape, groups),
-            (false, conditions) => self.conditions(trial, &shape, conditions, groups),
-            (true, conditions) => {
-                if !conditions.is_empty() {
-                    let what = "is not used beside question and answer, which mean one row per answer; remove it";
-                    self.error("condition", what);
+        let one_each =
+            "is not used beside question and answer, which mean one row per answer; remove it";
+        let is_long = shape.question.is_some() || shape.answer.is_some();
+        let form = match (is_long, conditions.is_empty()) {
+            (false, false) => self.conditions(trial, &shape, conditions, groups)?,
+            // A column a question.
+            (false, true) => {
+                if shape.time.is_some() {
+                    let what = "belongs to a table with one row per answer; list the columns of times by question in \
+                                [questions.times]";
+                    self.error("questions.time", what);
                 }
-                self.long_form(trial, shape, groups)
+                let who = self.who(trial, groups);
+                let columns = self.by_question("questions.columns", shape.columns);
+                let times = self.by_question("questions.times", shape.times);
+                AnswerForm::Wide(vec![RowTrial { who: who?, columns, times }])
+            }
+            // A row an answer.
+            (true, has_no_conditions) => {
+                if !has_no_conditions {
+                    self.error("condition", one_each);
+                }
+                let who = self.who(trial, groups);
+                for (key, is_present) in
+                    [("columns", !shape.columns.is_empty()), ("times", !shape.times.is_empty())]
+                {
+                    if is_present {
+                        self.error(&format!("questions.{key}"), one_each);
+                    }
+                }
+                let question = self.required("questions.question", shape.question);
+                let question = question.and_then(|q| self.label("questions.question", q, groups));
+                let answer = self.required("questions.answer", shape.answer);
+                let form = LongForm { question: question?, answer: answer?, time: shape.time };
+                AnswerForm::Long(Box::new((who?, form)))
             }
         };
-        Some(Content::Likert(Questionnaire { form: form?, translate, lowest, time_unit }))
-    }
-
-    /// A column a question.
-    fn wide_form(
-        &mut self,
-        trial: Option<TrialShape>,
-        shape: QuestionsShape,
-        groups: &[&str],
-    ) -> Option<AnswerForm> {
-        if shape.time.is_some() {
-            let what = "belongs to a table with one row per answer; list the columns of times by question in \
-                        [questions.times]";
-            self.error("questions.time", what);
-        }
-        let who = self.who(trial, groups);
-        let columns = self.by_question("questions.columns", shape.columns);
-        let times = self.by_question("questions.times", shape.times);
-        Some(AnswerForm::Wide(vec![RowTrial { who: who?, columns, times }]))
+        Some(Content::Likert(Questionnaire { form, translate, lowest, time_unit }))
     }
 
     /// Several conditions in a row: each has columns of its own, and the labels of `[trial]` where it
@@ -127,29 +135,6 @@ impl Check<'_> {
         checked
     }
 
-    /// A row an answer.
-    fn long_form(
-        &mut self,
-        trial: Option<TrialShape>,
-        shape: QuestionsShape,
-        groups: &[&str],
-    ) -> Option<AnswerForm> {
-        let who = self.who(trial, groups);
-        for (key, is_present) in
-            [("columns", !shape.columns.is_empty()), ("times", !shape.times.is_empty())]
-        {
-            if is_present {
-                let what = "is not used beside question and answer, which mean one row per answer; remove it";
-                self.error(&format!("questions.{key}"), what);
-            }
-        }
-        let question = self.required("questions.question", shape.question);
-        let question = question.and_then(|q| self.keep("questions.question", q.check(groups)));
-        let answer = self.required("questions.answer", shape.answer);
-        let form = LongForm { question: question?, answer: answer?, time: shape.time };
-        Some(AnswerForm::Long(Box::new((who?, form))))
-    }
-
     /// The unit of the times that answers took; never guessed.
     fn time_unit(&mut self, text: Option<&str>, is_timed: bool) -> Option<&'static Unit> {
         let key = "questions.time_unit";
@@ -177,31 +162,19 @@ mod tests {
     fn conditions_have_columns_and_a_mode_each() {
         let good = "kind = \"likert\"\n[trial]\nparticipant = \"P01\"\nsession = \"S01\"\nenvironment = \"spring\"\n\
             [[condition]]\nmode = \"active\"\ncolumns = { a = 1 }\n";
-        check(good, "mode = \"active\"\n", "", 2, "trial.mode: is missing");
-        check(good, "{ a = 1 }", "{ }", 8, "lists no column");
-        check(
-            good,
-            "\"active\"",
-            "{ name = \"m\" }",
-            7,
-            "condition[0].mode: 'm' is not a named group",
-        );
-        check(
-            good,
-            "[[cond",
-            "[questions.columns]\nb = 2\n[[cond",
-            6,
-            "is not used beside [[condition]]",
-        );
         let long = "[questions]\nquestion = { column = \"q\" }\nanswer = \"a\"\n[[cond";
-        check(good, "[[cond", long, 9, "mean one row per answer");
-        check(
-            good,
-            "\"likert\"",
-            "\"sweeps\"",
-            6,
-            "condition: is not used in a mapping of this kind",
-        );
-        check(good, "a = 1", "a = { column = 1, path = \"x\" }", 8, "for JSON in its cells");
+        let other_kind = "condition: is not used in a mapping of this kind";
+        let listed = "[questions.columns]\nb = 2\n[[cond";
+        for (from, to, line, words) in [
+            ("mode = \"active\"\n", "", 2, "trial.mode: is missing"),
+            ("{ a = 1 }", "{ }", 8, "lists no column"),
+            ("\"active\"", "{ name = \"m\" }", 7, "condition[0].mode: 'm' is not a named group"),
+            ("[[cond", listed, 6, "is not used beside [[condition]]"),
+            ("[[cond", long, 9, "mean one row per answer"),
+            ("\"likert\"", "\"sweeps\"", 6, other_kind),
+            ("a = 1", "a = { column = 1, path = \"x\" }", 8, "for JSON in its cells"),
+        ] {
+            check(good, from, to, line, words);
+        }
     }
 }

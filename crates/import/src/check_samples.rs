@@ -3,9 +3,9 @@
 use super::check::Check;
 use super::convert::{Linear, Zero};
 use super::limits::RATES_HZ;
-use super::mapping::{ChannelFrom, Mend, Origin, Rule, SignalFrom, Time};
+use super::mapping::{ChannelFrom, ColumnFrom, Mend, Origin, Rule, SignalFrom, Time};
 use super::shape::{ChannelShape, ColumnShape, RestShape, TimeShape, ZeroShape, ZeroWord};
-use super::unit::{self, Unit};
+use super::unit::{self, Dimension, Unit};
 use zwidth_store::{COLUMNS, Signal};
 use zwidth_study::ChannelId;
 
@@ -33,7 +33,7 @@ impl Check<'_> {
                 let zero = if t.zero.is_some() { Zero::First } else { Zero::None };
                 let line = self.line("time", None, None, t.offset, zero)?;
                 let unit_text = t.unit.unwrap_or_default();
-                Some(Time::Column { from, unit, unit_text, line, mend })
+                Some(Time::Column { column: ColumnFrom { from, unit, unit_text, line }, mend })
             }
             (None, Some(from), Some(rate_hz)) => {
                 if is_placed {
@@ -44,7 +44,8 @@ impl Check<'_> {
                 // The line makes seconds of counts, whatever unit they have.
                 let line = Linear { scale: 1.0 / rate_hz, zero: Zero::First, ..Linear::IDENTITY };
                 let mend = Mend { counts_at_hz: Some(rate_hz), ..mend };
-                Some(Time::Column { from, unit, unit_text: "samples".to_owned(), line, mend })
+                let unit_text = "samples".to_owned();
+                Some(Time::Column { column: ColumnFrom { from, unit, unit_text, line }, mend })
             }
             (None, None, Some(rate_hz)) => {
                 if is_placed || t.wrap.is_some() || t.equal.is_some() || t.backwards.is_some() {
@@ -178,13 +179,9 @@ impl Check<'_> {
                         "must be a number above 0, in the unit of the column: 360 for degrees";
                     self.error(&format!("{at}.wrap"), what);
                 }
-                Origin::Column {
-                    from,
-                    unit: unit?,
-                    unit_text: c.unit.unwrap_or_default(),
-                    line: line?,
-                    wrap: c.wrap,
-                }
+                let unit_text = c.unit.unwrap_or_default();
+                let column = ColumnFrom { from, unit: unit?, unit_text, line: line? };
+                Origin::Column { column, wrap: c.wrap }
             }
             (None, Some(rule)) => {
                 if [c.sign, c.scale, c.offset].iter().any(Option::is_some)
@@ -242,20 +239,20 @@ fn derived(rule: &str, to: Signal, above: &[Signal]) -> Result<Rule, String> {
     }
     // Either way the one is the rate of the other.
     let (low, high) = if is_derivative { (source, to) } else { (to, source) };
-    let rate = unit::dimension(low).and_then(unit::Dimension::derivative);
-    let fits = rate.is_some() && unit::dimension(high) == rate;
-    match (fits, is_derivative) {
-        (true, true) => Ok(Rule::DerivativeOf(source)),
-        (true, false) => Ok(Rule::IntegralOf(source)),
-        (false, _) => {
-            let to_unit = to.column().unit;
-            let source_unit = source.column().unit;
-            Err(format!(
-                "'{rule}' is not in {to_unit}, the unit of {}: {name} is in {source_unit}",
-                to.name()
-            ))
-        }
+    let fits = matches!(
+        (unit::dimension(low), unit::dimension(high)),
+        (Some(Dimension::Angle), Some(Dimension::AngularVelocity))
+            | (Some(Dimension::AngularVelocity), Some(Dimension::AngularAcceleration))
+    );
+    if !fits {
+        let to_unit = to.column().unit;
+        let source_unit = source.column().unit;
+        return Err(format!(
+            "'{rule}' is not in {to_unit}, the unit of {}: {name} is in {source_unit}",
+            to.name()
+        ));
     }
+    Ok(if is_derivative { Rule::DerivativeOf(source) } else { Rule::IntegralOf(source) })
 }
 
 #[cfg(test)]
@@ -267,22 +264,18 @@ mod tests {
 
     #[test]
     fn a_derivative_must_be_one() {
-        let good = trials_map(&[
-            ONE,
-            FORCE,
-            "[[column]]\nto = \"theta_dot_rad_s\"\nderive = \"derivative of theta_rad\"\n",
-        ]);
-        check(&good, "x", "x", 18, "'theta_rad' must be mapped by a [[column]] above this one");
-        check(
-            &good,
-            "theta_rad",
-            "force_ex_n",
-            18,
-            "is not in rad/s, the unit of theta_dot_rad_s: force_ex_n is in N",
-        );
-        check(&good, "theta_rad", "thta_rad", 18, "'thta_rad' is not a column of a trial");
-        check(&good, "derivative of", "slope of", 18, "write \"derivative of …\"");
-        check(&good, "derive =", "unit = \"rad/s\"\nderive =", 16, "are not used beside derive");
+        let slope = "[[column]]\nto = \"theta_dot_rad_s\"\nderive = \"derivative of theta_rad\"\n";
+        let good = trials_map(&[ONE, FORCE, slope]);
+        let other = "is not in rad/s, the unit of theta_dot_rad_s: force_ex_n is in N";
+        for (from, to, line, words) in [
+            ("x", "x", 18, "'theta_rad' must be mapped by a [[column]] above this one"),
+            ("theta_rad", "force_ex_n", 18, other),
+            ("theta_rad", "thta_rad", 18, "'thta_rad' is not a column of a trial"),
+            ("derivative of", "slope of", 18, "write \"derivative of …\""),
+            ("derive =", "unit = \"rad/s\"\nderive =", 16, "are not used beside derive"),
+        ] {
+            check(&good, from, to, line, words);
+        }
     }
 
     #[test]
@@ -290,24 +283,23 @@ mod tests {
         let good = trials_map(&[ONE, FORCE]);
         let time = "from = \"t\"\nunit = \"s\"";
         let wrap = format!("{time}\nwrap = 0");
-        check(&good, time, &wrap, 12, "the value at which the time starts over");
-        check(&good, time, "counter = \"n\"", 9, "counter needs rate_hz");
         let both = format!("{time}\ncounter = \"n\"");
-        check(&good, time, &both, 9, "needs either from (a column) or rate_hz");
-        check(
-            &good,
-            time,
-            "rate_hz = 1.0\ncounter = 1\nunit = \"s\"",
-            9,
-            "not used beside counter",
-        );
-        check(&good, time, "rate_hz = 1.0\nwrap = 16", 9, "not used beside rate_hz alone");
+        let placed = "rate_hz = 1.0\ncounter = 1\nunit = \"s\"";
         let force = "unit = \"N\"";
         let zero = |zero: &str| format!("{force}\nzero = {zero}");
-        check(&good, force, &zero("{ from_s = 1, to_s = 0.5 }"), 16, "needs 0 ≤ from_s < to_s");
-        check(&good, force, &zero("{ to = 1 }"), 16, "a stretch at rest");
-        check(&good, force, &zero("\"last\""), 16, "a stretch at rest");
-        check(&good, force, "unit = \"N\"\nwrap = -1", 16, "360 for degrees");
+        for (from, to, line, words) in [
+            (time, wrap.as_str(), 12, "the value at which the time starts over"),
+            (time, "counter = \"n\"", 9, "counter needs rate_hz"),
+            (time, both.as_str(), 9, "needs either from (a column) or rate_hz"),
+            (time, placed, 9, "not used beside counter"),
+            (time, "rate_hz = 1.0\nwrap = 16", 9, "not used beside rate_hz alone"),
+            (force, zero("{ from_s = 1, to_s = 0.5 }").as_str(), 16, "needs 0 ≤ from_s < to_s"),
+            (force, zero("{ to = 1 }").as_str(), 16, "a stretch at rest"),
+            (force, zero("\"last\"").as_str(), 16, "a stretch at rest"),
+            (force, "unit = \"N\"\nwrap = -1", 16, "360 for degrees"),
+        ] {
+            check(&good, from, to, line, words);
+        }
     }
 
     #[test]

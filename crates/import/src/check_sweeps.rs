@@ -2,7 +2,7 @@
 
 use super::check::Check;
 use super::convert::Zero;
-use super::mapping::{Content, Pairs, QuantityFrom, SweepForm, SweepLabels, Wide};
+use super::mapping::{Content, Pairs, QuantityFrom, SweepForm, SweepFrom, Wide};
 use super::shape::{QuantityShape, SweepShape, TimeShape, WideShape, ZeroShape, ZeroWord};
 use super::table::ColumnRef;
 use zwidth_store::Quantity;
@@ -19,35 +19,32 @@ impl Check<'_> {
         let sweep = self.required("sweep", sweep)?;
         let actuator = self.label("sweep.actuator", sweep.actuator, groups);
         let number = self.optional("sweep.sweep", sweep.sweep, groups);
-        let command = self
-            .required("command", command)
-            .and_then(|q| self.quantity("command", q, wide.is_some()));
-        let response = self
-            .required("response", response)
-            .and_then(|q| self.quantity("response", q, wide.is_some()));
+        let [command, response] =
+            [("command", command), ("response", response)].map(|(key, shape)| {
+                let shape = self.required(key, shape)?;
+                self.quantity(key, shape, wide.is_some())
+            });
         if wide.is_some() && time.is_some() {
             self.error("time", "is not used beside [wide]; remove it");
         }
         let time = time.map(|t| self.time(t));
-        let labels = SweepLabels { actuator: actuator?, sweep: number };
+        let actuator = actuator?;
         let (command_from, command) = command?;
         let (response_from, response) = response?;
         let form = match wide {
-            Some(wide) => {
-                let pattern = self.regex("wide.pattern", &wide.pattern)?;
+            Some(WideShape { pattern, header, reduce }) => {
+                let pattern = self.regex("wide.pattern", &pattern)?;
                 if !pattern.capture_names().flatten().any(|n| n == "value") {
                     self.error("wide.pattern", "needs a group (?<value>…) that holds the number");
                 }
-                let WideShape { header, reduce, .. } = wide;
-                SweepForm::Wide(Wide { pattern, header, reduce, command, response })
+                SweepForm::Wide(Wide { pattern, header, reduce })
             }
             None => {
-                let command = (command_from?, command);
-                let response = (response_from?, response);
-                SweepForm::Pairs(Pairs { time: time.flatten(), command, response })
+                let time = time.flatten();
+                SweepForm::Pairs(Pairs { time, command: command_from?, response: response_from? })
             }
         };
-        Some(Content::Sweeps(Box::new((labels, form))))
+        Some(Content::Sweeps(Box::new(SweepFrom { actuator, number, command, response, form })))
     }
 
     fn quantity(

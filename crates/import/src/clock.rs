@@ -33,6 +33,14 @@ pub(super) fn clock(
     }
     let mut texts = (0..cells.len()).filter_map(|row| clock_text(cells, form, row));
     let Some(first) = texts.next() else { return Ok(None) };
+    // Every cell; or the row of the first that is written otherwise.
+    let read = |parse: &dyn Fn(&str) -> Option<f64>| -> Result<Float64Array, usize> {
+        let values = (0..cells.len()).map(|row| match clock_text(cells, form, row) {
+            None => Ok(None),
+            Some(text) => parse(text).map(Some).ok_or(row),
+        });
+        values.collect::<Result<Vec<Option<f64>>, usize>>().map(Float64Array::from)
+    };
     if number(first, form.decimal_comma).is_ok() {
         // A number that a double holds is read as others are.
         let origin = first
@@ -40,24 +48,14 @@ pub(super) fn clock(
             .ok()
             .filter(|number| from_first && number.unsigned_abs() > 1 << f64::MANTISSA_DIGITS);
         let Some(origin) = origin else { return Ok(None) };
-        let values: Option<Vec<Option<f64>>> = (0..cells.len())
-            .map(|row| match clock_text(cells, form, row) {
-                None => Some(None),
-                Some(text) => text.parse::<i128>().ok().map(|n| Some((n - origin) as f64)),
-            })
-            .collect();
+        let values = read(&|text| Some((text.parse::<i128>().ok()? - origin) as f64));
         // Other cells than whole numbers are read, or refused, as they are elsewhere.
-        return Ok(values.map(|values| Clock::LessTheFirst(values.into())));
+        return Ok(values.ok().map(Clock::LessTheFirst));
     }
     let Some(origin) = nanoseconds(first) else { return Ok(None) };
     let origin = if from_first { origin } else { 0 };
-    let values: Result<Vec<Option<f64>>, usize> = (0..cells.len())
-        .map(|row| match clock_text(cells, form, row) {
-            None => Ok(None),
-            Some(text) => nanoseconds(text).map(|ns| Some((ns - origin) as f64 / 1e9)).ok_or(row),
-        })
-        .collect();
-    values.map(|values| Some(Clock::Seconds(values.into())))
+    let values = read(&|text| Some((nanoseconds(text)? - origin) as f64 / 1e9))?;
+    Ok(Some(Clock::Seconds(values)))
 }
 
 /// The text in a cell, unless it stands for a missing value.

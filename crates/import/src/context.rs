@@ -197,14 +197,9 @@ impl Context<'_> {
                     },
                 })
                 .collect(),
-            converted: Vec::new(),
-            computed: Vec::new(),
-            null: Vec::new(),
-            made: Vec::new(),
             lost: recording.lost(rows, 0..usize::MAX),
-            care: Vec::new(),
             told: recording.table.told.clone(),
-            there: None,
+            ..FileReport::default()
         })
     }
 }

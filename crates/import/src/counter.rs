@@ -81,27 +81,11 @@ impl Gaps {
         gaps
     }
 
-    /// Adds the gaps of the rows that follow.
-    pub(super) fn and(self, other: Self) -> Self {
-        Self {
-            places: self.places + other.places,
-            samples: self.samples + other.samples,
-            longest: self.longest.max(other.longest),
-            all: self.all + other.all,
-        }
-    }
-
     /// Whether so many samples are missing that a result may depend on it.
     pub(super) fn matter(self) -> bool {
         let is_long = self.longest >= LEAST_GAP && self.samples >= LEAST_GAP;
         is_long || self.samples >= LEAST_SHARE * (self.all + self.samples).max(1.0)
     }
-}
-
-/// The samples that unwrapped counts pass over, where one is `step`.
-pub(super) fn gaps(counts: &[f64], step: f64) -> Gaps {
-    let steps = counts.windows(2).map(|pair| ((pair[1] - pair[0]) / step).round() - 1.0);
-    Gaps::of(steps.filter(|missing| *missing > 0.0), counts.len())
 }
 
 /// Columns that are looked at for what they count, besides those of the mapping.
@@ -126,7 +110,10 @@ impl Elsewhere {
     pub(super) fn add(&mut self, next: Self) {
         for (column, gaps) in next.gaps {
             let before = self.gaps.entry(column).or_default();
-            *before = before.and(gaps);
+            before.places += gaps.places;
+            before.samples += gaps.samples;
+            before.longest = before.longest.max(gaps.longest);
+            before.all += gaps.all;
         }
         self.rates.extend(next.rates);
     }
@@ -134,7 +121,9 @@ impl Elsewhere {
 
 /// A doubt about the samples that the counter which the time is from passes over.
 pub(super) fn passed_over(t_s: &[f64], rate_hz: f64) -> Option<String> {
-    let gaps = gaps(t_s, 1.0 / rate_hz);
+    let step_s = 1.0 / rate_hz;
+    let missing = t_s.windows(2).map(|pair| ((pair[1] - pair[0]) / step_s).round() - 1.0);
+    let gaps = Gaps::of(missing.filter(|missing| *missing > 0.0), t_s.len());
     gaps.matter().then(|| {
         format!(
             "t_s: its counter passes over {} samples in {} places, or over more if a gap is longer than it counts",

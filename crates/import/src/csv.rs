@@ -1,13 +1,11 @@
 //! Delimited text: CSV, TSV and their relatives.
 
 use super::labview::has_comments;
-use super::limits::{
-    MOST_COLUMNS, MOST_LINE, MOST_WHOLE_ROWS, Take, check_name, too_many_rows, too_much,
-};
+use super::limits::{MOST_COLUMNS, MOST_LINE, MOST_WHOLE_ROWS, Take, check_name, more_rows};
 use super::plain::{is_labchart, labchart, spaced};
 use super::spelling::shown;
 use super::table::{Cells, EmptyRows, Table};
-use super::text::{Encoding, decode_from, latin_1_note};
+use super::text::{Encoding, count_lines, decode_from, latin_1_note};
 use arrow::array::LargeStringBuilder;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -55,7 +53,8 @@ pub(super) fn read(
     }
     // Its comments and heads are empty lines here, and its times say where samples are missing.
     let has_empty_rows = !is_labchart(text);
-    let Delimited { rewritten, dialect, mut notes } = as_delimited(text, dialect);
+    let Delimited { rewritten, dialect, note } = as_delimited(text, dialect);
+    let mut notes: Vec<String> = note.into_iter().collect();
     notes.extend(latin_1_note(bytes, dialect.encoding));
     let text = rewritten.as_deref().unwrap_or(text);
     // Before the reader sees the text: it takes memory for a record of any length.
@@ -79,8 +78,7 @@ pub(super) fn read(
     };
     check_names(path, names.as_deref().unwrap_or_default())?;
     let mut record = ::csv::StringRecord::new();
-    let mut more = next_record(&mut reader, &mut record, &mut counter)
-        .map_err(|e| fault(path, &mut counter, &e))?;
+    let mut more = next_record(path, &mut reader, &mut record, &mut counter)?;
     if let Some(names) = names.as_mut().filter(|_| more) {
         notes.extend(one_cell_short(names, &record));
     }
@@ -125,20 +123,17 @@ pub(super) fn read(
             record = ::csv::StringRecord::from(vec![""; width]);
         }
         if lines.len() == MOST_WHOLE_ROWS {
-            return Err(too_many_rows(path, &format!("more than {MOST_WHOLE_ROWS}")));
+            return Err(more_rows(path));
         }
         // Row by row: how many will come is known at the end alone.
-        if !take.budget.cells(taken) {
-            return Err(too_much(path));
-        }
+        take.room(path, taken)?;
         for (column, cell) in columns.iter_mut().zip(&record) {
             if let Some(column) = column {
                 column.append_option(Some(cell.trim()).filter(|c| !c.is_empty()));
             }
         }
         lines.push(line);
-        more = next_record(&mut reader, &mut record, &mut counter)
-            .map_err(|e| fault(path, &mut counter, &e))?;
+        more = next_record(path, &mut reader, &mut record, &mut counter)?;
     }
     empty.add(lines.len(), counter.empty);
     if !has_empty_rows {
@@ -150,12 +145,13 @@ pub(super) fn read(
 
 /// Reads the next record that has a value, if there is one; the empty ones before it are counted.
 fn next_record(
+    path: &Path,
     reader: &mut ::csv::Reader<&[u8]>,
     record: &mut ::csv::StringRecord,
     counter: &mut Lines,
-) -> Result<bool, ::csv::Error> {
+) -> Result<bool, StoreError> {
     loop {
-        let more = reader.read_record(record)?;
+        let more = reader.read_record(record).map_err(|e| fault(path, counter, &e))?;
         counter.line_of(record.position());
         if !more || record.iter().any(|cell| !cell.trim().is_empty()) {
             return Ok(more);
@@ -170,31 +166,31 @@ struct Delimited {
     rewritten: Option<String>,
     dialect: Dialect,
     /// For the report.
-    notes: Vec<String>,
+    note: Option<String>,
 }
 
 fn as_delimited(text: &str, dialect: Dialect) -> Delimited {
     let tabs = Dialect { delimiter: b'\t', ..dialect };
     if is_labchart(text) {
         let note =
-            "read as a LabChart export: the channels' titles are the header, `Time` before them"
-                .to_owned();
+            "read as a LabChart export: the channels' titles are the header, `Time` before them";
         let dialect = Dialect { header: true, ..tabs };
-        return Delimited { rewritten: Some(labchart(text)), dialect, notes: vec![note] };
+        return Delimited { rewritten: Some(labchart(text)), dialect, note: Some(note.to_owned()) };
     }
     if dialect.delimiter != WHITE_SPACE {
-        return Delimited { rewritten: None, dialect, notes: Vec::new() };
+        return Delimited { rewritten: None, dialect, note: None };
     }
     let mut lines = text.lines();
     let first =
         lines.find(|line| !line.trim().is_empty() && line.bytes().next() != dialect.comment);
-    if first.is_some_and(|line| line.contains('\t')) {
-        let note = "cells are taken to stand between tabs".to_owned();
-        return Delimited { rewritten: None, dialect: tabs, notes: vec![note] };
-    }
-    let note = "cells are taken to stand between any blanks".to_owned();
-    let rewritten = Some(spaced(text, dialect.comment));
-    Delimited { rewritten, dialect: tabs, notes: vec![note] }
+    let (rewritten, note) = match first.is_some_and(|line| line.contains('\t')) {
+        true => (None, "cells are taken to stand between tabs"),
+        false => {
+            let rewritten = spaced(text, dialect.comment);
+            (Some(rewritten), "cells are taken to stand between any blanks")
+        }
+    };
+    Delimited { rewritten, dialect: tabs, note: Some(note.to_owned()) }
 }
 
 /// Mends a header that is one cell short of the first record: as R writes names of rows, or because
@@ -299,8 +295,7 @@ fn check_records(path: &Path, text: &str, dialect: Dialect) -> Result<(), StoreE
         if at == At::Record {
             (start, cells) = (i + 1, 1);
         } else if cells > MOST_COLUMNS || i - start >= MOST_LINE {
-            let lines = text.as_bytes()[..start].iter().filter(|b| **b == b'\n').count() as u64;
-            let line = 1 + first_line(dialect) + lines;
+            let line = 1 + first_line(dialect) + count_lines(&text.as_bytes()[..start]);
             let (what, most) =
                 if cells > MOST_COLUMNS { ("columns", MOST_COLUMNS) } else { ("bytes", MOST_LINE) };
             let what = format!("line {line} has more than {most} {what}, and no more are read");
@@ -364,12 +359,12 @@ fn fault(path: &Path, lines: &mut Lines, error: &::csv::Error) -> StoreError {
 
 #[cfg(test)]
 mod tests {
-    use super::super::limits::{Budget, tests::everything};
+    use super::super::limits::tests::{everything, only};
     use super::super::table::{Cell, ColumnRef};
     use super::*;
 
-    fn read(path: &Path, bytes: &[u8], dialect: Dialect) -> Result<Table, StoreError> {
-        everything(|take| super::read(path, bytes, dialect, take))
+    fn read(text: &str, dialect: Dialect) -> Result<Table, StoreError> {
+        everything(|take| super::read(Path::new("a.csv"), text.as_bytes(), dialect, take))
     }
 
     const COMMA: Dialect = Dialect {
@@ -383,15 +378,14 @@ mod tests {
     };
 
     fn cells(text: &str, dialect: Dialect) -> Vec<Vec<String>> {
-        let table = read(Path::new("a.csv"), text.as_bytes(), dialect).unwrap();
+        let table = read(text, dialect).unwrap();
         let column = |c: &Cells| (0..c.len()).map(|i| c.cell(i).to_string()).collect();
         table.columns.iter().map(column).collect()
     }
 
     #[test]
     fn byte_order_mark_carriage_returns_and_blanks_are_not_part_of_a_cell() {
-        let table =
-            read(Path::new("a.csv"), "\u{feff}a , b\r\n 1,2\r\n,4\r\n".as_bytes(), COMMA).unwrap();
+        let table = read("\u{feff}a , b\r\n 1,2\r\n,4\r\n", COMMA).unwrap();
         let b = table.find(&ColumnRef::Name("b".to_owned())).unwrap();
         assert_eq!(table.columns[b].cell(0), Cell::Text("2"));
         assert_eq!(table.columns[0].cell(1), Cell::Empty);
@@ -402,7 +396,7 @@ mod tests {
     fn rows_know_their_lines_whatever_stands_between_them() {
         let check = |text: &str| {
             let dialect = Dialect { comment: Some(b'#'), skip: 1, ..COMMA };
-            assert_eq!(read(Path::new("a.csv"), text.as_bytes(), dialect).unwrap().lines, [3, 6]);
+            assert_eq!(read(text, dialect).unwrap().lines, [3, 6]);
         };
         check("x\na,b\n1,2\n\n# pause\n3,4\n");
         check("x\r\na,b\r\n1,2\r\n\r\n# pause\r\n3,4\r\n");
@@ -420,8 +414,8 @@ mod tests {
 
     #[test]
     fn a_row_of_another_length_is_refused_with_its_line() {
-        let error = read(Path::new("a.csv"), b"a,b\n1,2\n3\n", COMMA).unwrap_err();
-        assert!(error.what.contains("line 3 has 1 cells where 2 belong"), "{error}");
+        let error = refused("a,b\n1,2\n3\n", COMMA);
+        assert!(error.contains("line 3 has 1 cells where 2 belong"), "{error}");
     }
 
     #[test]
@@ -433,7 +427,7 @@ mod tests {
 
     #[test]
     fn a_header_one_cell_short_is_mended_and_told() {
-        let table = |text: &str| read(Path::new("a.csv"), text.as_bytes(), COMMA).unwrap();
+        let table = |text: &str| read(text, COMMA).unwrap();
         let named = table("t,f\n1,0.0,5\n2,0.5,6\n");
         assert_eq!(named.names.as_deref(), Some(["", "t", "f"].map(str::to_owned).as_slice()));
         assert!(named.told[0].contains("row names"), "{:?}", named.told);
@@ -445,8 +439,7 @@ mod tests {
     #[test]
     fn as_many_bad_lines_as_allowed_are_marked_and_one_more_is_refused() {
         let text = "t,f\n0,1\n1\n2,3\n3,4,5\n4,5\n";
-        let table =
-            read(Path::new("a.csv"), text.as_bytes(), Dialect { bad_lines: 2, ..COMMA }).unwrap();
+        let table = read(text, Dialect { bad_lines: 2, ..COMMA }).unwrap();
         assert_eq!(table.lines, [2, 3, 4, 5, 6]);
         let expect =
             [(1, "line 3 has 1 cells where 2 belong"), (3, "line 5 has 3 cells where 2 belong")];
@@ -459,15 +452,13 @@ mod tests {
     }
 
     fn refused(text: &str, dialect: Dialect) -> String {
-        read(Path::new("a.csv"), text.as_bytes(), dialect).unwrap_err().to_string()
+        read(text, dialect).unwrap_err().to_string()
     }
 
     #[test]
     fn only_the_columns_that_are_taken_are_kept() {
-        let budget = Budget::default();
-        let f = ColumnRef::Name("f".to_owned());
-        let take = Take::of(vec![&f], &budget);
-        let table = super::read(Path::new("a.csv"), b"t,f,x\n1,2,3\n", COMMA, &take).unwrap();
+        let read = |take: &Take| super::read(Path::new("a.csv"), b"t,f,x\n1,2,3\n", COMMA, take);
+        let table = only(&["f"], read).unwrap();
         assert!(matches!(table.columns[..], [Cells::Unread, Cells::Text(_), Cells::Unread]));
     }
 
@@ -511,7 +502,7 @@ mod tests {
     fn a_header_that_comes_twice_is_refused_but_columns_without_one_are_not() {
         let error = refused("t,f, t\n1,2,3\n", COMMA);
         assert!(error.contains("column t: columns 1 and 3 have the same header"), "{error}");
-        assert!(read(Path::new("a.csv"), b"t,f,,\n1,2,,\n", COMMA).is_ok());
+        assert!(read("t,f,,\n1,2,,\n", COMMA).is_ok());
     }
 
     #[test]

@@ -125,11 +125,14 @@ fn read(
             TrialFrom::Recording { column, folder } => {
                 from_recording(recording, *row, column, folder, sources)?
             }
-            TrialFrom::Labels(labels) => vec![(
-                labels.participant.value("participant", recording, *row, id)?,
-                labels.session.value("session", recording, *row, id)?,
-                labels.trial.value("trial", recording, *row, |text| counted("trial", text))?,
-            )],
+            TrialFrom::Labels(labels) => {
+                let [participant, session, trial] = &**labels;
+                vec![(
+                    participant.value("participant", recording, *row, id)?,
+                    session.value("session", recording, *row, id)?,
+                    trial.value("trial", recording, *row, |text| counted("trial", text))?,
+                )]
+            }
         };
         let excluded =
             trials.into_iter().map(|trial| Excluded { row: *row, trial, reason: reason.clone() });
@@ -174,16 +177,10 @@ mod tests {
         let named = ONE.replace("\"P01\"", "{ name = \"who\" }");
         let map = trials_map(&["[name]\npattern = '(?<who>P\\d)_'\n", &named, FORCE]);
         let names = ["P1_1.csv", "P1_2.csv", "P2_1.csv"];
+        // Each has other bytes: a recording counts once.
         let files = names.map(|name| {
-            world.file(
-                name,
-                format!(
-                    "t,f\n0,{}\n1,2\n",
-                    name.len()
-                        + usize::from(name.as_bytes()[1]) * 10
-                        + usize::from(name.as_bytes()[3])
-                ),
-            )
+            let sum: u32 = name.bytes().zip(1..).map(|(byte, place)| u32::from(byte) * place).sum();
+            world.file(name, format!("t,f\n0,{sum}\n1,2\n"))
         });
         world.import(&map, &files).unwrap();
         world
@@ -201,10 +198,8 @@ mod tests {
         assert_eq!(world.events("P1", "S01").last(), Some(&excluded));
         let again = world.import(BY_FILE, &[table]).unwrap();
         assert_eq!(again.exclusions, 0);
-        assert!(
-            again.to_string().contains("2 rows are about trials that are excluded already"),
-            "{again}"
-        );
+        let words = "2 rows are about trials that are excluded already";
+        assert!(again.to_string().contains(words), "{again}");
     }
 
     #[test]
@@ -214,18 +209,14 @@ mod tests {
                    trial = { column = \"n\" }\nreason = \"aborted\"\n";
         let all = world.file("all.csv", TABLE.replace("P2,1", "P2,7"));
         let errors = world.import(map, &[all]).unwrap_err();
-        assert!(
-            errors[0].what.contains("P2 S01 has no trial 7") && errors[0].row == Some(3),
-            "{errors:?}"
-        );
+        let words = "P2 S01 has no trial 7";
+        assert!(errors[0].what.contains(words) && errors[0].row == Some(3), "{errors:?}");
         assert!(!world.events("P1", "S01").iter().any(|e| matches!(e, Event::Excluded { .. })));
         let lost = world.file("lost.csv", TABLE.replace("P1_2", "P1_9"));
         let by_file = BY_FILE.replace("folder = \"tables/..\"\n", "");
         let errors = world.import(&by_file, &[lost]).unwrap_err();
-        assert!(
-            errors[0].to_string().contains("P1_9.csv") && errors[0].row == Some(2),
-            "{errors:?}"
-        );
+        let text = errors[0].to_string();
+        assert!(text.contains("P1_9.csv") && errors[0].row == Some(2), "{errors:?}");
         assert_eq!(world.import(map, &[world.file("b.csv", TABLE)]).unwrap().exclusions, 3);
     }
 

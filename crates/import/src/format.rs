@@ -65,23 +65,29 @@ impl Format {
         Self::Ods,
     ];
 
+    /// The extensions of its files, in small letters, of which the first is its word in a mapping file; the common
+    /// name of one; whether it may unpack to more than its size; the key that names a part of it, if it has parts.
+    fn row(self) -> (&'static [&'static str], &'static str, bool, Option<&'static str>) {
+        match self {
+            Self::Csv => (&["csv"], "a CSV", false, None),
+            Self::Tsv => (&["tsv"], "a TSV", false, None),
+            Self::Txt => (&["txt", "dat", "asc"], "columns of text", false, None),
+            Self::Jsonl => (&["jsonl", "ndjson"], "JSON lines", false, None),
+            Self::Parquet => (&["parquet"], "a Parquet file", true, None),
+            Self::Arrow => (&["arrow", "feather", "ipc"], "an Arrow file", true, None),
+            Self::Mat => (&["mat"], "a MAT file", true, Some("matrix")),
+            Self::Hdf5 => (&["h5", "hdf5"], "an HDF5 file", true, Some("matrix")),
+            Self::Npy => (&["npy"], "a NumPy array", false, None),
+            Self::Npz => (&["npz"], "a NumPy archive", true, Some("matrix")),
+            Self::Xdf => (&["xdf"], "an XDF file", false, Some("stream")),
+            Self::Xlsx => (&["xlsx", "xlsm"], "an Excel workbook", true, Some("sheet")),
+            Self::Ods => (&["ods"], "an OpenDocument workbook", true, Some("sheet")),
+        }
+    }
+
     /// The extensions of its files, in small letters; the first is its word in a mapping file.
     pub(super) fn extensions(self) -> &'static [&'static str] {
-        match self {
-            Self::Csv => &["csv"],
-            Self::Tsv => &["tsv"],
-            Self::Txt => &["txt", "dat", "asc"],
-            Self::Jsonl => &["jsonl", "ndjson"],
-            Self::Parquet => &["parquet"],
-            Self::Arrow => &["arrow", "feather", "ipc"],
-            Self::Mat => &["mat"],
-            Self::Hdf5 => &["h5", "hdf5"],
-            Self::Npy => &["npy"],
-            Self::Npz => &["npz"],
-            Self::Xdf => &["xdf"],
-            Self::Xlsx => &["xlsx", "xlsm"],
-            Self::Ods => &["ods"],
-        }
+        self.row().0
     }
 
     /// Its word in a mapping file.
@@ -91,45 +97,12 @@ impl Format {
 
     /// The common name of a file of this format.
     pub(super) fn name(self) -> &'static str {
-        match self {
-            Self::Csv => "a CSV",
-            Self::Tsv => "a TSV",
-            Self::Txt => "columns of text",
-            Self::Jsonl => "JSON lines",
-            Self::Parquet => "a Parquet file",
-            Self::Arrow => "an Arrow file",
-            Self::Mat => "a MAT file",
-            Self::Hdf5 => "an HDF5 file",
-            Self::Npy => "a NumPy array",
-            Self::Npz => "a NumPy archive",
-            Self::Xdf => "an XDF file",
-            Self::Xlsx => "an Excel workbook",
-            Self::Ods => "an OpenDocument workbook",
-        }
+        self.row().1
     }
 
     /// Whether a file may unpack to more than its size.
     pub(super) fn is_packed(self) -> bool {
-        matches!(
-            self,
-            Self::Parquet
-                | Self::Arrow
-                | Self::Mat
-                | Self::Hdf5
-                | Self::Npz
-                | Self::Xlsx
-                | Self::Ods
-        )
-    }
-
-    /// The key that names a part of a file; `None` if a file has only one part.
-    fn part_key(self) -> Option<&'static str> {
-        match self {
-            Self::Mat | Self::Hdf5 | Self::Npz => Some("matrix"),
-            Self::Xdf => Some("stream"),
-            Self::Xlsx | Self::Ods => Some("sheet"),
-            _ => None,
-        }
+        self.row().2
     }
 
     /// Reads the columns that are taken.
@@ -143,14 +116,15 @@ impl Format {
         options: FormatOptions,
         take: &Take,
     ) -> Result<Table, StoreError> {
-        if let Some(part) = options.part.filter(|_| self.part_key().is_none()) {
+        let part_key = self.row().3;
+        if let Some(part) = options.part.filter(|_| part_key.is_none()) {
             let what = format!("'{}' is named, and {} has no parts", shown(part), self.name());
             return Err(StoreError::new(path, what, "remove matrix, sheet or stream from [file]"));
         }
         // An array that has a file to itself needs no name.
         if take.turned && options.part.is_none() && self != Self::Npy {
             let what = "signals = \"rows\" is of a matrix, and none is named";
-            let remedy = match self.part_key() {
+            let remedy = match part_key {
                 Some("matrix") => "name it as matrix in [file]",
                 _ => "remove it from [file]",
             };
@@ -164,19 +138,20 @@ impl Format {
             Self::Mat if bytes.starts_with(MATLAB_7_3) => {
                 hdf5::read(path, bytes, options.part, hdf5::Order::Columns, take)
             }
+            Self::Mat if !hdf5::is_hdf5(&bytes) => mat::read(path, &bytes, options.part, take),
             // Of version 7.3 without the text that MATLAB puts first: what MATLAB wrote says so itself.
-            Self::Mat if hdf5::is_hdf5(&bytes) => {
+            Self::Mat | Self::Hdf5 => {
                 hdf5::read(path, bytes, options.part, hdf5::Order::Rows, take)
             }
-            Self::Mat => mat::read(path, &bytes, options.part, take),
-            Self::Hdf5 => hdf5::read(path, bytes, options.part, hdf5::Order::Rows, take),
             Self::Npy => npy::read(path, &bytes, take),
             Self::Npz => npy::read_archive(path, &bytes, options.part, take),
             Self::Xdf => {
                 xdf::read(path, &bytes, options.part, options.clock, options.dejitter, take)
             }
-            Self::Xlsx => workbook::read_xlsx(path, &bytes, options.dialect, options.part, take),
-            Self::Ods => workbook::read_ods(path, &bytes, options.dialect, options.part, take),
+            Self::Xlsx | Self::Ods => {
+                let is_ods = self == Self::Ods;
+                workbook::read(path, &bytes, is_ods, options.dialect, options.part, take)
+            }
         }
     }
 }

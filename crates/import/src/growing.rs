@@ -158,12 +158,10 @@ impl<'a> Growing<'a> {
         // Before the rows are kept: errors name their place in this part.
         self.check(&samples).map_err(|e| self.in_their_words(e, part))?;
         let t = samples.get(Signal::Time).unwrap_or_default();
-        let t = t.first().copied().zip(t.last().copied());
-        self.times = match (self.times, t) {
-            (Some([first, _]), Some((_, last))) => Some([first, last]),
-            (None, Some((first, last))) => Some([first, last]),
-            (times, None) => times,
-        };
+        if let (Some(first), Some(last)) = (t.first(), t.last()) {
+            let first = self.times.map_or(*first, |[first, _]| first);
+            self.times = Some([first, *last]);
+        }
         for (to, values) in &mut self.columns {
             let new = match to {
                 To::Signal(signal) => samples.get(*signal),
@@ -245,6 +243,9 @@ impl<'a> Growing<'a> {
     }
 
     /// Computes what the rows at hand allow; at the end all.
+    ///
+    /// dx/dt is by central differences, one-sided at the trial's ends ([`slope`], [`central`]), and
+    /// ∫ x dt by the trapezoidal rule from the trial's first sample.
     fn derive(&mut self, end: bool) -> Result<(), Errors> {
         let is_short = end && self.rows == 0 && self.column(Signal::Time).len() < 2;
         for (to, rule) in &self.plan.derived {
@@ -253,7 +254,36 @@ impl<'a> Growing<'a> {
                 let remedy = "leave the file out, or remove derive from the mapping";
                 return Err(StoreError::new(&self.path, what, remedy).into());
             }
-            let more = self.derived(*to, *rule, end);
+            let (Rule::DerivativeOf(source) | Rule::IntegralOf(source)) = *rule;
+            let t = self.column(Signal::Time);
+            let x = self.column(source);
+            let have = self.column(*to);
+            let n = t.len().min(x.len());
+            // Whether the first row at hand is the trial's first.
+            let from_start = self.rows == self.written;
+            let more: Vec<f64> = match rule {
+                Rule::DerivativeOf(_) => {
+                    // The last row at hand waits: its slope needs the row behind it.
+                    let until = if end { n } else { n.saturating_sub(1) };
+                    (have.len()..until)
+                        .map(|i| match i {
+                            0 if from_start => slope(t, x, 0),
+                            _ if i + 1 == n => slope(t, x, i - 1),
+                            _ => central(t, x, i),
+                        })
+                        .collect()
+                }
+                Rule::IntegralOf(_) => {
+                    let mut sum = have.last().copied().unwrap_or(0.0);
+                    let sums = (have.len()..n).map(|i| {
+                        if i > 0 {
+                            sum += 0.5 * (x[i] + x[i - 1]) * (t[i] - t[i - 1]);
+                        }
+                        sum
+                    });
+                    sums.collect()
+                }
+            };
             if let Some((_, values)) = self.columns.iter_mut().find(|c| c.0 == To::Signal(*to)) {
                 values.extend(more);
             }
@@ -287,41 +317,6 @@ impl<'a> Growing<'a> {
             self.written = from - gone;
         }
         Ok(())
-    }
-
-    /// The next values of a computed column: dx/dt by central differences, one-sided at the trial's ends
-    /// ([`slope`], [`central`]), or ∫ x dt from its first sample by the trapezoidal rule.
-    fn derived(&self, to: Signal, rule: Rule, end: bool) -> Vec<f64> {
-        let (Rule::DerivativeOf(source) | Rule::IntegralOf(source)) = rule;
-        let t = self.column(Signal::Time);
-        let x = self.column(source);
-        let have = self.column(to);
-        let n = t.len().min(x.len());
-        // Whether the first row at hand is the trial's first.
-        let from_start = self.rows == self.written;
-        match rule {
-            Rule::DerivativeOf(_) => {
-                // The last row at hand waits: its slope needs the row behind it.
-                let until = if end { n } else { n.saturating_sub(1) };
-                (have.len()..until)
-                    .map(|i| match i {
-                        0 if from_start => slope(t, x, 0),
-                        _ if i + 1 == n => slope(t, x, i - 1),
-                        _ => central(t, x, i),
-                    })
-                    .collect()
-            }
-            Rule::IntegralOf(_) => {
-                let mut sum = have.last().copied().unwrap_or(0.0);
-                let sums = (have.len()..n).map(|i| {
-                    if i > 0 {
-                        sum += 0.5 * (x[i] + x[i - 1]) * (t[i] - t[i - 1]);
-                    }
-                    sum
-                });
-                sums.collect()
-            }
-        }
     }
 }
 

@@ -9,8 +9,10 @@ use super::counter::wrap_of;
 use super::guess_answers::answers;
 use super::guess_apart::{Sorted, sort};
 use super::guess_names::{Names, names};
-use super::guess_read::{Looked, MOST_GUESSED, first_numbers, is_number, look, quoted};
-use super::guess_words::{ANSWERS, COMMANDED, CURRENTS, ColumnName, LABELS, parse_name, signal_of};
+use super::guess_read::{Looked, MOST_GUESSED, Written, first_numbers, is_number, look, quoted};
+use super::guess_words::{
+    ANSWERS, COMMANDED, CURRENTS, ColumnName, LABELS, has_word, parse_name, signal_of,
+};
 use super::mapping::CellForm;
 use super::recording::number;
 use super::spelling::shown;
@@ -85,7 +87,8 @@ fn mapping(path: &Path, apart: &[StoreError], looked: &Looked, names: &Names) ->
     let mapped = columns.iter().filter(|column| column.to.is_some() && column.is_number);
     let mapped: Vec<&Cells> = mapped.map(|column| &table.columns[column.place]).collect();
     write_bad_rows(&mut text, table, &mapped, comma);
-    write_labels(&mut text, names);
+    names.write(&mut text, WHO);
+    text.push('\n');
     match (time, looked.labview.as_ref().and_then(|heads| heads.step_s)) {
         (Some(column), _) => {
             // If the unit is a day, steps between samples are 10 µs to 1 s long.
@@ -138,6 +141,10 @@ fn mapping(path: &Path, apart: &[StoreError], looked: &Looked, names: &Names) ->
     text
 }
 
+/// What stands for a participant whom the names do not tell.
+const WHO: &str =
+    "\"TODO\"     # a code; or { column = \"…\" }, or { name = \"…\" } with a pattern in [name]";
+
 /// A first time beyond this is counted from the start of a computer or from 1970, whatever its unit.
 const LONG_BEFORE: f64 = 1e8;
 
@@ -178,46 +185,26 @@ fn file_name(path: &Path) -> String {
     path.file_name().unwrap_or_default().to_string_lossy().replace(char::is_control, " ")
 }
 
-/// `[name]` and `[trial]`.
-fn write_labels(text: &mut String, names: &Names) {
-    const WHO: &str = "\"TODO\"     # a code; or { column = \"…\" }, or { name = \"…\" } with a pattern in [name]";
-    let _ = write!(
-        text,
-        "{}\n[trial]\nparticipant = {}\nsession = {}\nenvironment = \"TODO\"     # as in study.toml\n\
-         mode = {}\n",
-        names.block,
-        names.participant.as_deref().unwrap_or(WHO),
-        names.session.as_deref().unwrap_or("\"S01\""),
-        names.mode.as_deref().unwrap_or("\"TODO\"            # as in study.toml"),
-    );
-    for (key, value) in [("repeat", &names.repeat), ("trial", &names.trial)] {
-        if let Some(value) = value {
-            let _ = writeln!(text, "{key} = {value}");
-        }
-    }
-    text.push('\n');
-}
-
 /// `[file]`, as far as it does not depend on the columns.
 fn write_file(text: &mut String, Looked { table, format, written, part, turned, .. }: &Looked) {
     if let Some(format) = format {
         let _ = writeln!(text, "format = \"{}\"", format.word());
     }
-    if let Some(written) = written {
-        let delimiter = match written.delimiter {
+    if let Some(Written { dialect, decimal_comma }) = written {
+        let delimiter = match dialect.delimiter {
             b'\t' => "\\t".to_owned(),
             other => char::from(other).to_string(),
         };
         let _ = writeln!(text, "delimiter = \"{delimiter}\"");
-        let _ = writeln!(text, "decimal = \"{}\"", if written.decimal_comma { ',' } else { '.' });
-        let _ = writeln!(text, "header = {}", written.header);
-        if let Some(mark) = written.comment {
+        let _ = writeln!(text, "decimal = \"{}\"", if *decimal_comma { ',' } else { '.' });
+        let _ = writeln!(text, "header = {}", dialect.header);
+        if let Some(mark) = dialect.comment {
             let _ = writeln!(text, "comment = \"{}\"", char::from(mark));
         }
-        if written.skip > 0 {
-            let _ = writeln!(text, "skip = {}", written.skip);
+        if dialect.skip > 0 {
+            let _ = writeln!(text, "skip = {}", dialect.skip);
         }
-        match written.encoding {
+        match dialect.encoding {
             Encoding::Utf8 => {}
             Encoding::Utf16 => text.push_str("encoding = \"utf-16\"\n"),
             Encoding::Latin1 => text.push_str("encoding = \"latin-1\"\n"),
@@ -252,14 +239,10 @@ struct Guessed {
 }
 
 impl Guessed {
-    fn has_word(&self, listed: &[&str]) -> bool {
-        self.words.iter().any(|word| listed.contains(&word.as_str()))
-    }
-
     /// A name for it among the study's channels: that of a winding's current has a fixed meaning.
     fn channel(&self) -> String {
-        if self.has_word(&CURRENTS) {
-            let is_brake = self.has_word(&["brake", "bremse"]);
+        if has_word(&self.words, &CURRENTS) {
+            let is_brake = has_word(&self.words, &["brake", "bremse"]);
             return if is_brake { CURRENT_BRAKE } else { CURRENT_MOTOR }.to_owned();
         }
         let words: Vec<String> =
@@ -287,7 +270,7 @@ impl Guessed {
     }
 
     fn write(&self, text: &mut String) {
-        let Self { from, about, .. } = self;
+        let Self { from, about, words, .. } = self;
         let _ = match self.to {
             Some(Signal::Time) => Ok(()),
             Some(to) => {
@@ -301,13 +284,13 @@ impl Guessed {
             None if let Some(why) = &self.why_not => {
                 writeln!(text, "\n# not read: {from}, {why}")
             }
-            None if let Some((key, _)) = LABELS.iter().find(|(_, words)| self.has_word(words)) => {
+            None if let Some((key, _)) = LABELS.iter().find(|(_, list)| has_word(words, list)) => {
                 writeln!(
                     text,
                     "\n# a label of the trial? Then under [trial]: {key} = {{ column = {from} }}"
                 )
             }
-            None if self.has_word(&ANSWERS) => {
+            None if has_word(words, &ANSWERS) => {
                 writeln!(text, "\n# an answer? Then under [trial]: likert = {{ column = {from} }}")
             }
             None if self.is_number && self.words.is_empty() => writeln!(
@@ -469,127 +452,120 @@ mod tests {
     use super::*;
     use hdf5_pure::FileBuilder;
 
-    fn check(name: &str, content: &[u8], expect: &[&str]) -> String {
-        let world = World::new();
-        let text = guess(&world.file(name, content), &[]).unwrap().mapping;
+    fn says(map: &str, expect: &[&str]) {
         for words in expect {
-            assert!(text.contains(words), "'{words}' is not in\n{text}");
+            assert!(map.contains(words), "'{words}' is not in\n{map}");
         }
-        text
+    }
+
+    /// The mapping that is guessed for a file says this.
+    fn check(name: &str, content: impl AsRef<[u8]>, expect: &[&str]) -> String {
+        let world = World::new();
+        let map = guess(&world.file(name, content), &[]).unwrap().mapping;
+        says(&map, expect);
+        map
     }
 
     #[test]
     fn delimiter_decimal_mark_header_and_units_are_guessed() {
-        check(
-            "a.csv",
-            b"rig 2\n\ntime_ms;angle (deg);F [mN];note\n0;-45,0;0,02;ok\n1;-44,9;-0,05;ok\n",
-            &[
-                "delimiter = \";\"\ndecimal = \",\"\nheader = true\nskip = 2\n",
-                "[time]\nfrom = \"time_ms\"\nunit = \"ms\"\n",
-                "to = \"theta_rad\"\nfrom = \"angle (deg)\"\nunit = \"deg\"\n",
-                "to = \"force_ex_n\"\nfrom = \"F [mN]\"\nunit = \"mN\"\n",
-                "# not recognised: \"note\", a column of texts",
-            ],
-        );
-        check(
-            "a.dat",
-            b"0.0  1.5\n0.1  2.5\n0.2  3.5\n",
-            &[
-                "delimiter = \" \"\n",
-                "header = false\n",
-                "rate_hz = \"TODO\"",
-                "# not recognised: 1, a column of numbers",
-            ],
-        );
-        check(
-            "a.log",
-            b"t|\xfcber\n0|1\n1|2\n0|3\n",
-            &["format = \"txt\"\ndelimiter = \"|\"", "encoding = \"latin-1\"", "split = \"time\""],
-        );
+        let text = "rig 2\n\ntime_ms;angle (deg);F [mN];note\n0;-45,0;0,02;ok\n1;-44,9;-0,05;ok\n";
+        let expect = [
+            "delimiter = \";\"\ndecimal = \",\"\nheader = true\nskip = 2\n",
+            "[time]\nfrom = \"time_ms\"\nunit = \"ms\"\n",
+            "to = \"theta_rad\"\nfrom = \"angle (deg)\"\nunit = \"deg\"\n",
+            "to = \"force_ex_n\"\nfrom = \"F [mN]\"\nunit = \"mN\"\n",
+            "# not recognised: \"note\", a column of texts",
+        ];
+        check("a.csv", text, &expect);
+        let expect = [
+            "delimiter = \" \"\n",
+            "header = false\n",
+            "rate_hz = \"TODO\"",
+            "# not recognised: 1, a column of numbers",
+        ];
+        check("a.dat", "0.0  1.5\n0.1  2.5\n0.2  3.5\n", &expect);
+        let expect =
+            ["format = \"txt\"\ndelimiter = \"|\"", "encoding = \"latin-1\"", "split = \"time\""];
+        check("a.log", b"t|\xfcber\n0|1\n1|2\n0|3\n", &expect);
     }
 
     #[test]
     fn a_name_of_several_words_says_what_it_is_and_whether_it_was_only_asked_for() {
-        check(
-            "a.csv",
-            b"t_s_inferred,x_desired_mm,x_measured_mm,force_desired_N,force_measured_N,theta_dot\n0,1,2,3,4,5\n1,1,2,3,5,6\n",
-            &[
-                "[time]\nfrom = \"t_s_inferred\"\nunit = \"s\"\n",
-                "# not recognised: \"x_desired_mm\"",
-                "# to = \"reference_rad\"\n# from = \"x_desired_mm\"\n",
-                "to = \"theta_rad\"\nfrom = \"x_measured_mm\"\nunit = \"mm\"\n",
-                "to = \"force_cmd_n\"\nfrom = \"force_desired_N\"\nunit = \"N\"\n",
-                "to = \"force_ex_n\"\nfrom = \"force_measured_N\"\nunit = \"N\"\n",
-                "to = \"theta_dot_rad_s\"\nfrom = \"theta_dot\"\nunit = \"TODO\"",
-            ],
-        );
+        let text = "t_s_inferred,x_desired_mm,x_measured_mm,force_desired_N,force_measured_N,theta_dot\n0,1,2,3,4,5\n1,1,2,3,5,6\n";
+        let expect = [
+            "[time]\nfrom = \"t_s_inferred\"\nunit = \"s\"\n",
+            "# not recognised: \"x_desired_mm\"",
+            "# to = \"reference_rad\"\n# from = \"x_desired_mm\"\n",
+            "to = \"theta_rad\"\nfrom = \"x_measured_mm\"\nunit = \"mm\"\n",
+            "to = \"force_cmd_n\"\nfrom = \"force_desired_N\"\nunit = \"N\"\n",
+            "to = \"force_ex_n\"\nfrom = \"force_measured_N\"\nunit = \"N\"\n",
+            "to = \"theta_dot_rad_s\"\nfrom = \"theta_dot\"\nunit = \"TODO\"",
+        ];
+        check("a.csv", text, &expect);
     }
 
     #[test]
     fn a_column_of_a_current_an_answer_or_anything_else_is_told_where_it_may_go() {
-        check(
-            "a.csv",
-            b"t_s,Brake current (A),Grip force [kg],likert,x y,controller,repetition\n0,1,2,3,4,pid,1\n1,1,2,3,5,pid,1\n",
-            &[
-                "under [trial]: mode = { column = \"controller\" }",
-                "under [trial]: repeat = { column = \"repetition\" }",
-                "# to = \"current_brake_a\"\n# from = \"Brake current (A)\"\n",
-                "likert = { column = \"likert\" }",
-            ],
-        );
+        let text = "t_s,Brake current (A),Grip force [kg],likert,x y,controller,repetition\n0,1,2,3,4,pid,1\n1,1,2,3,5,pid,1\n";
+        let expect = [
+            "under [trial]: mode = { column = \"controller\" }",
+            "under [trial]: repeat = { column = \"repetition\" }",
+            "# to = \"current_brake_a\"\n# from = \"Brake current (A)\"\n",
+            "likert = { column = \"likert\" }",
+        ];
+        check("a.csv", text, &expect);
     }
 
     #[test]
     fn a_counter_that_starts_over_rows_that_come_twice_and_clocks_are_guessed() {
-        let rows = |time: fn(u64) -> String| -> Vec<u8> {
+        let rows = |time: fn(u64) -> String| {
             let rows: String = (0..40).map(|i| format!("{},{i}\n", time(i))).collect();
-            format!("t,force_N\n{rows}").into_bytes()
+            format!("t,force_N\n{rows}")
         };
         let wraps = rows(|i| ((4_294_960_000 + 1000 * i) % (1 << 32)).to_string());
-        let map = check("a.csv", &wraps, &["wrap = 4294967296 "]);
+        let map = check("a.csv", wraps, &["wrap = 4294967296 "]);
         assert!(!map.contains("split"), "{map}");
         let restarts = rows(|i| (1000 * (i % 20)).to_string());
-        let map = check("b.csv", &restarts, &["split = \"time\""]);
+        let map = check("b.csv", restarts, &["split = \"time\""]);
         assert!(!map.contains("wrap"), "{map}");
-        check("c.csv", &rows(|i| (i / 2).to_string()), &["equal = \"drop\"         # 20 rows"]);
-        check("d.csv", &rows(|i| format!("10:00:0{}.{}", i / 10, i % 10)), &["unit = \"s\""]);
-        check("e.csv", &rows(|i| format!("{i} sec")), &["unit = \"s\""]);
+        check("c.csv", rows(|i| (i / 2).to_string()), &["equal = \"drop\"         # 20 rows"]);
+        check("d.csv", rows(|i| format!("10:00:0{}.{}", i / 10, i % 10)), &["unit = \"s\""]);
+        check("e.csv", rows(|i| format!("{i} sec")), &["unit = \"s\""]);
     }
 
     #[test]
-    fn lines_of_remarks_before_the_header_are_comments() {
-        check(
-            "a.txt",
-            b"% knob logger v2\n% rate 1000\nt_s\ttheta_rad\tref_rad\tF\n0\t1\t0\t2\n1\t2\t0\t2\n",
-            &[
-                "delimiter = \"\\t\"\ndecimal = \".\"\nheader = true\ncomment = \"%\"\n",
-                "[time]\nfrom = \"t_s\"\nunit = \"s\"\n",
-                "# to = \"reference_rad\"\n# from = \"ref_rad\"\n",
-            ],
-        );
-    }
-
-    #[test]
-    fn a_header_behind_a_mark_of_remarks_is_a_header() {
-        check("a.csv", b"#t_s,theta_rad\n0,1\n1,2\n", &["header = true\n", "from = \"theta_rad\""]);
+    fn lines_of_remarks_before_the_header_are_comments_unless_the_header_is_one() {
+        let text =
+            "% knob logger v2\n% rate 1000\nt_s\ttheta_rad\tref_rad\tF\n0\t1\t0\t2\n1\t2\t0\t2\n";
+        let expect = [
+            "delimiter = \"\\t\"\ndecimal = \".\"\nheader = true\ncomment = \"%\"\n",
+            "[time]\nfrom = \"t_s\"\nunit = \"s\"\n",
+            "# to = \"reference_rad\"\n# from = \"ref_rad\"\n",
+        ];
+        check("a.txt", text, &expect);
+        check("a.csv", "#t_s,theta_rad\n0,1\n1,2\n", &["header = true\n", "from = \"theta_rad\""]);
     }
 
     #[test]
     fn a_velocity_that_was_not_recorded_is_derived() {
         let derived = "to = \"theta_dot_rad_s\"\nderive = \"derivative of theta_rad\"\n";
-        check("a.csv", b"time_ms,angle_deg\n0,1\n1,2\n", &[derived]);
-        let world = World::new();
+        check("a.csv", "time_ms,angle_deg\n0,1\n1,2\n", &[derived]);
         for text in ["t_s,theta_rad,omega\n0,1,2\n1,2,3\n", "t_s,force_n\n0,1\n1,2\n"] {
-            assert!(
-                !guess(&world.file("b.csv", text), &[]).unwrap().mapping.contains("derive"),
-                "{text}"
-            );
+            assert!(!check("b.csv", text, &[]).contains("derive"), "{text}");
         }
     }
 
-    /// A mapping that is guessed, with what only a person knows filled in.
-    fn filled(file: &Path) -> String {
-        guess(file, &[])
+    /// What is guessed imports, once what only a person knows is filled in; the mapping says this, and
+    /// the forces are these.
+    fn imports(
+        name: &str,
+        content: impl AsRef<[u8]>,
+        force: &[f64],
+        expect: &[&str],
+    ) -> (String, Report) {
+        let world = World::new();
+        let file = world.file(name, content);
+        let map = guess(&file, &[])
             .unwrap()
             .mapping
             .replacen("participant = \"TODO\"", "participant = \"P01\"", 1)
@@ -597,60 +573,47 @@ mod tests {
             .replace("mode = \"TODO\"", "mode = \"hybrid\"")
             .replace("unit = \"TODO\"            # s", "unit = \"s\"            # s")
             .replace("slider_response =", "felt_spring =")
-            .replace("rating =", "felt_spring =")
-    }
-
-    /// What is guessed imports, once what only a person knows is filled in; the forces are these.
-    fn imports(name: &str, content: impl AsRef<[u8]>, force: &[f64]) -> (String, Report) {
-        let world = World::new();
-        let file = world.file(name, content);
-        let map = filled(&file);
+            .replace("rating =", "felt_spring =");
         let report = world.import(&map, &[file]).unwrap_or_else(|e| panic!("{e:#?}\n{map}"));
         if !force.is_empty() {
             assert_eq!(world.column(1, Signal::ForceEx), force, "{map}");
         }
+        says(&map, expect);
         (map, report)
     }
 
     #[test]
     fn a_guess_with_its_blanks_filled_in_imports() {
         let text = "Time (s)\tForce (N)\r\n0\t1,5\r\n0,5\t2,5\r\n";
-        imports("a.csv", text, &[1.5, 2.5]);
-    }
-
-    fn says(map: &str, expect: &[&str]) {
-        for words in expect {
-            assert!(map.contains(words), "'{words}' is not in\n{map}");
-        }
+        imports("a.csv", text, &[1.5, 2.5], &[]);
+        // Letters of Windows are no control characters.
+        let expect = ["encoding = \"windows-1252\""];
+        imports("a.csv", b"t_s,F_N,\x93x\x94\n0,1,2\n1,2,3\n", &[1.0, 2.0], &expect);
     }
 
     #[test]
     fn commas_in_quotes_stand_between_no_cells() {
         let text = "t_s,F_N,gains\n0,1,\"[1.0, 0.5, 2.0]\"\n1,2,\"[1.0, 0.5, 2.0]\"\n";
-        let (map, _) = imports("a.csv", text, &[1.0, 2.0]);
-        says(&map, &["header = true", "from = \"t_s\"", "not recognised: \"gains\""]);
+        let expect = ["header = true", "from = \"t_s\"", "not recognised: \"gains\""];
+        let (map, _) = imports("a.csv", text, &[1.0, 2.0], &expect);
         assert!(!map.contains("skip"), "{map}");
-        imports("a.csv", "note,t_s,F_N\n\"one\ntwo\",0,1\n\"a, b\",1,2\n", &[1.0, 2.0]);
+        imports("a.csv", "note,t_s,F_N\n\"one\ntwo\",0,1\n\"a, b\",1,2\n", &[1.0, 2.0], &[]);
     }
 
     #[test]
     fn commas_in_single_quotes_part_cells_and_shift_no_name() {
         for list in ["'[1, 2]'", "'[1, 2, 3]'"] {
             let text = format!("t_s,F_N,gains,angle_deg\n0,1,{list},5\n1,2,{list},6\n");
-            let (map, _) = imports("a.csv", &text, &[1.0, 2.0]);
-            says(&map, &["header = false\nskip = 1\n", "from = 1\n", "from = 2      # F_N\n"]);
+            let expect = ["header = false\nskip = 1\n", "from = 1\n", "from = 2      # F_N\n"];
+            let (map, _) = imports("a.csv", &text, &[1.0, 2.0], &expect);
             assert!(!map.contains("angle"), "{map}");
             let world = World::new();
-            let named = map.replace("header = false\nskip = 1", "header = true");
-            let named = named
+            let named = map
+                .replace("header = false\nskip = 1", "header = true")
                 .replace("from = 1\n", "from = \"t_s\"\n")
                 .replace("from = 2", "from = \"F_N\"");
-            world.refuses(
-                &named,
-                &world.file("a.csv", &text),
-                "a delimiter stands in single quotes",
-                None,
-            );
+            let words = "a delimiter stands in single quotes";
+            world.refuses(&named, &world.file("a.csv", &text), words, None);
         }
     }
 
@@ -661,8 +624,8 @@ mod tests {
             "sep=;\r\nt_s;F_N\r\n0,5;1,5\r\n1;2\r\n",
             "\"sep=;\"\nt_s;F_N\n0,5;1,5\n1;2\n",
         ] {
-            let (map, _) = imports("a.csv", text, &[1.5, 2.0]);
-            says(&map, &["delimiter = \";\"", "decimal = \",\"", "skip = 1\n"]);
+            let expect = ["delimiter = \";\"", "decimal = \",\"", "skip = 1\n"];
+            imports("a.csv", text, &[1.5, 2.0], &expect);
         }
     }
 
@@ -671,80 +634,59 @@ mod tests {
         let names = "X_Value\tangle\tF\tComment";
         let rows = "0,00\t1,0\t2,5\n0,05\t1,0\t3,5\tstart\n0,10\t1,0\t4,5\n";
         let text = labview::tests::written("One", names, rows);
-        let (map, _) = imports("a.lvm", &text, &[2.5, 3.5, 4.5]);
-        says(
-            &map,
-            &[
-                "format = \"txt\"",
-                "decimal = \",\"",
-                "skip = 14\n",
-                "from = \"X_Value\"\nunit = \"s\"",
-                "from = \"angle\"\nunit = \"deg\"",
-                "from = \"F\"\nunit = \"N\"",
-            ],
-        );
+        let expect = [
+            "format = \"txt\"",
+            "decimal = \",\"",
+            "skip = 14\n",
+            "from = \"X_Value\"\nunit = \"s\"",
+            "from = \"angle\"\nunit = \"deg\"",
+            "from = \"F\"\nunit = \"N\"",
+        ];
+        let (map, _) = imports("a.lvm", &text, &[2.5, 3.5, 4.5], &expect);
         assert!(!map.contains("bad_lines"), "{map}");
         let many = "X_Value\tangle\tX_Value\tF\tComment";
         let rows = "0,00\t1,0\t0,00\t2,5\n0,05\t1,0\t0,05\t3,5\n";
         let text = labview::tests::written("Multi", many, rows);
-        let (map, _) = imports("a.lvm", &text, &[2.5, 3.5]);
-        says(
-            &map,
-            &[
-                "header = false\nskip = 15\n",
-                "[time]\nfrom = 1\nunit = \"s\"",
-                "to = \"theta_rad\"\nfrom = 2      # angle\nunit = \"deg\"",
-                "# not read: 3, the times of column 1 once more",
-            ],
-        );
+        let expect = [
+            "header = false\nskip = 15\n",
+            "[time]\nfrom = 1\nunit = \"s\"",
+            "to = \"theta_rad\"\nfrom = 2      # angle\nunit = \"deg\"",
+            "# not read: 3, the times of column 1 once more",
+        ];
+        imports("a.lvm", &text, &[2.5, 3.5], &expect);
         let other = text.replace("0,05\t3,5", "0,06\t3,5");
-        check(
-            "b.lvm",
-            other.as_bytes(),
-            &["# not read: 3, the times of the next channel, which are not"],
-        );
+        check("b.lvm", other, &["# not read: 3, the times of the next channel, which are not"]);
         let rows = "\t1,0\t2,5\n\t1,0\t3,5\n";
-        let (map, _) = imports("a.lvm", labview::tests::written("No", names, rows), &[2.5, 3.5]);
-        says(&map, &["rate_hz = 20.0"]);
+        let text = labview::tests::written("No", names, rows);
+        imports("a.lvm", text, &[2.5, 3.5], &["rate_hz = 20.0"]);
     }
 
     #[test]
     fn lines_that_the_importer_cannot_read_are_counted_as_it_counts_them() {
         let block = "t_s\tF_N\n0.0\t1\n0.5\t2\n";
-        let (map, report) =
-            imports("a.txt", format!("{block}0\n{block}0\n{block}0\n"), &[1.0, 2.0]);
-        says(&map, &["bad_lines = 5 ", "split = \"time\""]);
-        assert_eq!(report.trials, 3);
-        let (map, _) = imports("a.csv", "t,F\ns,N\n0,1\n1,2\n", &[]);
-        says(&map, &["bad_lines = 1 ", "from = \"t\"\nunit = \"s\"", "from = \"F\"\nunit = \"N\""]);
-        let (map, _) = imports("a.csv", "t_s,F_N\n0,1\n1,NA\n2,3\n", &[1.0, 3.0]);
-        says(&map, &["missing = \"drop\""]);
+        let text = format!("{block}0\n{block}0\n{block}0\n");
+        let expect = ["bad_lines = 5 ", "split = \"time\""];
+        assert_eq!(imports("a.txt", text, &[1.0, 2.0], &expect).1.trials, 3);
+        let expect = ["bad_lines = 1 ", "from = \"t\"\nunit = \"s\"", "from = \"F\"\nunit = \"N\""];
+        imports("a.csv", "t,F\ns,N\n0,1\n1,2\n", &[], &expect);
+        imports("a.csv", "t_s,F_N\n0,1\n1,NA\n2,3\n", &[1.0, 3.0], &["missing = \"drop\""]);
     }
 
     #[test]
     fn times_of_a_clock_and_days_are_told_and_times_since_1970_begin_at_0() {
-        let (map, _) = imports("a.csv", "time,F_N\n10:00:00.0,1\n10:00:00.5,2\n", &[1.0, 2.0]);
-        says(&map, &["[time]\nfrom = \"time\"\nunit = \"s\"", "clock times", "zero = \"first\""]);
+        let zero = "zero = \"first\"";
+        let expect = ["[time]\nfrom = \"time\"\nunit = \"s\"", "clock times", zero];
+        imports("a.csv", "time,F_N\n10:00:00.0,1\n10:00:00.5,2\n", &[1.0, 2.0], &expect);
         let dates = "time,F_N\n2026-01-31 23:59:59.9,1\n2026-02-01 00:00:00.1,2\n";
-        says(&imports("a.csv", dates, &[1.0, 2.0]).0, &["zero = \"first\""]);
+        imports("a.csv", dates, &[1.0, 2.0], &[zero]);
         let midnight = "time,F_N\n23:59:59.9,1\n00:00:00.0,2\n00:00:00.1,3\n";
-        says(
-            &imports("a.csv", midnight, &[1.0, 2.0, 3.0]).0,
-            &["wrap = 86400 ", "zero = \"first\""],
-        );
+        imports("a.csv", midnight, &[1.0, 2.0, 3.0], &["wrap = 86400 ", zero]);
         let spans = "time,F_N\n0 days 00:00:00,1\n0 days 00:00:00.5,2\n";
-        assert!(!imports("a.csv", spans, &[1.0, 2.0]).0.contains("zero"));
-        let map = check("a.csv", b"time,F_N\n0,1\n0.00000001,2\n0.00000002,3\n", &[]);
-        says(&map, &["unit = \"d\"", "days, as workbooks count them?"]);
-        let text = "t_s,F_N\n1785300900.00,1\n1785300900.10,2\n";
-        let (map, _) = imports("a.csv", text, &[1.0, 2.0]);
-        says(&map, &["zero = \"first\""]);
-    }
-
-    #[test]
-    fn letters_of_windows_are_no_control_characters() {
-        let (map, _) = imports("a.csv", b"t_s,F_N,\x93x\x94\n0,1,2\n1,2,3\n", &[1.0, 2.0]);
-        says(&map, &["encoding = \"windows-1252\""]);
+        assert!(!imports("a.csv", spans, &[1.0, 2.0], &[]).0.contains("zero"));
+        let days = "time,F_N\n0,1\n0.00000001,2\n0.00000002,3\n";
+        check("a.csv", days, &["unit = \"d\"", "days, as workbooks count them?"]);
+        let since_1970 = "t_s,F_N\n1785300900.00,1\n1785300900.10,2\n";
+        imports("a.csv", since_1970, &[1.0, 2.0], &[zero]);
     }
 
     #[test]
@@ -753,50 +695,40 @@ mod tests {
         let rows = "active,0,0.512,4.0,1.5,\"[(3.0, 0.8), (4.0, 1.5)]\",\"[0.1, 0.2]\",P01,001,\n\
                     passive,1,,None,1.5,\"[(3.0, 0.8)]\",\"[0.1, 0.2]\",P01,001,\n";
         let again = rows.replace("P01", "P02");
-        let (map, report) = imports(
-            "a.csv",
-            format!("{psychopy}{rows}{psychopy}{again}").replacen("\n\u{feff}", "\n", 1),
-            &[],
-        );
-        says(
-            &map,
-            &[
-                "kind = \"likert\"",
-                "participant = { column = \"participant\" }",
-                "session = { column = \"session\" }",
-                "mode = { column = \"mode\" }",
-                "trial = { column = \"trials.thisN\" }",
-                "missing = \"drop\"",
-                "slider.response",
-                "time_unit = \"s\"",
-            ],
-        );
+        let text = format!("{psychopy}{rows}{psychopy}{again}").replacen("\n\u{feff}", "\n", 1);
+        let expect = [
+            "kind = \"likert\"",
+            "participant = { column = \"participant\" }",
+            "session = { column = \"session\" }",
+            "mode = { column = \"mode\" }",
+            "trial = { column = \"trials.thisN\" }",
+            "missing = \"drop\"",
+            "slider.response",
+            "time_unit = \"s\"",
+        ];
+        let (_, report) = imports("a.csv", text, &[], &expect);
         assert_eq!((report.sessions, report.answers), (2, 2));
         let dropped = &report.files[0].rows_dropped[0];
         assert_eq!((dropped.rows, dropped.why.as_str()), (1, "the header, which comes again"));
 
         let wide = "Participant ID,condition,rating,age\n1,active,4,22\n1,passive,2,22\n";
-        let (map, report) = imports("a.csv", wide, &[]);
-        says(&map, &["kind = \"likert\"", "participant = { column = \"Participant ID\" }"]);
-        assert_eq!(report.answers, 2);
+        let expect = ["kind = \"likert\"", "participant = { column = \"Participant ID\" }"];
+        assert_eq!(imports("a.csv", wide, &[], &expect).1.answers, 2);
 
         // A row for each screen, of which one asks.
         let jspsych = "rt,trial_type,trial_index,response,participant,mode\n\
             900,html-button-response,0,0,P01,active\n\
             4100,survey-likert,1,\"{\"\"felt_spring\"\":3,\"\"felt_wall\"\":0}\",P01,active\n";
-        let (map, report) = imports("a.csv", jspsych, &[]);
-        says(
-            &map,
-            &["lowest = 0", "felt_spring = { column = \"response\", key = \"felt_spring\" }"],
-        );
+        let expect =
+            ["lowest = 0", "felt_spring = { column = \"response\", key = \"felt_spring\" }"];
+        let (_, report) = imports("a.csv", jspsych, &[], &expect);
         assert_eq!((report.sessions, report.answers), (1, 2));
         let dropped = &report.files[0].rows_dropped[0];
         assert_eq!(dropped.rows, 1, "{}", dropped.why);
 
         let long = "participant,mode,item,response\n1,active,felt_spring,4\n1,active,felt_wall,2\n";
-        let (map, report) = imports("a.csv", long, &[]);
-        says(&map, &["question = { column = \"item\" }\nanswer = \"response\""]);
-        assert_eq!(report.answers, 2);
+        let expect = ["question = { column = \"item\" }\nanswer = \"response\""];
+        assert_eq!(imports("a.csv", long, &[], &expect).1.answers, 2);
     }
 
     #[test]
@@ -805,14 +737,15 @@ mod tests {
             "mode,practice.thisN,trials.thisN,blocks.thisN,slider.response,participant,session\n";
         let practice = "active,0,,,2,P01,001\n";
         let blocks = "active,,0,0,1,P01,001\npassive,,1,0,2,P01,001\n";
-        let (map, report) = imports("a.csv", format!("{header}{blocks},,,,,P01,001\n"), &[]);
-        says(&map, &["trial = { column = \"trials.thisN\" }"]);
-        assert_eq!(report.answers, 2);
+        let text = format!("{header}{blocks},,,,,P01,001\n");
+        let expect = ["trial = { column = \"trials.thisN\" }"];
+        assert_eq!(imports("a.csv", text, &[], &expect).1.answers, 2);
         // A practice that no other loop counts, and a loop that starts over in each block.
         let again = blocks.replace(",0,P", ",1,P").replace(",0,1", ",0,3").replace(",0,2", ",1,3");
         for more in [practice, again.as_str()] {
-            let (map, report) = imports("a.csv", format!("{header}{blocks}{more}"), &[]);
-            says(&map, &["# no trial, as no loop numbers all: of "]);
+            let text = format!("{header}{blocks}{more}");
+            let expect = ["# no trial, as no loop numbers all: of "];
+            let (map, report) = imports("a.csv", text, &[], &expect);
             assert!(!map.contains("\ntrial = "), "{map}");
             assert_eq!(report.answers, 2 + more.lines().count(), "{map}");
         }
@@ -825,32 +758,22 @@ mod tests {
             "participant,mode,counts\n1,active,2048\n1,active,2050\n",
             "participant,time,slider\n1,0.0,4\n1,0.5,4\n1,1.0,5\n",
         ] {
-            check("a.csv", text.as_bytes(), &["kind = \"trials\""]);
+            check("a.csv", text, &["kind = \"trials\""]);
         }
     }
 
     #[test]
     fn the_last_part_of_a_path_says_what_a_column_is_and_a_matrix_is_called_one() {
-        let bytes = hdf5::tests::written(b"");
-        let map = check("a.h5", &bytes, &[]);
-        says(
-            &map,
-            &[
-                "[time]\nfrom = \"t\"\n",
-                "to = \"force_ex_n\"\nfrom = \"rig/f\"\n",
-                "# not read: \"m\", it is a 2 × 3 matrix; name it as matrix in [file]",
-            ],
-        );
-        check(
-            "a.h5",
-            &hdf5::tests::nested(),
-            &["matrix = \"log\"\n", "from = \"s/angle\"", "from = \"s/F\""],
-        );
-        check(
-            "b.h5",
-            &hdf5::tests::octave(),
-            &["from = \"t/value\"", "# not read: \"who/value\", it is text"],
-        );
+        let expect = [
+            "[time]\nfrom = \"t\"\n",
+            "to = \"force_ex_n\"\nfrom = \"rig/f\"\n",
+            "# not read: \"m\", it is a 2 × 3 matrix; name it as matrix in [file]",
+        ];
+        check("a.h5", hdf5::tests::written(b""), &expect);
+        let expect = ["matrix = \"log\"\n", "from = \"s/angle\"", "from = \"s/F\""];
+        check("a.h5", hdf5::tests::nested(), &expect);
+        let expect = ["from = \"t/value\"", "# not read: \"who/value\", it is text"];
+        check("b.h5", hdf5::tests::octave(), &expect);
     }
 
     #[test]
@@ -864,28 +787,25 @@ mod tests {
         let rows: Vec<f64> =
             (0..180).map(|i| f64::from(i % 60) * [0.5, 2.0, -1.0][i as usize / 60]).collect();
         let turned =
-            check("a.h5", &written(&[3, 60], &rows), &["matrix = \"ans\"\nsignals = \"rows\" "]);
+            check("a.h5", written(&[3, 60], &rows), &["matrix = \"ans\"\nsignals = \"rows\" "]);
         let columns: Vec<f64> = (0..180).map(|i| rows[(i % 3) * 60 + i / 3]).collect();
-        let plain = check("a.h5", &written(&[60, 3], &columns), &["matrix = \"ans\"\n"]);
+        let plain = check("a.h5", written(&[60, 3], &columns), &["matrix = \"ans\"\n"]);
         assert!(!plain.contains("signals"), "{plain}");
         for map in [turned, plain] {
-            says(
-                &map,
-                &[
-                    "[time]\nfrom = 1\n",
-                    "# not recognised: 3, a column of numbers from -59 to -0",
-                    "# from = 3\n",
-                ],
-            );
+            let expect = [
+                "[time]\nfrom = 1\n",
+                "# not recognised: 3, a column of numbers from -59 to -0",
+                "# from = 3\n",
+            ];
+            says(&map, &expect);
         }
     }
 
     #[test]
     fn a_recording_without_text_is_described_by_its_columns() {
-        check(
-            "a.jsonl",
-            b"{\"t\":0,\"force\":1}\n{\"t\":1,\"force\":2}\n",
-            &["[time]\nfrom = \"t\"\n", "to = \"force_ex_n\"\nfrom = \"force\"\nunit = \"TODO\""],
-        );
+        let text = "{\"t\":0,\"force\":1}\n{\"t\":1,\"force\":2}\n";
+        let expect =
+            ["[time]\nfrom = \"t\"\n", "to = \"force_ex_n\"\nfrom = \"force\"\nunit = \"TODO\""];
+        check("a.jsonl", text, &expect);
     }
 }

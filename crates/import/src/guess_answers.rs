@@ -3,7 +3,9 @@
 
 use super::guess_names::Names;
 use super::guess_read::{LOOKED_AT, first_numbers, is_number, quoted};
-use super::guess_words::{ANSWERS, ColumnName, QUESTIONS, are_answers, label_of, parse_name};
+use super::guess_words::{
+    ANSWERS, ColumnName, QUESTIONS, are_answers, has_word, label_of, parse_name,
+};
 use super::spelling::is_missing;
 use super::table::{Cell, Cells, Table};
 use std::collections::BTreeSet;
@@ -93,13 +95,13 @@ pub(super) fn answers(table: &Table, decimal_comma: bool) -> Option<Answers> {
     if questions.is_empty() {
         questions.clone_from(&free);
         questions.retain(|place| {
-            has_word(&names[*place], &ANSWERS)
+            is_called(&names[*place], &ANSWERS)
                 && !names[*place].ends_with(TOOK)
                 && is_number(&table.columns[*place], decimal_comma)
         });
     }
     let question = free.iter().copied().find(|place| {
-        has_word(&names[*place], &QUESTIONS) && !is_number(&table.columns[*place], decimal_comma)
+        is_called(&names[*place], &QUESTIONS) && !is_number(&table.columns[*place], decimal_comma)
     });
     if !is_psychopy {
         let is_recording = free.iter().any(|place| {
@@ -158,8 +160,8 @@ pub(super) fn answers(table: &Table, decimal_comma: bool) -> Option<Answers> {
 }
 
 /// Whether a name has one of the words.
-fn has_word(name: &str, listed: &[&str]) -> bool {
-    parse_name(name).words.iter().any(|word| listed.contains(&word.as_str()))
+fn is_called(name: &str, listed: &[&str]) -> bool {
+    has_word(&parse_name(name).words, listed)
 }
 
 /// Whether a column holds answers on a scale: whole numbers from a range, of which its name says
@@ -168,7 +170,7 @@ fn is_scale(name: &str, cells: &Cells, decimal_comma: bool) -> bool {
     let numbers = first_numbers(cells, decimal_comma);
     is_number(cells, decimal_comma)
         && numbers.iter().flatten().all(|n| n.fract() == 0.0 && SCALES.contains(n))
-        && !has_word(name, &ABOUT)
+        && !is_called(name, &ABOUT)
 }
 
 /// The loop that numbers the trials: it counts every row with an answer, and none as another of its session.
@@ -251,21 +253,11 @@ impl Answers {
         if self.has_gaps(table) {
             text.push_str("missing = \"drop\"       # some rows lack a label or an answer\n");
         }
-        let _ = write!(
-            text,
-            "{}\n[trial]\nparticipant = {}\nsession = {}\nenvironment = \"TODO\"     # as in study.toml\nmode = {}\n",
-            names.block,
-            self.label("participant", &names.participant, table)
-                .unwrap_or_else(|| "\"TODO\"     # a code".to_owned()),
-            self.label("session", &names.session, table).unwrap_or_else(|| "\"S01\"".to_owned()),
-            self.label("mode", &names.mode, table)
-                .unwrap_or_else(|| "\"TODO\"            # as in study.toml".to_owned()),
-        );
-        for (key, named) in [("repeat", &names.repeat), ("trial", &names.trial)] {
-            if let Some(label) = self.label(key, named, table) {
-                let _ = writeln!(text, "{key} = {label}");
-            }
+        let mut names = names.clone();
+        for (key, place) in &self.labels {
+            names.labels.insert(*key, format!("{{ column = {} }}", column(table, *place)));
         }
+        names.write(text, "\"TODO\"     # a code");
         if let Some(why) = &self.no_loop {
             let _ = writeln!(text, "# no trial, as no loop numbers all: {why}");
         }
@@ -299,36 +291,24 @@ impl Answers {
                 }
             }
             Form::Wide(columns) => {
-                if columns.iter().any(|(_, time)| time.is_some()) {
+                let times = columns.iter().filter_map(|(place, time)| Some((*place, (*time)?)));
+                let times: Vec<(usize, usize)> = times.collect();
+                let id = |place| id(&table.full_name(place), place);
+                if !times.is_empty() {
                     text.push_str("\n[questions]\ntime_unit = \"s\"\n");
                 }
                 text.push_str(QUESTIONS_TO_DO);
                 for (place, _) in columns {
-                    let _ = writeln!(
-                        text,
-                        "{} = {}",
-                        id(&table.full_name(*place), *place),
-                        column(table, *place)
-                    );
+                    let _ = writeln!(text, "{} = {}", id(*place), column(table, *place));
                 }
-                let times: Vec<_> =
-                    columns.iter().filter_map(|(place, time)| Some((*place, (*time)?))).collect();
                 if !times.is_empty() {
                     text.push_str("\n[questions.times]\n");
                 }
                 for (place, time) in times {
-                    let id = id(&table.full_name(place), place);
-                    let _ = writeln!(text, "{id} = {}", column(table, time));
+                    let _ = writeln!(text, "{} = {}", id(place), column(table, time));
                 }
             }
         }
-    }
-
-    /// The value of a key under `[trial]`: a column, or else what the files' names say.
-    fn label(&self, key: &str, named: &Option<String>, table: &Table) -> Option<String> {
-        let label = self.labels.iter().find(|(other, _)| *other == key);
-        let from = label.map(|(_, place)| format!("{{ column = {} }}", column(table, *place)));
-        from.or_else(|| named.clone())
     }
 
     /// Whether a row lacks a label or an answer.

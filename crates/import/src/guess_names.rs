@@ -3,32 +3,30 @@
 //! A name is divided into runs of letters, of digits, and of other characters. Names of one shape
 //! give a pattern: runs that are the same in all names stay, runs that differ become groups.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-/// Words before a number, in small letters, and the label that the number then is.
-const WORDS: [(Label, &[&str]); 4] = [
+/// Labels that a number in a name may be: the key under `[trial]`, the group of the pattern, what its value under
+/// `[trial]` has besides, and the words before such a number, in small letters.
+const NUMBERED: [(&str, &str, &str, &[&str]); 4] = [
     (
-        Label::Participant,
+        "participant",
+        "who",
+        ", prefix = \"P\", digits = 2",
         &["p", "vp", "s", "sub", "subj", "subject", "participant", "proband", "user"],
     ),
-    (Label::Session, &["s", "ses", "sess", "session", "d", "day", "visit"]),
-    (Label::Repeat, &["r", "rep", "repeat", "repetition", "wdh", "take"]),
-    (Label::Trial, &["t", "trial", "run"]),
+    (
+        "session",
+        "session",
+        ", prefix = \"S\", digits = 2",
+        &["s", "ses", "sess", "session", "d", "day", "visit"],
+    ),
+    ("repeat", "repeat", "", &["r", "rep", "repeat", "repetition", "wdh", "take"]),
+    ("trial", "trial", "", &["t", "trial", "run"]),
 ];
 /// Values of a mode that are listed.
 const MOST_LISTED: usize = 8;
-
-/// A label that a part of a name may be.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Label {
-    Participant,
-    Session,
-    Repeat,
-    Trial,
-    Mode,
-}
 
 /// A run of signs of one kind.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -48,146 +46,118 @@ fn kind(letter: char) -> Kind {
 
 /// `subj03_ctrlB` → `subj`, `03`, `_`, `ctrlB`.
 fn runs(name: &str) -> Vec<(Kind, &str)> {
-    let mut runs = Vec::new();
-    let mut begin = 0;
     let letters: Vec<(usize, char)> = name.char_indices().collect();
-    for (i, (at, letter)) in letters.iter().enumerate() {
-        let end = letters.get(i + 1);
-        if end.is_none_or(|(_, next)| kind(*next) != kind(*letter)) {
-            let to = end.map_or(name.len(), |(next, _)| *next);
-            runs.push((kind(*letter), &name[begin..to]));
-            begin = at + (to - at);
-        }
-    }
-    runs
+    let runs = letters.chunk_by(|(_, a), (_, b)| kind(*a) == kind(*b)).map(|run| {
+        let (begin, first) = run[0];
+        let length: usize = run.iter().map(|(_, letter)| letter.len_utf8()).sum();
+        (kind(first), &name[begin..begin + length])
+    });
+    runs.collect()
 }
 
 /// Labels guessed from names: the block `[name]`, and the values of `[trial]` by their keys.
-#[derive(Debug, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(super) struct Names {
-    pub(super) block: String,
-    pub(super) participant: Option<String>,
-    pub(super) session: Option<String>,
-    pub(super) mode: Option<String>,
-    pub(super) repeat: Option<String>,
-    pub(super) trial: Option<String>,
+    block: String,
+    pub(super) labels: BTreeMap<&'static str, String>,
+}
+
+impl Names {
+    /// Writes `[name]` and `[trial]`; `who` stands for a participant that nobody knows.
+    pub(super) fn write(&self, text: &mut String, who: &str) {
+        let label = |key: &str, to_do| self.labels.get(key).map_or(to_do, String::as_str);
+        let _ = write!(
+            text,
+            "{}\n[trial]\nparticipant = {}\nsession = {}\nenvironment = \"TODO\"     # as in study.toml\n\
+             mode = {}\n",
+            self.block,
+            label("participant", who),
+            label("session", "\"S01\""),
+            label("mode", "\"TODO\"            # as in study.toml"),
+        );
+        for key in ["repeat", "trial"] {
+            if let Some(value) = self.labels.get(key) {
+                let _ = writeln!(text, "{key} = {value}");
+            }
+        }
+    }
 }
 
 /// What these files' names say; nothing where they have no shape in common, or no part that is
 /// known for a label.
 pub(super) fn names(files: &[PathBuf]) -> Names {
     let all: Vec<&str> = files.iter().filter_map(|file| file.file_name()?.to_str()).collect();
-    let Some(ending) = files.first().map(|file| ending(file)) else { return Names::default() };
+    let Some(first) = files.first() else { return Names::default() };
+    let ending = first.extension().map(|e| format!(".{}", e.to_string_lossy())).unwrap_or_default();
     let stems: Option<Vec<&str>> = all.iter().map(|name| name.strip_suffix(&ending)).collect();
     let Some(stems) = stems.filter(|stems| stems.len() == files.len()) else {
         return Names::default();
     };
     let parts: Vec<Vec<(Kind, &str)>> = stems.iter().map(|stem| runs(stem)).collect();
-    let kinds = |parts: &Vec<(Kind, &str)>| parts.iter().map(|(kind, _)| *kind).collect();
-    let shapes: Vec<Vec<Kind>> = parts.iter().map(kinds).collect();
-    let first = &shapes[0];
-    if shapes.iter().any(|shape| shape != first) {
+    let kinds: Vec<Kind> = parts[0].iter().map(|(kind, _)| *kind).collect();
+    if parts.iter().any(|parts| !parts.iter().map(|(kind, _)| kind).eq(&kinds)) {
         return Names::default();
     }
-    let columns: Vec<Vec<&str>> =
-        (0..first.len()).map(|k| parts.iter().map(|parts| parts[k].1).collect()).collect();
-    label_runs(first, &columns, &ending, files.len())
-}
-
-/// `.csv`, or nothing.
-fn ending(file: &Path) -> String {
-    file.extension().map(|e| format!(".{}", e.to_string_lossy())).unwrap_or_default()
-}
-
-/// Makes groups of the runs that differ and that may be labels; each column has one run of all names.
-fn label_runs(kinds: &[Kind], columns: &[Vec<&str>], ending: &str, files: usize) -> Names {
-    let mut names = Names::default();
+    // Runs that differ and that may be labels become groups.
+    let mut labels: BTreeMap<&'static str, String> = BTreeMap::new();
     let mut pattern = String::new();
-    let mut taken = BTreeSet::new();
-    let mut word = "";
-    for (kind, values) in kinds.iter().zip(columns) {
-        let distinct: BTreeSet<&str> = values.iter().copied().collect();
+    let mut word = String::new();
+    for (k, kind) in kinds.into_iter().enumerate() {
+        let value = parts[0][k].1;
+        let distinct: BTreeSet<&str> = parts.iter().map(|parts| parts[k].1).collect();
         let same = distinct.len() == 1;
+        // The labels that a number behind the word may be, the likeliest first.
+        let may_be = |words: &[&str]| words.contains(&word.as_str());
         match kind {
             Kind::Digits => {
-                let label = labels_of(word).find(|label| taken.insert(*label)).or_else(|| {
+                let label = NUMBERED.iter().find(|(key, .., words)| {
                     // A number of its own that differs counts something.
-                    let counts = word.is_empty() && !same && taken.insert(Label::Repeat);
-                    counts.then_some(Label::Repeat)
+                    let counts = *key == "repeat" && word.is_empty() && !same;
+                    !labels.contains_key(key) && (may_be(words) || counts)
                 });
-                pattern += &digits(&mut names, label, word, same.then_some(values[0]));
+                match label {
+                    Some((key, group, form, _)) => {
+                        labels.insert(*key, format!("{{ name = \"{group}\"{form} }}"));
+                        let _ = write!(pattern, "(?<{group}>\\d+)");
+                    }
+                    // A number that is the same everywhere, and that nothing is known of.
+                    None if same && !NUMBERED.iter().any(|(.., words)| may_be(words)) => {
+                        pattern += &regex::escape(value);
+                    }
+                    None => pattern += "\\d+",
+                }
             }
-            Kind::Letters
-                if !same
-                    && labels_of(word).any(|l| l == Label::Participant)
-                    && taken.insert(Label::Participant) =>
-            {
+            Kind::Letters if same => pattern += &regex::escape(value),
+            Kind::Letters if may_be(NUMBERED[0].3) && !labels.contains_key("participant") => {
                 pattern += "(?<who>\\pL+)";
-                names.participant = Some("{ name = \"who\" }".to_owned());
+                labels.insert("participant", "{ name = \"who\" }".to_owned());
             }
-            Kind::Letters if !same && taken.insert(Label::Mode) => {
+            Kind::Letters if !labels.contains_key("mode") => {
                 let common = common_start(&distinct);
                 pattern += &regex::escape(common);
                 pattern += "(?<mode>\\pL+)";
-                names.mode = Some(mode(&distinct, common.len()));
+                labels.insert("mode", mode(&distinct, common.len()));
             }
-            Kind::Letters if !same => pattern += "\\pL+",
-            Kind::Other if !same => pattern += "[^\\pL\\d]+",
-            Kind::Letters | Kind::Other => pattern += &regex::escape(values[0]),
+            Kind::Letters => pattern += "\\pL+",
+            Kind::Other if same => pattern += &regex::escape(value),
+            Kind::Other => pattern += "[^\\pL\\d]+",
         }
-        if *kind != Kind::Other {
+        if kind != Kind::Other {
             // A word that differs from file to file does not say what the number behind it is.
-            word = if same && *kind == Kind::Letters { values[0] } else { "" };
+            let says = same && kind == Kind::Letters;
+            word = if says { value.to_lowercase() } else { String::new() };
         }
     }
-    if taken.is_empty() {
+    if labels.is_empty() {
         return Names::default();
     }
-    let whose = if files == 1 { "the file's name".to_owned() } else { format!("{files} names") };
-    let _ = write!(
-        names.block,
-        "\n[name]\n# guessed from {whose}\npattern = '{pattern}{}$'\n",
-        regex::escape(ending)
-    );
-    names
-}
-
-/// The part of the pattern for a number behind a word.
-fn digits(names: &mut Names, label: Option<Label>, word: &str, same: Option<&str>) -> String {
-    match label {
-        Some(Label::Participant) => {
-            names.participant = Some(numbered("who", 'P'));
-            "(?<who>\\d+)".to_owned()
-        }
-        Some(Label::Session) => {
-            names.session = Some(numbered("session", 'S'));
-            "(?<session>\\d+)".to_owned()
-        }
-        Some(Label::Repeat) => {
-            names.repeat = Some("{ name = \"repeat\" }".to_owned());
-            "(?<repeat>\\d+)".to_owned()
-        }
-        Some(Label::Trial) => {
-            names.trial = Some("{ name = \"trial\" }".to_owned());
-            "(?<trial>\\d+)".to_owned()
-        }
-        // A number that is the same everywhere, or that nothing is known of.
-        _ => same
-            .filter(|_| labels_of(word).next().is_none())
-            .map_or("\\d+".to_owned(), regex::escape),
-    }
-}
-
-/// 3 → P03.
-fn numbered(group: &str, prefix: char) -> String {
-    format!("{{ name = \"{group}\", prefix = \"{prefix}\", digits = 2 }}")
-}
-
-/// The labels that a number behind a word may be, the likeliest first.
-fn labels_of(word: &str) -> impl Iterator<Item = Label> {
-    let word = word.to_lowercase();
-    let listed = WORDS.iter().filter(move |(_, words)| words.contains(&word.as_str()));
-    listed.map(|(label, _)| *label)
+    let whose = match files.len() {
+        1 => "the file's name".to_owned(),
+        n => format!("{n} names"),
+    };
+    let ending = regex::escape(&ending);
+    let block = format!("\n[name]\n# guessed from {whose}\npattern = '{pattern}{ending}$'\n");
+    Names { block, labels }
 }
 
 /// Where all begin alike, by whole letters; not the whole of any of them, as a group must match something.
@@ -225,26 +195,22 @@ mod tests {
         names(&files.iter().map(PathBuf::from).collect::<Vec<_>>())
     }
 
-    /// The groups that the pattern finds in a name.
-    fn found(names: &Names, file: &str) -> Vec<(String, String)> {
+    /// The pattern finds these groups in a name.
+    fn finds(names: &Names, file: &str, expect: &[(&str, &str)]) {
         let line = names.block.lines().find(|line| line.starts_with("pattern")).unwrap();
         let text = line.split('\'').nth(1).unwrap();
         let pattern = regex::Regex::new(text).unwrap();
         let groups = pattern.captures(file).unwrap_or_else(|| panic!("{text} in {file}"));
         let named = pattern.capture_names().flatten();
-        named.map(|name| (name.to_owned(), groups[name].to_owned())).collect()
+        assert_eq!(named.map(|name| (name, &groups[name])).collect::<Vec<_>>(), expect);
     }
 
     #[test]
     fn letters_behind_the_word_participant_are_the_participant() {
         let names = of(&["participant_A.csv", "participant_B.csv"]);
-        assert_eq!(found(&names, "participant_B.csv"), pairs(&[("who", "B")]));
-        assert_eq!(names.participant.as_deref(), Some("{ name = \"who\" }"));
-        assert_eq!(names.mode, None);
-    }
-
-    fn pairs(expect: &[(&str, &str)]) -> Vec<(String, String)> {
-        expect.iter().map(|(a, b)| ((*a).to_owned(), (*b).to_owned())).collect()
+        finds(&names, "participant_B.csv", &[("who", "B")]);
+        let labels = BTreeMap::from([("participant", "{ name = \"who\" }".to_owned())]);
+        assert_eq!(names.labels, labels);
     }
 
     #[test]
@@ -252,36 +218,35 @@ mod tests {
         let files =
             ["x/subj01_ctrlA_rep1.csv", "x/subj01_ctrlB_rep2.csv", "x/subj12_ctrlA_rep1.csv"];
         let names = of(&files);
-        let expect = pairs(&[("who", "12"), ("mode", "A"), ("repeat", "1")]);
-        assert_eq!(found(&names, files[2]), expect);
-        assert!(names.mode.unwrap().contains("\"A\" = \"a\", \"B\" = \"b\""));
-        assert_eq!(names.participant.unwrap(), "{ name = \"who\", prefix = \"P\", digits = 2 }");
-        assert_eq!(names.session, None);
+        finds(&names, files[2], &[("who", "12"), ("mode", "A"), ("repeat", "1")]);
+        assert!(names.labels["mode"].contains("\"A\" = \"a\", \"B\" = \"b\""));
+        let participant = "{ name = \"who\", prefix = \"P\", digits = 2 }";
+        assert_eq!(names.labels["participant"], participant);
+        assert!(!names.labels.contains_key("session"));
     }
 
     #[test]
     fn one_name_tells_its_numbers_by_the_words_before_them() {
         let names = of(&["P01_S02_T003.csv"]);
         // S may be a participant's word, too, but P was one already.
-        let expect = pairs(&[("who", "01"), ("session", "02"), ("trial", "003")]);
-        assert_eq!(found(&names, "P01_S02_T003.csv"), expect);
-        assert_eq!(found(&names, "P07_S11_T120.csv")[0].1, "07");
+        let expect = [("who", "01"), ("session", "02"), ("trial", "003")];
+        finds(&names, "P01_S02_T003.csv", &expect);
+        finds(&names, "P07_S11_T120.csv", &[("who", "07"), ("session", "11"), ("trial", "120")]);
     }
 
     #[test]
     fn words_that_differ_are_a_mode_and_signs_of_a_pattern_are_meant_as_they_stand() {
         let files = ["sub-1 (active).v2.dat", "sub-2 (passive).v2.dat"];
         let names = of(&files);
-        let expect = pairs(&[("who", "2"), ("mode", "passive")]);
-        assert_eq!(found(&names, files[1]), expect);
+        finds(&names, files[1], &[("who", "2"), ("mode", "passive")]);
         assert!(names.block.contains("guessed from 2 names"), "{}", names.block);
     }
 
     #[test]
     fn a_day_is_a_session_and_a_number_alone_counts_repeats() {
         let files = ["VP1_d1_haptic_1.txt", "VP2_d2_visual_3.txt"];
-        let expect = pairs(&[("who", "2"), ("session", "2"), ("mode", "visual"), ("repeat", "3")]);
-        assert_eq!(found(&of(&files), files[1]), expect);
+        let expect = [("who", "2"), ("session", "2"), ("mode", "visual"), ("repeat", "3")];
+        finds(&of(&files), files[1], &expect);
     }
 
     #[test]

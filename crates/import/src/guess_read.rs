@@ -4,6 +4,7 @@ use super::csv::{Dialect, WHITE_SPACE, opens_single_quote, record_ends};
 use super::format::{Format, FormatOptions};
 use super::labview::{self, LabView};
 use super::limits::{Budget, MOST_FILE, Take};
+use super::mapping::format_named;
 use super::plain::is_labchart;
 use super::recording::number;
 use super::table::{Cell, Cells, ColumnRef, Table};
@@ -25,16 +26,22 @@ const HEAD: u64 = 1 << 16;
 const DELIMITERS: [u8; 5] = [b'\t', b';', b',', b'|', WHITE_SPACE];
 
 /// How a text is written.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy)]
 pub(super) struct Written {
-    pub(super) encoding: Encoding,
-    pub(super) delimiter: u8,
+    pub(super) dialect: Dialect,
     pub(super) decimal_comma: bool,
-    pub(super) header: bool,
-    pub(super) skip: usize,
-    /// The first byte of a line of remarks.
-    pub(super) comment: Option<u8>,
 }
+
+/// The usual dialect. No line is refused: the guess counts the bad ones for `bad_lines`.
+const USUAL: Dialect = Dialect {
+    delimiter: b',',
+    header: true,
+    comment: None,
+    skip: 0,
+    encoding: Encoding::Utf8,
+    bad_lines: usize::MAX,
+    before: 0,
+};
 
 /// First bytes of lines of remarks.
 const REMARKS: [u8; 3] = [b'%', b'#', b'!'];
@@ -70,7 +77,7 @@ pub(super) fn look(path: &Path) -> Result<Looked, StoreError> {
 /// # Errors
 /// A file that cannot be read.
 pub(super) fn look_at_head(path: &Path) -> Result<Looked, StoreError> {
-    if !is_delimited(format_of(path).1) {
+    if !is_delimited(format_named(path).unwrap_or(Format::Txt)) {
         return look(path);
     }
     let mut bytes = Vec::new();
@@ -88,61 +95,43 @@ pub(super) fn look_at_head(path: &Path) -> Result<Looked, StoreError> {
     looked(path, bytes)
 }
 
-/// The format that a name tells, and the one to read it by.
-fn format_of(path: &Path) -> (Option<Format>, Format) {
-    let extension =
-        path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
-    let named = Format::ALL.into_iter().find(|f| f.extensions().contains(&extension.as_str()));
-    (named, named.unwrap_or(Format::Txt))
-}
-
 fn is_delimited(format: Format) -> bool {
     matches!(format, Format::Csv | Format::Tsv | Format::Txt)
 }
 
 fn looked(path: &Path, bytes: Vec<u8>) -> Result<Looked, StoreError> {
     check_readable(path, &bytes)?;
-    let (named, format) = format_of(path);
+    let named = format_named(path);
+    let format = named.unwrap_or(Format::Txt);
     let encoding = encoding(&bytes);
     let mut labview = None;
     let mut labels = Vec::new();
-    let mut form = Written {
-        encoding,
-        delimiter: b',',
-        decimal_comma: false,
-        header: true,
-        skip: 0,
-        comment: None,
-    };
+    let mut form = Written { dialect: Dialect { encoding, ..USUAL }, decimal_comma: false };
     if is_delimited(format) {
         check_is_text(path, &bytes)?;
         let text = decode(path, &bytes, encoding)?;
         labview = labview::heads(&text);
         form = written(&text, encoding);
+        let Dialect { delimiter, header, skip, .. } = form.dialect;
         // Where the line above the first row is no header that is read, it still labels the columns: in
         // LabVIEW's files some names come twice, and a list in single quotes is parted into several cells.
-        let above = form.skip.checked_sub(1).and_then(|line| text.lines().nth(line));
-        if let Some(above) = above.filter(|_| !form.header) {
-            labels = cells(above, form.delimiter);
-            let first = text.lines().nth(form.skip).map(|row| cells(row, form.delimiter));
+        let above = skip.checked_sub(1).and_then(|line| text.lines().nth(line));
+        if let Some(above) = above.filter(|_| !header) {
+            labels = cells(above, delimiter);
+            let first = text.lines().nth(skip).map(|row| cells(row, delimiter));
             let parted = first.and_then(|row| row.iter().position(|cell| opens_single_quote(cell)));
             labels.truncate(parted.unwrap_or(labels.len()));
         }
     }
-    let dialect = Dialect {
-        delimiter: form.delimiter,
-        header: form.header,
-        comment: form.comment,
-        skip: form.skip,
-        encoding,
-        // No line is refused: the guess counts the bad ones for `bad_lines`.
-        bad_lines: usize::MAX,
-        before: 0,
-    };
     let columns: Vec<ColumnRef> = (1..=MOST_GUESSED).map(ColumnRef::Position).collect();
     let budget = Budget::default();
     let take = Take::of(columns.iter().collect(), &budget);
-    let options = FormatOptions { dialect, part: None, clock: XdfClock::Corrected, dejitter: true };
+    let options = FormatOptions {
+        dialect: form.dialect,
+        part: None,
+        clock: XdfClock::Corrected,
+        dejitter: true,
+    };
     let mut table = format.read(path, bytes, options, &take)?;
     let again = |part: Option<&str>, turned: bool| {
         let bytes = read_named(path, MOST_FILE).map_err(|e| StoreError::io(path, "read", &e))?;
@@ -200,10 +189,11 @@ fn written(text: &str, encoding: Encoding) -> Written {
     let text = text.trim_start_matches('\u{feff}');
     if let Some(heads) = labview::heads(text) {
         let begin: usize = text.split_inclusive('\n').take(heads.lines).map(str::len).sum();
-        let rest = form(&text[begin..], encoding, Some(heads.delimiter));
+        let mut rest = form(&text[begin..], encoding, Some(heads.delimiter));
         // Names that come twice name nothing.
-        let names = if heads.has_many_times { rest.skip + 1 } else { rest.skip };
-        return Written { header: !heads.has_many_times, skip: heads.lines + names, ..rest };
+        rest.dialect.skip += heads.lines + usize::from(heads.has_many_times);
+        rest.dialect.header = !heads.has_many_times;
+        return rest;
     }
     // Excel reads and writes a first line that names the delimiter: `sep=;`.
     if let Some((line, rest)) = text.split_once('\n')
@@ -211,16 +201,18 @@ fn written(text: &str, encoding: Encoding) -> Written {
         && let Some([delimiter]) = line.strip_prefix("sep=").map(str::as_bytes)
         && delimiter.is_ascii()
     {
-        let rest = form(rest, encoding, Some(*delimiter));
-        return Written { skip: 1 + rest.skip, ..rest };
+        let mut rest = form(rest, encoding, Some(*delimiter));
+        rest.dialect.skip += 1;
+        return rest;
     }
     let first = text.as_bytes().first();
     if let Some(mark) = REMARKS.into_iter().find(|mark| first == Some(mark)) {
         let rest = text.lines().filter(|line| line.as_bytes().first() != Some(&mark));
-        let rest = form(&Vec::from_iter(rest).join("\n"), encoding, None);
+        let mut rest = form(&Vec::from_iter(rest).join("\n"), encoding, None);
         // Where nothing behind the remarks is a header, the last remark may be it.
-        if rest.header {
-            return Written { comment: Some(mark), ..rest };
+        if rest.dialect.header {
+            rest.dialect.comment = Some(mark);
+            return rest;
         }
     }
     form(text, encoding, None)
@@ -240,15 +232,7 @@ impl Record {
 
 /// The first records of a text, parted as the importer parts them: a delimiter in quotes is none.
 fn records(text: &str, delimiter: u8) -> Vec<Record> {
-    let dialect = Dialect {
-        delimiter,
-        header: false,
-        comment: None,
-        skip: 0,
-        encoding: Encoding::Utf8,
-        bad_lines: 0,
-        before: 0,
-    };
+    let dialect = Dialect { delimiter, ..USUAL };
     let mut records = Vec::new();
     let mut begin = 0;
     let mut line = 0;
@@ -336,14 +320,14 @@ fn form(text: &str, encoding: Encoding, named: Option<u8>) -> Written {
     let first = header.or(data).and_then(|place| records.get(place));
     let skip = first.map_or(0, |record| record.line);
     let is_labchart = is_labchart(text);
-    Written {
-        encoding,
+    let dialect = Dialect {
         delimiter,
-        decimal_comma,
         header: is_labchart || header.is_some(),
         skip: if is_labchart { 0 } else { skip },
-        comment: None,
-    }
+        encoding,
+        ..USUAL
+    };
+    Written { dialect, decimal_comma }
 }
 
 /// The first of the records that end those `above` and may name columns: with enough cells, most of

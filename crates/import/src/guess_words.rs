@@ -123,11 +123,15 @@ pub(super) fn parse_name(name: &str) -> ColumnName {
 /// Parts of a name that a unit has at most: `m`, `per`, `s`.
 const MOST_PARTS: usize = 3;
 
+/// Whether one of a name's words is listed.
+pub(super) fn has_word(words: &[String], listed: &[&str]) -> bool {
+    words.iter().any(|word| listed.contains(&word.as_str()))
+}
+
 /// The signal that a column of these words holds.
 pub(super) fn signal_of(words: &[String]) -> Option<Signal> {
-    let is_called = |listed: &[&str]| words.iter().any(|word| listed.contains(&word.as_str()));
-    let signal = NAMES.iter().find(|(_, listed)| is_called(listed))?.0;
-    match (is_called(&COMMANDED), signal) {
+    let signal = NAMES.iter().find(|(_, listed)| has_word(words, listed))?.0;
+    match (has_word(words, &COMMANDED), signal) {
         (false, signal) => Some(signal),
         (true, Signal::ForceEx) => Some(Signal::ForceCmd),
         (true, _) => None,
@@ -149,11 +153,8 @@ pub(super) fn label_of(name: &str) -> Option<&'static str> {
 /// what a device measures.
 pub(super) fn are_answers(names: &[String]) -> bool {
     let names: Vec<ColumnName> = names.iter().map(|name| parse_name(name)).collect();
-    names.iter().any(|name| {
-        name.words
-            .iter()
-            .any(|word| ANSWERS.contains(&word.as_str()) || QUESTIONS.contains(&word.as_str()))
-    }) && names.iter().all(|name| matches!(name.signal, None | Some(Signal::Time)))
+    names.iter().any(|name| has_word(&name.words, &ANSWERS) || has_word(&name.words, &QUESTIONS))
+        && names.iter().all(|name| matches!(name.signal, None | Some(Signal::Time)))
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 use super::context::Context;
 use super::errors::{Errors, append};
+use super::label::Label;
 use super::limits::MOST_NUMBER;
 use super::mapping::Who;
 use super::recording::{self, Recording};
@@ -9,7 +10,9 @@ use super::report::FileReport;
 use super::spelling::{is_missing, plain, truth, uuid};
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Display;
 use std::path::{Path, PathBuf};
+use std::str::FromStr;
 use zwidth_store::{StoreError, readable_records};
 use zwidth_study::{
     AnswerScale, AnswerValue, EnvironmentId, IdError, Kind, ModeId, ParticipantId, PlannedTrial,
@@ -65,28 +68,33 @@ pub(super) fn identity(
     }
     let participant = who.participant.value("participant", recording, row, id)?;
     let session = who.session.value("session", recording, row, id)?;
-    let environment =
-        who.environment.value("environment", recording, row, |t| environment(study, t))?;
+    let environments = study.environments.iter().map(|environment| &environment.id);
+    let environment = who
+        .environment
+        .value("environment", recording, row, |t| listed("environment", environments, t))?;
     let question = study.environment(&environment).and_then(|e| e.question.as_ref());
     let question = question.and_then(|id| study.question(id));
     let scale = question.map(|question| question.scale.clone()).unwrap_or_default();
-    let [kind_label, repeat, trial] = [&who.kind, &who.repeat, &who.trial].map(Option::as_ref);
+    let modes = study.modes.iter().map(|mode| &mode.id);
+    let number = |what: &str, label: &Option<Label>| {
+        let label = label.as_ref();
+        label.map(|label| label.value(what, recording, row, |t| counted(what, t))).transpose()
+    };
     // Fields are evaluated in this order: of several labels that are wrong the first is reported.
     Ok(Identity {
         participant,
         session,
         environment,
-        mode: who.mode.value("mode", recording, row, |t| mode(study, t))?,
-        kind: kind_label
-            .map(|label| label.value("kind", recording, row, kind))
-            .transpose()?
-            .unwrap_or(Kind::Trial),
-        repeat: repeat
-            .map(|label| label.value("repeat", recording, row, |t| counted("repeat", t)))
-            .transpose()?,
-        trial: trial
-            .map(|label| label.value("trial", recording, row, |t| counted("trial", t)))
-            .transpose()?,
+        mode: who.mode.value("mode", recording, row, |t| listed("mode", modes, t))?,
+        kind: match &who.kind {
+            Some(label) => label.value("kind", recording, row, |text| {
+                let kind = Kind::from_word(text);
+                kind.ok_or_else(|| format!("kind '{text}' must be trial or familiarisation"))
+            })?,
+            None => Kind::Trial,
+        },
+        repeat: number("repeat", &who.repeat)?,
+        trial: number("trial", &who.trial)?,
         likert: match &who.likert {
             Some(label) if recording.lacks_answer(label, row)? => None,
             Some(label) => {
@@ -102,7 +110,7 @@ pub(super) fn identity(
 
 /// The id that a text spells. A UUID has more characters than an id, and as many as that without its
 /// hyphens; a whole number loses the decimals that pandas gave it.
-pub(super) fn id<T: std::str::FromStr<Err = IdError>>(text: &str) -> Result<T, String> {
+pub(super) fn id<T: FromStr<Err = IdError>>(text: &str) -> Result<T, String> {
     let text = match uuid(text) {
         Some(id) => Cow::Owned(id),
         // A truth value keeps its spelling, which may be that of the study's id.
@@ -112,34 +120,20 @@ pub(super) fn id<T: std::str::FromStr<Err = IdError>>(text: &str) -> Result<T, S
     text.parse().map_err(|e: IdError| e.to_string())
 }
 
-fn environment(study: &Study, text: &str) -> Result<EnvironmentId, String> {
-    let id: EnvironmentId = id(text)?;
-    if study.environment(&id).is_some() {
-        return Ok(id);
+/// The one of the study's ids that a text spells, in whatever spelling.
+fn listed<'a, T: FromStr<Err = IdError> + Clone + PartialEq + Display + 'a>(
+    what: &str,
+    ids: impl Iterator<Item = &'a T> + Clone,
+    text: &str,
+) -> Result<T, String> {
+    let spelled: T = id(text)?;
+    let is_like = |id: &&T| plain(&id.to_string()) == plain(&spelled.to_string());
+    let same = ids.clone().find(|id| **id == spelled);
+    if let Some(id) = same.or_else(|| ids.clone().find(is_like)) {
+        return Ok(id.clone());
     }
-    let mut environments = study.environments.iter();
-    if let Some(alike) = environments.find(|e| plain(e.id.as_str()) == plain(id.as_str())) {
-        return Ok(alike.id.clone());
-    }
-    let ids: Vec<&str> = study.environments.iter().map(|e| e.id.as_str()).collect();
-    Err(format!("environment '{id}' is not in study.toml, which has {}", ids.join(", ")))
-}
-
-fn mode(study: &Study, text: &str) -> Result<ModeId, String> {
-    let id: ModeId = id(text)?;
-    if study.mode(&id).is_some() {
-        return Ok(id);
-    }
-    let mut modes = study.modes.iter();
-    if let Some(alike) = modes.find(|mode| plain(mode.id.as_str()) == plain(id.as_str())) {
-        return Ok(alike.id.clone());
-    }
-    let ids: Vec<&str> = study.modes.iter().map(|m| m.id.as_str()).collect();
-    Err(format!("mode '{id}' is not in study.toml, which has {}", ids.join(", ")))
-}
-
-fn kind(text: &str) -> Result<Kind, String> {
-    Kind::from_word(text).ok_or_else(|| format!("kind '{text}' must be trial or familiarisation"))
+    let ids: Vec<String> = ids.map(ToString::to_string).collect();
+    Err(format!("{what} '{spelled}' is not in study.toml, which has {}", ids.join(", ")))
 }
 
 /// A number of a trial, a repeat or a sweep. Spreadsheets write it as `3.0` too.
@@ -241,7 +235,11 @@ impl FromZero {
 
 /// Adds to the report on a file what a person should know of its labels, which are `own` among all
 /// of the import.
-pub(super) fn tell_labels(report: &mut FileReport, own: &[&Identity], all: &[Identity]) {
+pub(super) fn tell_labels<'a>(
+    report: &mut FileReport,
+    own: impl IntoIterator<Item = &'a Identity>,
+    all: &[Identity],
+) {
     let FromZero { trial, repeat } = FromZero::of(all);
     for (what, is_from_zero) in [("trial", trial), ("repeat", repeat)] {
         if is_from_zero {
@@ -250,7 +248,7 @@ pub(super) fn tell_labels(report: &mut FileReport, own: &[&Identity], all: &[Ide
             report.told.push(note);
         }
     }
-    let notes: BTreeSet<&Note> = own.iter().flat_map(|identity| &identity.notes).collect();
+    let notes: BTreeSet<&Note> = own.into_iter().flat_map(|identity| &identity.notes).collect();
     for note in notes {
         match note {
             Note::Uuid(what) => {
@@ -464,51 +462,39 @@ mode = { name = \"mode\", translate = { act = \"active\", pas = \"passive\" } }
     #[test]
     fn labels_come_from_the_path_and_repeats_are_counted_up_in_file_order() {
         let world = World::new();
-        let csv = "t,f\n0,1\n1,2\n";
         let names = ["P07/9_act.csv", "P07/9_pas.csv", "again/P07/9_act.csv"];
         let files = names.map(|n| {
             world.file(n, format!("t,f\n0,1\n1,{}\n", n.bytes().map(u32::from).sum::<u32>()))
         });
-        world.import(&trials_map(&[NAMED, FORCE]), &files).unwrap();
+        let map = trials_map(&[NAMED, FORCE]);
+        world.import(&map, &files).unwrap();
         let metas: Vec<_> = (1..=3).map(|n| world.trial("P07", "S09", n).meta).collect();
         assert_eq!(metas.iter().map(|m| m.repeat).collect::<Vec<_>>(), [1, 1, 2]);
         assert_eq!(metas[1].mode.as_str(), "passive");
-        let odd = world.file("P08/9_xxx.csv", csv);
-        let errors = world.import(&trials_map(&[NAMED, FORCE]), &[odd]).unwrap_err();
-        assert!(
-            errors[0].what.contains("'xxx' is not in the translation table, which has act, pas"),
-            "{errors:?}"
-        );
-        let odd = world.file("P08.csv", csv);
-        let errors = world.import(&trials_map(&[NAMED, FORCE]), &[odd]).unwrap_err();
-        assert!(errors[0].what.contains("does not match the pattern"), "{errors:?}");
+        for (name, words) in [
+            ("P08/9_xxx.csv", "'xxx' is not in the translation table, which has act, pas"),
+            ("P08.csv", "does not match the pattern"),
+        ] {
+            world.refuses(&map, &world.file(name, "t,f\n0,1\n1,2\n"), words, None);
+        }
     }
 
     #[test]
     fn a_trial_that_exists_or_comes_back_is_refused_by_name() {
         let world = World::new();
         let csv = "who,mode,n,kind,q,t,f\nP01,active,1,trial,3,0,1\nP01,active,2,trial,3,0,1\nP01,active,1,trial,3,1,1\n";
-        let map = trials_map(&[COLUMNS, FORCE]);
-        world.refuses(
-            &map,
-            &world.file("a.csv", csv),
-            "duplicate trial: trial 1 of P01 S01 is in",
-            None,
-        );
+        let twice = "duplicate trial: trial 1 of P01 S01 is in";
+        world.refuses(&trials_map(&[COLUMNS, FORCE]), &world.file("a.csv", csv), twice, None);
+        let map = trials_map(&[ONE, FORCE]);
         let file = world.file("b.csv", "t,f\n0,1\n1,2\n");
-        world.import(&trials_map(&[ONE, FORCE]), std::slice::from_ref(&file)).unwrap();
+        world.import(&map, std::slice::from_ref(&file)).unwrap();
         let before = world.written();
         let other = world.file("c.csv", "t,f\n0,1\n1,3\n");
-        let errors =
-            world.import(&trials_map(&[ONE, FORCE]), std::slice::from_ref(&other)).unwrap_err();
-        assert!(
-            errors[0].what.contains("duplicate trial: trial 1 of P01 S01 is at raw/demo/trials"),
-            "{errors:?}"
-        );
-        let second = format!("{ONE}trial = 2\n");
-        let errors = world.import(&trials_map(&[&second, FORCE]), &[other]).unwrap_err();
-        assert!(errors[0].what.contains("session S01 of P01 exists already"), "{errors:?}");
-        let errors = world.import(&trials_map(&[ONE, FORCE]), &[file.clone(), file]).unwrap_err();
+        let there = "duplicate trial: trial 1 of P01 S01 is at raw/demo/trials";
+        world.refuses(&map, &other, there, None);
+        let second = trials_map(&[ONE, "trial = 2\n", FORCE]);
+        world.refuses(&second, &other, "session S01 of P01 exists already", None);
+        let errors = world.import(&map, &[file.clone(), file]).unwrap_err();
         assert!(errors[0].what.contains("given twice"), "{errors:?}");
         assert_eq!(world.written(), before);
     }
@@ -516,25 +502,19 @@ mode = { name = \"mode\", translate = { act = \"active\", pas = \"passive\" } }
     #[test]
     fn labels_that_are_no_ids_or_not_in_the_study_are_refused_with_column_and_row() {
         let world = World::new();
-        let check = |from: &str, to: &str, words: &str, at: &str| {
-            let csv = format!(
-                "who,mode,n,kind,q,t,f\n{}\n",
-                "P01,active,1,trial,3,0,1".replace(from, to)
-            );
-            let file = world.file("bad.csv", csv);
+        let no_mode = "mode 'actve' is not in study.toml, which has active, passive, hybrid";
+        for (from, to, words, at) in [
+            ("P01", "../x", "'../x' is not a valid participant id", "who"),
+            ("P01", "", "there is no participant", "who"),
+            ("active", "actve", no_mode, "mode"),
+            ("trial", "test", "kind 'test' must be trial or familiarisation", "kind"),
+            (",1,trial", ",-1,trial", "trial '-1' must be a whole number from 0", "n"),
+            ("3,0,1", "6,0,1", "the answer '6' must be a whole number from 1 to 5", "q"),
+        ] {
+            let row = "P01,active,1,trial,3,0,1".replace(from, to);
+            let file = world.file("bad.csv", format!("who,mode,n,kind,q,t,f\n{row}\n"));
             world.refuses(&trials_map(&[COLUMNS, FORCE]), &file, words, Some((at, 1)));
-        };
-        check("P01", "../x", "'../x' is not a valid participant id", "who");
-        check("P01", "", "there is no participant", "who");
-        check(
-            "active",
-            "actve",
-            "mode 'actve' is not in study.toml, which has active, passive, hybrid",
-            "mode",
-        );
-        check("trial", "test", "kind 'test' must be trial or familiarisation", "kind");
-        check(",1,trial", ",-1,trial", "trial '-1' must be a whole number from 0", "n");
-        check("3,0,1", "6,0,1", "the answer '6' must be a whole number from 1 to 5", "q");
+        }
     }
 
     #[test]
@@ -560,15 +540,12 @@ mode = { name = \"mode\", translate = { act = \"active\", pas = \"passive\" } }
     fn a_uuid_is_an_id_without_its_hyphens() {
         let world = World::new();
         let map = ONE.replace("\"S01\"", "{ column = \"s\" }");
-        let rows = "5bc8fbbc-bde5-4099-8164-d8399f767c45,0,1\n";
-        let file = world.file("a.csv", format!("s,t,f\n{rows}"));
+        let file = world.file("a.csv", "s,t,f\n5bc8fbbc-bde5-4099-8164-d8399f767c45,0,1\n");
         let report = world.import(&trials_map(&[&map, FORCE]), &[file]).unwrap();
         let trial = world.trial("P01", "5bc8fbbcbde540998164d8399f767c45", 1);
         assert_eq!(trial.samples.len(), 1);
-        assert_eq!(
-            report.files[0].told,
-            ["a session is a UUID, which is kept without its hyphens"]
-        );
+        let told = ["a session is a UUID, which is kept without its hyphens"];
+        assert_eq!(report.files[0].told, told);
     }
 
     #[test]
@@ -592,20 +569,15 @@ mode = { name = \"mode\", translate = { act = \"active\", pas = \"passive\" } }
         let modes = "{ column = \"on\", translate = { true = \"active\", false = \"passive\" } }";
         let map = trials_map(&[&map.replace("\"hybrid\"", modes), FORCE]);
         let text = "who,on,t,f\n1,True,0,1\n1.0,true,1,2\n1,TRUE,2,3\n1,False,0,4\n1.0,FALSE,1,5\n";
-        for is_long in [false, true] {
+        for import in [World::import, World::import_streamed] {
             let world = World::new();
-            let file = [world.file("a.csv", text)];
-            let report = match is_long {
-                true => world.import_streamed(&map, &file),
-                false => world.import(&map, &file),
-            };
+            let report = import(&world, &map, &[world.file("a.csv", text)]);
             assert_eq!(report.unwrap().trials, 2);
             assert_eq!(world.trial("P01", "S01", 1).samples.len(), 3);
         }
         let world = World::new();
-        let lines =
-            "{\"who\":1,\"on\":true,\"t\":0,\"f\":1}\n{\"who\":1,\"on\":1,\"t\":0,\"f\":2}\n";
-        world.import(&map, &[world.file("a.jsonl", lines)]).unwrap();
+        let line = |on: &str, f: u8| format!("{{\"who\":1,\"on\":{on},\"t\":0,\"f\":{f}}}\n");
+        world.import(&map, &[world.file("a.jsonl", line("true", 1) + &line("1", 2))]).unwrap();
         assert_eq!(world.trial("P01", "S01", 2).meta.mode.as_str(), "active");
     }
 
@@ -622,9 +594,8 @@ mode = { name = \"mode\", translate = { act = \"active\", pas = \"passive\" } }
     #[test]
     fn an_id_that_differs_only_by_case_from_another_is_refused() {
         let world = World::new();
-        world
-            .import(&trials_map(&[ONE, FORCE]), &[world.file("a.csv", "t,f\n0,1\n1,2\n")])
-            .unwrap();
+        let file = world.file("a.csv", "t,f\n0,1\n1,2\n");
+        world.import(&trials_map(&[ONE, FORCE]), &[file]).unwrap();
         let before = world.written();
         let other = world.file("b.csv", "t,f\n0,1\n1,3\n");
         for (from, to, words) in [
@@ -637,9 +608,8 @@ mode = { name = \"mode\", translate = { act = \"active\", pas = \"passive\" } }
         }
         assert_eq!(world.written(), before);
         let csv = "who,mode,n,kind,q,t,f\nPx,active,1,trial,3,0,1\nPX,active,1,trial,3,0,1\npx,active,1,trial,3,1,1\n";
-        let errors =
-            world.import(&trials_map(&[COLUMNS, FORCE]), &[world.file("c.csv", csv)]).unwrap_err();
-        assert_eq!(errors.len(), 2, "{errors:?}");
+        let errors = world.import(&trials_map(&[COLUMNS, FORCE]), &[world.file("c.csv", csv)]);
+        assert_eq!(errors.unwrap_err().len(), 2);
         let second = trials_map(&[&ONE.replace("S01", "S02"), FORCE]);
         assert_eq!(world.import(&second, &[other]).unwrap().sessions, 1);
     }

@@ -1,8 +1,6 @@
 //! JSON lines: one object per line; keys are columns.
 
-use super::limits::{
-    MOST_LINE, MOST_WHOLE_ROWS, Take, check_columns, check_name, too_many_rows, too_much,
-};
+use super::limits::{MOST_LINE, MOST_WHOLE_ROWS, Take, check_columns, check_name, more_rows};
 use super::spelling::shown;
 use super::table::{Cells, EmptyRows, Table};
 use super::text::{Encoding, decode};
@@ -33,21 +31,18 @@ pub(super) fn read(
     let mut columns: Vec<Option<LargeStringBuilder>> = numbered
         .map(|(place, name)| take.wants(place, Some(name)).then(LargeStringBuilder::new))
         .collect();
-    if !take.budget.cells(lines.len().saturating_mul(columns.iter().flatten().count())) {
-        return Err(too_much(path));
-    }
+    take.room(path, lines.len().saturating_mul(columns.iter().flatten().count()))?;
     for (row, (number, line)) in
         full_lines(text).filter(|(number, _)| lines.binary_search(number).is_ok()).enumerate()
     {
-        let walked = walk(line, &mut |key, raw| {
+        walk(path, number, line, &mut |key, raw| {
             // The names are sorted: they come out of a set.
             let column = names.binary_search(&key).ok().and_then(|place| columns[place].as_mut());
             let Some(column) = column else { return Ok(()) };
             let cell = text_of(raw.get())?;
             column.append_option(Some(cell).filter(|cell| !cell.is_empty()));
             Ok(())
-        });
-        walked.map_err(|e| no_object(path, number, &e))?;
+        })?;
         // A key that this object lacks.
         for column in columns.iter_mut().flatten().filter(|column| column.len() == row) {
             column.append_null();
@@ -71,22 +66,18 @@ fn keys(path: &Path, text: &str) -> Result<(Vec<String>, Vec<u64>), StoreError> 
         if line.len() > MOST_LINE {
             let what =
                 format!("line {number} has {} bytes, and at most {MOST_LINE} are read", line.len());
-            return Err(StoreError::new(
-                path,
-                what,
-                "write one object a line, without what is not needed",
-            ));
+            let remedy = "write one object a line, without what is not needed";
+            return Err(StoreError::new(path, what, remedy));
         }
         if lines.len() == MOST_WHOLE_ROWS {
-            return Err(too_many_rows(path, &format!("more than {MOST_WHOLE_ROWS}")));
+            return Err(more_rows(path));
         }
         let mut has_value = false;
-        let walked = walk(line, &mut |key, raw| {
+        walk(path, number, line, &mut |key, raw| {
             names.insert(key);
             has_value = has_value || !text_of(raw.get())?.is_empty();
             Ok(())
-        });
-        walked.map_err(|e| no_object(path, number, &e))?;
+        })?;
         check_columns(path, names.len())?;
         if has_value {
             lines.push(number);
@@ -96,23 +87,21 @@ fn keys(path: &Path, text: &str) -> Result<(Vec<String>, Vec<u64>), StoreError> 
     Ok((names.into_iter().collect(), lines))
 }
 
-fn no_object(path: &Path, line: u64, error: &serde_json::Error) -> StoreError {
-    let what = format!(
-        "line {line} is not a JSON object with each key once (JSON lines are one object a line, without infinities): {error}"
-    );
-    StoreError::new(path, what, "the file may be cut off; mend or remove the line")
-}
-
 /// Takes a key and its value.
 type Each<'a> = &'a mut dyn FnMut(String, &RawValue) -> Result<(), serde_json::Error>;
 
 /// Walks through the keys of one object. A key that comes twice is an error: nobody knows which
 /// value is meant.
-fn walk(line: &str, each: Each) -> Result<(), serde_json::Error> {
+fn walk(path: &Path, number: u64, line: &str, each: Each) -> Result<(), StoreError> {
     let line = without_nan(line);
     let mut reader = serde_json::Deserializer::from_str(&line);
-    reader.deserialize_map(Keys(each))?;
-    reader.end()
+    let walked = reader.deserialize_map(Keys(each)).and_then(|()| reader.end());
+    walked.map_err(|error| {
+        let what = format!(
+            "line {number} is not a JSON object with each key once (JSON lines are one object a line, without infinities): {error}"
+        );
+        StoreError::new(path, what, "the file may be cut off; mend or remove the line")
+    })
 }
 
 /// A line with `null` for every `NaN` outside its texts: Python's `json.dumps` writes that for a missing
@@ -171,18 +160,20 @@ fn text_of(raw: &str) -> Result<String, serde_json::Error> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::limits::{Budget, MOST_COLUMNS, tests::everything};
-    use super::super::table::{Cell, ColumnRef};
+    use super::super::limits::MOST_COLUMNS;
+    use super::super::limits::tests::{everything, only};
+    use super::super::table::Cell;
     use super::*;
 
-    fn read(path: &Path, bytes: &[u8]) -> Result<Table, StoreError> {
-        everything(|take| super::read(path, bytes, Encoding::Utf8, take))
+    fn read(text: &str) -> Result<Table, StoreError> {
+        let path = Path::new("a.jsonl");
+        everything(|take| super::read(path, text.as_bytes(), Encoding::Utf8, take))
     }
 
     #[test]
     fn keys_are_columns_and_numbers_keep_their_digits() {
         let text = "{\"t\": 0.1, \"mode\": \"act\\u0069ve\"}\n\n{\"t\": 1e-321, \"f\": null}\r\n";
-        let table = read(Path::new("a.jsonl"), text.as_bytes()).unwrap();
+        let table = read(text).unwrap();
         assert_eq!(table.names.as_ref().unwrap(), &["f", "mode", "t"]);
         let cell = |c: usize, r: usize| table.columns[c].cell(r);
         assert_eq!((cell(2, 0), cell(2, 1)), (Cell::Text("0.1"), Cell::Text("1e-321")));
@@ -192,17 +183,9 @@ mod tests {
     }
 
     #[test]
-    fn a_blank_line_and_an_object_without_a_value_are_empty_rows() {
-        let text = "{\"t\": 1}\n{}\n\n{\"t\": null, \"f\": \" \"}\n{\"t\": 2}\n{}\n";
-        let table = read(Path::new("a.jsonl"), text.as_bytes()).unwrap();
-        assert_eq!((&table.lines[..], table.columns[1].len()), (&[1, 5][..], 2));
-        assert_eq!((table.place(0), table.place(1)), (0, 4));
-    }
-
-    #[test]
     fn a_nan_of_python_is_missing_and_one_in_a_text_is_a_word() {
         let text = "{\"t\": NaN, \"NaN\": \"a \\\"NaN\\\\\", \"f\": NaN}\n{\"t\": 1}\n";
-        let table = read(Path::new("a.jsonl"), text.as_bytes()).unwrap();
+        let table = read(text).unwrap();
         assert_eq!(table.names.as_ref().unwrap(), &["NaN", "f", "t"]);
         assert_eq!(table.columns[0].cell(0), Cell::Text("a \"NaN\\"));
         assert_eq!(
@@ -210,7 +193,7 @@ mod tests {
             (Cell::Empty, Cell::Empty)
         );
         for bad in ["{\"t\": Infinity}\n", "{\"t\": NaNaN}\n"] {
-            let error = read(Path::new("a.jsonl"), bad.as_bytes()).unwrap_err();
+            let error = read(bad).unwrap_err();
             assert!(error.what.contains("without infinities"), "{error}");
         }
     }
@@ -218,7 +201,7 @@ mod tests {
     #[test]
     fn a_cut_line_and_a_line_that_is_no_object_are_refused_with_the_line() {
         for bad in ["{\"t\": 1}\n{\"t\": ", "{\"t\": 1}\n[1, 2]\n"] {
-            let error = read(Path::new("a.jsonl"), bad.as_bytes()).unwrap_err();
+            let error = read(bad).unwrap_err();
             assert!(error.what.contains("line 2 is not a JSON object"), "{error}");
         }
     }
@@ -226,8 +209,7 @@ mod tests {
     #[test]
     fn a_key_that_comes_twice_in_an_object_is_refused_however_it_is_written() {
         for bad in ["{\"t\": 1, \"f\": 2, \"t\": 3}\n", "{\"t\": 1, \"\\u0074\": 3}\n"] {
-            let error =
-                read(Path::new("a.jsonl"), format!("{{\"t\": 0}}\n{bad}").as_bytes()).unwrap_err();
+            let error = read(&format!("{{\"t\": 0}}\n{bad}")).unwrap_err();
             assert!(
                 error.what.contains("line 2") && error.what.contains("the key 't' comes twice"),
                 "{error}"
@@ -240,7 +222,7 @@ mod tests {
         let one: String = (0..30_000).map(|i| format!("\"k{i}\":1,")).collect();
         let many: String = (0..30_000).map(|i| format!("{{\"k{i}\":1}}\n")).collect();
         for text in [format!("{{{}}}", one.trim_end_matches(',')), many] {
-            let error = read(Path::new("a.jsonl"), text.as_bytes()).unwrap_err();
+            let error = read(&text).unwrap_err();
             assert!(
                 error.what.contains(&format!("and at most {MOST_COLUMNS} are read")),
                 "{error}"
@@ -251,17 +233,15 @@ mod tests {
     #[test]
     fn an_enormous_line_is_refused_and_deep_nesting_is_no_matter() {
         let long = format!("{{\"t\": 1}}\n{{\"t\": \"{}\"}}", "x".repeat(MOST_LINE));
-        let error = read(Path::new("a.jsonl"), long.as_bytes()).unwrap_err();
+        let error = read(&long).unwrap_err();
         assert!(
             error.what.contains("line 2 has") && error.what.contains("at most 1048576"),
             "{error}"
         );
         let deep = format!("{{\"t\": 1, \"x\": {}{}}}", "[".repeat(500_000), "]".repeat(500_000));
-        let t = ColumnRef::Name("t".to_owned());
-        let budget = Budget::default();
-        let take = Take::of(vec![&t], &budget);
-        let table =
-            super::read(Path::new("a.jsonl"), deep.as_bytes(), Encoding::Utf8, &take).unwrap();
+        let path = Path::new("a.jsonl");
+        let read = |take: &Take| super::read(path, deep.as_bytes(), Encoding::Utf8, take);
+        let table = only(&["t"], read).unwrap();
         assert_eq!(table.columns[0].cell(0), Cell::Text("1"));
         assert!(matches!(table.columns[1], Cells::Unread));
     }

@@ -1,14 +1,13 @@
 //! An import is killed, or the power is cut, at every step of its writing; the next import succeeds
 //! without manual repair, and each recording counts once.
 
-use super::world::{BY, COLUMNS, FORCE, ONE, UTC, trials_map};
+use super::world::{BY, COLUMNS, FORCE, ONE, UTC, template_once, trials_map};
 use super::{Mapping, Report, import};
 use rayon::prelude::*;
-use std::cell::Cell;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 use zwidth_store::{Fault, Layout, Memory, StoreError, StudyData, Survives, recover, verify_from};
-use zwidth_study::{Study, StudyId, template};
+use zwidth_study::{Study, StudyId};
 
 /// An import into a study in memory, of files on the disk.
 struct Case {
@@ -25,11 +24,6 @@ const SWEEPS: &str = "kind = \"sweeps\"\n[sweep]\nactuator = \"brake\"\nsweep = 
     [command]\nname = \"u\"\nunit = \"V\"\nfrom = \"t\"\n[response]\nname = \"f\"\nunit = \"N\"\nfrom = \"f\"\n";
 const LIKERT: &str = "kind = \"likert\"\n[trial]\nparticipant = { column = \"who\" }\nsession = \"S01\"\n\
     environment = \"spring\"\nmode = { column = \"mode\" }\n[questions.columns]\nfelt_spring = 3\n";
-
-/// The template's study, with one repeat of each condition.
-fn study_toml(layout: &Layout) -> String {
-    template(layout.study()).replace("repeats = 6", "repeats = 1")
-}
 
 impl Case {
     fn new(map: &str, contents: &[&str], before: usize, whole: (usize, usize, usize)) -> Self {
@@ -72,19 +66,15 @@ impl Case {
 
     /// Questionnaires of two participants.
     fn likert() -> Self {
-        Self::new(
-            LIKERT,
-            &["who,mode,a\nP01,active,1\nP02,active,2\nP01,passive,3\n"],
-            0,
-            (0, 0, 3),
-        )
+        let table = "who,mode,a\nP01,active,1\nP02,active,2\nP01,passive,3\n";
+        Self::new(LIKERT, &[table], 0, (0, 0, 3))
     }
 
     /// A study with what was imported before.
     fn study(&self) -> (Memory, Layout) {
         let disk = Memory::new();
         let layout = Layout::new(Path::new("/root"), StudyId::new("demo").unwrap());
-        disk.put(&layout.study_toml(), study_toml(&layout).as_bytes());
+        disk.put(&layout.study_toml(), template_once().as_bytes());
         if !self.before.is_empty() {
             self.import(&disk, &layout, &self.before).unwrap();
         }
@@ -97,21 +87,25 @@ impl Case {
         layout: &Layout,
         files: &[PathBuf],
     ) -> Result<Report, Vec<StoreError>> {
-        let study = Study::from_toml(&study_toml(layout)).unwrap();
+        let study = Study::from_toml(&template_once()).unwrap();
         Ok(import(layout, &study, &self.mapping, files, BY, disk, &|_| {})?)
     }
 
-    /// The import, killed at step `n`, and what then stands on the disk; whether the kill came
-    /// before its end.
-    fn killed(&self, n: u64, end: Survives, then: impl Fn(&Memory, &Layout)) -> bool {
+    /// The import, killed at step `n`, and what is then done with what stands on the disk: whether the
+    /// kill came before its end, and what came of that.
+    fn killed<T>(
+        &self,
+        n: u64,
+        end: Survives,
+        then: impl FnOnce(&Memory, &Layout) -> T,
+    ) -> (bool, T) {
         let (disk, layout) = self.study();
         disk.fail_in(n, Fault::End);
         let _ = self.import(&disk, &layout, &self.files);
         // A head that cannot be written is no error, and the kill came all the same.
         let killed = disk.has_failed();
         disk.restart(end);
-        then(&disk, &layout);
-        killed
+        (killed, then(&disk, &layout))
     }
 
     /// Imports again. `false` if there was nothing to do: the kill came when all was done but the
@@ -123,12 +117,9 @@ impl Case {
         assert_eq!((found, verify_from(disk, layout)), (self.whole, vec![]), "{what}: {again:?}");
         assert_eq!(recover(disk, layout, UTC), [], "{what}");
         if let Err(errors) = &again {
-            assert!(
-                errors
-                    .iter()
-                    .all(|e| e.what.contains("already") || e.what.contains("imported before")),
-                "{what}: {errors:?}"
-            );
+            let known = ["already", "imported before"];
+            let is_known = |e: &StoreError| known.iter().any(|words| e.what.contains(words));
+            assert!(errors.iter().all(is_known), "{what}: {errors:?}");
         }
         // What was there already is left out.
         again.is_ok_and(|report| report.trials + report.sweeps + report.answers > 0)
@@ -142,11 +133,9 @@ const ENDS: [Survives; 5] =
 fn every_step(case: &Case, steps: u64, ends: &[Survives]) {
     for end in ends.iter().copied() {
         let step = |n: u64| {
-            let done = Cell::new(false);
-            let killed = case.killed(n, end, |disk, layout| {
-                done.set(!case.goes_through(disk, layout, &format!("step {n}, {end:?} survives")));
-            });
-            (killed, done.get())
+            case.killed(n, end, |disk, layout| {
+                !case.goes_through(disk, layout, &format!("step {n}, {end:?} survives"))
+            })
         };
         let tried: Vec<(bool, bool)> = (0..=steps).into_par_iter().map(step).collect();
         // From the removal of the list on the import is done: what follows is the sync of its folder
@@ -175,9 +164,10 @@ fn an_import_of_a_long_text_that_is_killed_at_any_step_goes_through_the_next_tim
     case.mapping.file.long_from = 0;
     for end in ENDS {
         let step = |n: &u64| {
-            case.killed(*n, end, |disk, layout| {
-                case.goes_through(disk, layout, &format!("long, step {n}, {end:?} survives"));
-            })
+            let (killed, _) = case.killed(*n, end, |disk, layout| {
+                case.goes_through(disk, layout, &format!("long, step {n}, {end:?} survives"))
+            });
+            killed
         };
         let steps = (0..1000).take_while(step).count();
         assert!((30..1000).contains(&steps), "{steps}");
@@ -192,21 +182,17 @@ fn what_a_killed_import_left_is_told_by_verify_and_taken_back_by_recover() {
             disk.below(&layout.raw())
         };
         for n in 4.. {
-            let told = Cell::new(false);
-            let killed = case.killed(n, Survives::Everything, |disk, layout| {
+            let (killed, _) = case.killed(n, Survives::Everything, |disk, layout| {
                 let list = layout.unfinished();
-                told.set(
-                    verify_from(disk, layout)
-                        .iter()
-                        .any(|e| e.path == list && e.remedy.contains("again")),
-                );
+                let is_told = |e: &StoreError| e.path == list && e.remedy.contains("again");
+                let told = verify_from(disk, layout).iter().any(is_told);
                 let found = recover(disk, layout, UTC);
                 assert!(found.iter().all(Result::is_ok), "step {n}: {found:?}");
-                if told.get() {
+                if told {
                     assert_eq!(disk.below(&layout.raw()), before, "step {n}: {found:?}");
                 }
                 assert_eq!(verify_from(disk, layout), [], "step {n}: {found:?}");
-                case.goes_through(disk, layout, &format!("step {n}, recovered"));
+                case.goes_through(disk, layout, &format!("step {n}, recovered"))
             });
             if !killed {
                 break;
@@ -222,18 +208,15 @@ fn an_import_that_is_killed_while_it_takes_the_last_one_back_goes_through_too() 
             [[Survives::Everything, Survives::Everything], [Survives::Synced, Survives::Half]]
         {
             let killed = |n: u64, m: u64| {
-                let cut = Cell::new(false);
-                case.killed(n, end, |disk, layout| {
+                let (_, cut) = case.killed(n, end, |disk, layout| {
                     disk.fail_in(m, Fault::End);
-                    cut.set(case.import(disk, layout, &case.files).is_err());
+                    let cut = case.import(disk, layout, &case.files).is_err();
                     disk.restart(again);
-                    case.goes_through(
-                        disk,
-                        layout,
-                        &format!("step {n} {end:?}, then {m} {again:?}"),
-                    );
+                    let what = format!("step {n} {end:?}, then {m} {again:?}");
+                    case.goes_through(disk, layout, &what);
+                    cut
                 });
-                cut.get()
+                cut
             };
             // Taking back has as many steps as there were files; the last of them are those of the
             // import itself.
@@ -269,11 +252,8 @@ fn a_list_that_names_what_no_import_wrote_removes_nothing() {
         disk.put(&layout.unfinished(), list.as_bytes());
         let errors = case.import(&disk, &layout, &case.files).unwrap_err();
         assert_eq!(errors.len(), 1, "{errors:?}");
-        assert!(
-            errors[0].what.contains("cut short lists it")
-                || errors[0].what.contains("no change writes"),
-            "{errors:?}"
-        );
+        let what = &errors[0].what;
+        assert!(what.contains("cut short lists it") || what.contains("no change writes"), "{what}");
         disk.put(&layout.unfinished(), b"");
         let now = disk.below(Path::new("/"));
         assert!(before.iter().all(|(path, bytes)| now.get(path) == Some(bytes)), "{path}");

@@ -116,8 +116,7 @@ impl LateAnswers {
 
     /// The place of a row, for people.
     pub fn place(&self, row: &LateAnswer) -> String {
-        let line = self.recording.table.lines.get(row.row);
-        line.map_or_else(|| format!("row {}", row.row + 1), |line| format!("line {line}"))
+        self.recording.row_name(row.row)
     }
 }
 
@@ -255,11 +254,20 @@ mod tests {
         LateAnswers::read(&World::new().file("ratings.csv", text))
     }
 
+    /// The rows of a table that can be read.
+    fn rows(text: &str) -> LateAnswers {
+        read(text).unwrap_or_else(|e| panic!("{e:#?}"))
+    }
+
+    /// The first error about a table.
+    fn told(text: &str) -> String {
+        read(text).err().unwrap()[0].to_string()
+    }
+
     #[test]
     fn columns_are_found_in_any_order_and_case_and_others_are_left_alone() {
         let found =
-            read("Answer;remark;Participant;TRIAL;session\n4;ok;P01;7;S02\n-1.0;;P02;8;S01\n");
-        let found = found.unwrap_or_else(|e| panic!("{e:#?}"));
+            rows("Answer;remark;Participant;TRIAL;session\n4;ok;P01;7;S02\n-1.0;;P02;8;S01\n");
         let [first, second] = &found.rows[..] else { panic!("{:?}", found.rows) };
         assert_eq!((first.participant.as_str(), first.value), ("P01", 4.into()));
         assert_eq!(first.session.as_ref().map(SessionId::as_str), Some("S02"));
@@ -273,8 +281,7 @@ mod tests {
             "participant,trial,answer\nP01,1,47.273\nP01,2,0.5\n",
             "participant;trial;answer\nP01;1;47,273\nP01;2;0,5\n",
         ] {
-            let found = read(text).unwrap_or_else(|e| panic!("{e:#?}"));
-            let values: Vec<f64> = found.rows.iter().map(|row| row.value.get()).collect();
+            let values: Vec<f64> = rows(text).rows.iter().map(|row| row.value.get()).collect();
             assert_eq!(values, [47.273, 0.5]);
         }
     }
@@ -282,22 +289,16 @@ mod tests {
     #[test]
     fn what_a_row_says_of_a_trial_besides_its_number_is_kept_to_be_checked() {
         let text = "participant,trial,mode,environment,repeat,answer\nP01,7,active,,2,4\nP01,8,Soft,spring,,4\n";
-        let found = read(text).unwrap_or_else(|e| panic!("{e:#?}"));
+        let found = rows(text);
         let claims = |mode: &str, environment: Option<&str>, repeat| Claims {
             environment: environment.map(str::to_owned),
             mode: Some(mode.to_owned()),
             repeat,
         };
-        let found: Vec<&Claims> = found.rows.iter().map(|row| &row.claims).collect();
-        assert_eq!(
-            found,
-            [&claims("active", None, Some(2)), &claims("Soft", Some("spring"), None)]
-        );
-        let error = read("participant,trial,repeat,answer\nP01,7,x,4\n").err().unwrap();
-        assert!(
-            error[0].to_string().contains("column repeat, row 1: repeat 'x' must be"),
-            "{error:?}"
-        );
+        let found: Vec<Claims> = found.rows.iter().map(|row| row.claims.clone()).collect();
+        assert_eq!(found, [claims("active", None, Some(2)), claims("Soft", Some("spring"), None)]);
+        let error = told("participant,trial,repeat,answer\nP01,7,x,4\n");
+        assert!(error.contains("column repeat, row 1: repeat 'x' must be"), "{error}");
     }
 
     #[test]
@@ -313,15 +314,11 @@ mod tests {
     fn a_trial_may_be_named_by_its_condition_and_repeat() {
         let text =
             "participant,environment,mode,repeat,question,answer\nP01,spring,active,2,q1,3\n";
-        let found = read(text).unwrap_or_else(|e| panic!("{e:#?}"));
-        assert_eq!(
-            found.rows[0].trial,
-            TrialMeant::Repeat {
-                environment: "spring".parse().unwrap(),
-                mode: "active".parse().unwrap(),
-                repeat: 2
-            }
-        );
+        let found = rows(text);
+        let environment = "spring".parse().unwrap();
+        let mode = "active".parse().unwrap();
+        let meant = TrialMeant::Repeat { environment, mode, repeat: 2 };
+        assert_eq!(found.rows[0].trial, meant);
         assert_eq!(found.rows[0].question.as_ref().map(QuestionId::as_str), Some("q1"));
     }
 
@@ -343,12 +340,11 @@ mod tests {
 
     #[test]
     fn a_column_that_is_missing_is_told_with_what_there_is() {
-        let told = |text| read(text).err().unwrap()[0].to_string();
-        assert!(
-            told("who,trial,answer\nP01,1,4\n")
-                .contains("no column 'participant'; the table has who,")
-        );
-        let told = told("participant,environment,mode,answer\nP01,a,b,4\n");
-        assert!(told.contains("no column 'repeat'"), "{told}");
+        for (text, words) in [
+            ("who,trial,answer\nP01,1,4\n", "no column 'participant'; the table has who,"),
+            ("participant,environment,mode,answer\nP01,a,b,4\n", "no column 'repeat'"),
+        ] {
+            assert!(told(text).contains(words), "{}", told(text));
+        }
     }
 }

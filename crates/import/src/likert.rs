@@ -17,7 +17,7 @@ use super::{long, once};
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 use zwidth_store::StoreError;
-use zwidth_study::{Event, PlannedTrial, QuestionId};
+use zwidth_study::{Event, QuestionId};
 
 /// What is one trial of each row: its labels, and of each question the column of its answers and that of
 /// the times that they took.
@@ -76,8 +76,16 @@ pub(super) fn likert(
     let identities: Vec<Identity> = new.iter().map(|(_, row)| row.identity.clone()).collect();
     let planned = number_trials(context, &identities, false)?;
     once::answers(context, new.iter().map(|(file, _)| *file))?;
-    let mut events: Vec<Vec<Event>> =
-        new.iter().zip(&planned).map(|((_, row), number)| events(row, number)).collect();
+    let events = new.iter().zip(&planned).map(|((_, row), number)| {
+        let events = row.answers.iter().map(|(question, answer)| Event::Answer {
+            trial: number.trial,
+            question: question.clone(),
+            value: answer.value,
+            time_ms: answer.time_ms,
+        });
+        events.collect::<Vec<Event>>()
+    });
+    let mut events: Vec<Vec<Event>> = events.collect();
     // The first trial of a session in a table says in its log what of the table could not be read.
     let mut noted = BTreeSet::new();
     for ((file, Answered { identity, .. }), events) in new.iter().zip(&mut events) {
@@ -139,8 +147,7 @@ fn file_report(
         return Ok(FileReport::there_already(&file.path, &unchanged.join(", ")));
     }
     let mut report = report.clone();
-    let own: Vec<&Identity> = trials.iter().map(|row| &row.identity).collect();
-    tell_labels(&mut report, &own, all);
+    tell_labels(&mut report, trials.iter().map(|row| &row.identity), all);
     let empty = match empty {
         0 => String::new(),
         n => format!("; {n} empty answers left out"),
@@ -159,17 +166,6 @@ fn file_report(
 /// The note in a session's log about a table that could not be read whole.
 fn loss(lost: &str) -> Event {
     Event::Note { trial: None, text: format!("of the table of answers, {lost}") }
-}
-
-/// The answers after a trial as events of it.
-fn events(row: &Answered, PlannedTrial { trial, .. }: &PlannedTrial) -> Vec<Event> {
-    let events = row.answers.iter().map(|(question, answer)| Event::Answer {
-        trial: *trial,
-        question: question.clone(),
-        value: answer.value,
-        time_ms: answer.time_ms,
-    });
-    events.collect()
 }
 
 /// The columns of what is one trial of a row: as listed in the mapping, or those whose header is a
@@ -272,7 +268,23 @@ fn convert(
                 absent += 1;
                 continue;
             }
-            match read_row(context, questionnaire, trial, places, recording, *row, &mut named) {
+            let identity = identity(trial.who, recording, *row, context.study);
+            let read = identity.map_err(Errors::from).and_then(|identity| {
+                named.add(recording, *row, &identity)?;
+                let answers = trial.questions.iter().zip(places).map(|(question, place)| {
+                    let key = match &question.from {
+                        AnswerFrom::Cell(_) => None,
+                        AnswerFrom::Json(JsonKey { key, .. }) => Some(key.as_str()),
+                    };
+                    let (answer, time) = *place;
+                    let place = Place { row: *row, answer, key, time };
+                    let answer =
+                        read_answer(context, questionnaire, recording, &question.id, place)?;
+                    Ok::<_, Errors>(answer.map(|answer| (question.id.clone(), answer)))
+                });
+                Ok(Answered { identity, answers: all(answers)?.into_iter().flatten().collect() })
+            });
+            match read {
                 Ok(read) => {
                     empty += trial.questions.len() - read.answers.len();
                     trials.push(read);
@@ -293,36 +305,9 @@ fn convert(
     if absent > 0 {
         report.told.push(format!("{absent} conditions of rows have no label, and are left out"));
     }
-    Ok(Read { trials, report, columns: from_one(columns), empty })
-}
-
-/// The labels and the answers of one trial of a row.
-fn read_row(
-    context: &Context,
-    questionnaire: &Questionnaire,
-    trial: &Wide,
-    places: &[(usize, Option<usize>)],
-    recording: &Recording,
-    row: usize,
-    named: &mut Named,
-) -> Result<Answered, Errors> {
-    let identity = identity(trial.who, recording, row, context.study)?;
-    named.add(recording, row, &identity)?;
-    let answers = trial.questions.iter().zip(places).map(|(question, (answer, time))| {
-        let key = match &question.from {
-            AnswerFrom::Cell(_) => None,
-            AnswerFrom::Json(JsonKey { key, .. }) => Some(key.as_str()),
-        };
-        let place = Place { row, answer: *answer, key, time: *time };
-        let answer = read_answer(context, questionnaire, recording, &question.id, place)?;
-        Ok::<_, Errors>(answer.map(|answer| (question.id.clone(), answer)))
-    });
-    Ok(Answered { identity, answers: all(answers)?.into_iter().flatten().collect() })
-}
-
-/// Places counted from 1.
-pub(super) fn from_one(places: BTreeSet<usize>) -> BTreeSet<usize> {
-    places.into_iter().map(|place| place + 1).collect()
+    // The session's record counts them from 1.
+    let columns = columns.into_iter().map(|place| place + 1).collect();
+    Ok(Read { trials, report, columns, empty })
 }
 
 #[cfg(test)]
@@ -391,12 +376,8 @@ trial = { column = \"order\" }
     fn an_empty_answer_is_refused_or_left_out_never_invented() {
         let world = world();
         let file = world.file("a.csv", TABLE.replace("5;1", ";1"));
-        world.refuses(
-            MAP,
-            &file,
-            "the answer '' must be a whole number from 1 to 5 (line 2)",
-            Some(("Wall?", 1)),
-        );
+        let words = "the answer '' must be a whole number from 1 to 5 (line 2)";
+        world.refuses(MAP, &file, words, Some(("Wall?", 1)));
         let drop = MAP.replace("[trial]", "missing = \"drop\"\n[trial]");
         let report = world.import(&drop, &[file]).unwrap();
         assert_eq!(report.answers, 5);
@@ -478,21 +459,15 @@ columns = { felt_spring = \"s2\" }
         let table = "who,first,s1,w1,second,s2\nA,active,1,2,passive,3\nB,passive,4,5,active,1\n";
         let report = world.import(TWO, &[world.file("a.csv", table)]).unwrap();
         assert_eq!((report.sessions, report.answers), (2, 6));
-        let said = |of: &str| {
-            let data = world.load();
-            let of_them = data.answers.iter().filter(|a| a.participant.as_str() == of);
-            of_them
-                .map(|a| format!("{} {} {}", a.condition.mode, a.question, a.value))
-                .collect::<Vec<_>>()
-        };
-        assert_eq!(
-            said("A"),
-            ["active felt_spring 1", "active felt_wall 2", "passive felt_spring 3"]
-        );
-        assert_eq!(
-            said("B"),
-            ["passive felt_spring 4", "passive felt_wall 5", "active felt_spring 1"]
-        );
+        let answers = world.load().answers;
+        for (who, expect) in [
+            ("A", ["active felt_spring 1", "active felt_wall 2", "passive felt_spring 3"]),
+            ("B", ["passive felt_spring 4", "passive felt_wall 5", "active felt_spring 1"]),
+        ] {
+            let own = answers.iter().filter(|a| a.participant.as_str() == who);
+            let own = own.map(|a| format!("{} {} {}", a.condition.mode, a.question, a.value));
+            assert_eq!(own.collect::<Vec<_>>(), expect);
+        }
         // Somebody who did one of them.
         let table = "who,first,s1,w1,second,s2\nC,active,1,2,,\n";
         let file = world.file("b.csv", table);
@@ -538,21 +513,16 @@ columns = { felt_spring = \"s2\" }
         assert!(report.to_string().contains("3 trials that are there answered"), "{report}");
         assert_eq!(world.load().answers.len(), 6);
         let before = world.written();
-        let report = world.import(&spring, &[file]).unwrap();
-        assert!(
-            report.to_string().contains("in the study already, as P01 S01, P12 S01"),
-            "{report}"
-        );
-        let check = |from: &str, to: &str, words: &str| {
+        let report = world.import(&spring, &[file]).unwrap().to_string();
+        assert!(report.contains("in the study already, as P01 S01, P12 S01"), "{report}");
+        let other = "trial 2 of P01 S01 has the answer 1 to 'felt_spring' already, and here 2";
+        for (from, to, words) in [
+            ("5;1", "5;2", other),
+            ("active;2;", "passive;2;", "has no trial of spring, passive, trial 2"),
+        ] {
             let file = world.file("b.csv", TABLE.replace(from, to));
             world.refuses(&spring, &file, words, None);
-        };
-        check(
-            "5;1",
-            "5;2",
-            "trial 2 of P01 S01 has the answer 1 to 'felt_spring' already, and here 2",
-        );
-        check("active;2;", "passive;2;", "has no trial of spring, passive, trial 2");
+        }
         assert_eq!(world.written(), before);
     }
 
@@ -594,40 +564,39 @@ columns = { felt_spring = \"s2\" }
         let values: Vec<i16> =
             world.load().answers.iter().filter_map(|a| a.value.whole()).collect();
         assert_eq!(values, [5, 1]);
-        let check = |cell: &str, words: &str| {
-            let text = format!("who,mode,order,response\n2,active,1,\"{cell}\"\n");
-            world.refuses(&map, &world.file("b.csv", text), words, Some(("response", 1)));
-        };
-        check("{\"\"Q0\"\":5,\"\"Q1\"\":1}", "the answer '5' must be a whole number from 0 to 4");
-        check("{\"\"Q0\"\":1}", "has no key 'Q1': it has Q0");
-        check("[1,2]", "is not a JSON object");
-        check("{\"\"Q0\"\":null,\"\"Q1\"\":1}", "must be a whole number from 0 to 4");
+        let table = |cell: &str| format!("who,mode,order,response\n2,active,1,\"{cell}\"\n");
+        let null = "{\"\"Q0\"\":null,\"\"Q1\"\":1}";
+        for (cell, words) in [
+            ("{\"\"Q0\"\":5,\"\"Q1\"\":1}", "the answer '5' must be a whole number from 0 to 4"),
+            ("{\"\"Q0\"\":1}", "has no key 'Q1': it has Q0"),
+            ("[1,2]", "is not a JSON object"),
+            (null, "must be a whole number from 0 to 4"),
+        ] {
+            let file = world.file("b.csv", table(cell));
+            world.refuses(&map, &file, words, Some(("response", 1)));
+        }
         let drop = map.replace("[trial]", "missing = \"drop\"\n[trial]");
-        let text = "who,mode,order,response\n2,active,1,\"{\"\"Q0\"\":null,\"\"Q1\"\":1}\"\n";
-        assert_eq!(world.import(&drop, &[world.file("c.csv", text)]).unwrap().answers, 1);
+        assert_eq!(world.import(&drop, &[world.file("c.csv", table(null))]).unwrap().answers, 1);
     }
 
     #[test]
     fn bad_answers_and_tables_are_refused_with_column_and_row() {
         let world = world();
-        let check = |map: &str, from: &str, to: &str, words: &str, at| {
+        let odd = format!("{MAP}[questions.columns]\nnothing = 5\n");
+        let no_question = "'nothing', which is not a question of study.toml";
+        let no_mode = "mode 'actve' is not in study.toml";
+        for (map, from, to, words, at) in [
+            (MAP, "1;4;2", "1;6;2", "the answer '6'", Some(("Wall?", 2))),
+            (MAP, "1;4;2", "1;2.5;2", "the answer '2.5'", Some(("Wall?", 2))),
+            (MAP, "1;4;2", "1;agree;2", "the answer 'agree'", Some(("Wall?", 2))),
+            (MAP, "passive;1", "passive;2", "duplicate trial: trial 2 of P01 S01", None),
+            (MAP, "Wall?", "Walls?", "column Wall?: the column is missing", None),
+            (MAP, "x;12;", "x;Ann;", "'Ann' is not a whole number", Some(("who", 3))),
+            (MAP, "x;12;active", "x;12;actve", no_mode, Some(("mode", 3))),
+            (odd.as_str(), "x", "x", no_question, None),
+        ] {
             assert!(TABLE.contains(from), "{from}");
             world.refuses(map, &world.file("a.csv", TABLE.replace(from, to)), words, at);
-        };
-        check(MAP, "1;4;2", "1;6;2", "the answer '6'", Some(("Wall?", 2)));
-        check(MAP, "1;4;2", "1;2.5;2", "the answer '2.5'", Some(("Wall?", 2)));
-        check(MAP, "1;4;2", "1;agree;2", "the answer 'agree'", Some(("Wall?", 2)));
-        check(MAP, "passive;1", "passive;2", "duplicate trial: trial 2 of P01 S01", None);
-        check(MAP, "Wall?", "Walls?", "column Wall?: the column is missing", None);
-        check(MAP, "x;12;", "x;Ann;", "'Ann' is not a whole number", Some(("who", 3)));
-        check(
-            MAP,
-            "x;12;active",
-            "x;12;actve",
-            "mode 'actve' is not in study.toml",
-            Some(("mode", 3)),
-        );
-        let odd = format!("{MAP}[questions.columns]\nnothing = 5\n");
-        check(&odd, "x", "x", "'nothing', which is not a question of study.toml", None);
+        }
     }
 }

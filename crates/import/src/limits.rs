@@ -6,7 +6,7 @@ use super::table::ColumnRef;
 use regex::Regex;
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use zwidth_store::{MOST_ROWS, Samples, Signal, StoreError};
+use zwidth_store::{Samples, Signal, StoreError};
 
 /// Bytes of one recording (256 MiB); files are read side by side up to as many together.
 pub(super) const MOST_FILE: u64 = 1 << 28;
@@ -82,29 +82,21 @@ impl Budget {
     /// # Errors
     /// There was too much of something; the error names it.
     pub(super) fn held(&self, files: &[std::path::PathBuf]) -> Result<(), StoreError> {
-        let [cells, trials] =
-            [&self.cells, &self.trials].map(|spent| spent.load(Ordering::Relaxed));
-        let what = if cells > MOST_CELLS {
-            format!(
-                "more than {MOST_CELLS} cells in mapped columns, and no more are read in one import"
-            )
-        } else if trials > MOST_TRIALS {
-            format!(
-                "more than {MOST_TRIALS} trials, sweeps or answered rows, and no more are read in one import"
-            )
-        } else {
-            return Ok(());
-        };
+        let over = [
+            (&self.cells, MOST_CELLS, "cells in mapped columns"),
+            (&self.trials, MOST_TRIALS, "trials, sweeps or answered rows"),
+        ]
+        .into_iter()
+        .find(|(spent, most, _)| spent.load(Ordering::Relaxed) > *most);
+        let Some((_, most, of_what)) = over else { return Ok(()) };
+        let what = format!("more than {most} {of_what}, and no more are read in one import");
         let first = files.first().map_or(Path::new("."), std::path::PathBuf::as_path);
         Err(match files.len() {
             1 => StoreError::new(first, format!("the file has {what}"), "split it"),
             n => {
                 let what = format!("this file and the {} others have {what}", n - 1);
-                StoreError::new(
-                    first,
-                    what,
-                    "import them in several commands, whole sessions in each",
-                )
+                let remedy = "import them in several commands, whole sessions in each";
+                StoreError::new(first, what, remedy)
             }
         })
     }
@@ -118,33 +110,41 @@ fn spend(spent: &AtomicUsize, n: usize, most: usize) -> bool {
 }
 
 /// Stands for the error of [`Budget::held`], which takes its place.
-pub(super) fn too_much(path: &Path) -> StoreError {
-    StoreError::new(
-        path,
-        "with it the import has more than is read at once",
-        "import fewer files at once",
-    )
+fn too_much(path: &Path) -> StoreError {
+    let what = "with it the import has more than is read at once";
+    StoreError::new(path, what, "import fewer files at once")
 }
 
 /// The error of a recording with too many rows; `rows` in words.
 pub(super) fn too_many_rows(path: &Path, rows: &str) -> StoreError {
-    StoreError::new(
-        path,
-        format!("the file has {rows} rows, and at most {MOST_WHOLE_ROWS} are read"),
-        "split it, or write it as CSV: a long text is read part by part",
-    )
+    let what = format!("the file has {rows} rows, and at most {MOST_WHOLE_ROWS} are read");
+    let remedy = "split it, or write it as CSV: a long text is read part by part";
+    StoreError::new(path, what, remedy)
+}
+
+/// The error of a recording whose rows are counted only up to those that are read.
+pub(super) fn more_rows(path: &Path) -> StoreError {
+    too_many_rows(path, &format!("more than {MOST_WHOLE_ROWS}"))
+}
+
+/// Checks that so many rows are read whole.
+///
+/// # Errors
+/// There are too many.
+pub(super) fn check_rows(path: &Path, rows: usize) -> Result<(), StoreError> {
+    if rows > MOST_WHOLE_ROWS { Err(too_many_rows(path, &rows.to_string())) } else { Ok(()) }
+}
+
+/// The error of mapped columns with too long texts.
+pub(super) fn too_much_text(path: &Path) -> StoreError {
+    let what = format!("the texts in mapped columns have more than {MOST_TEXT} bytes");
+    StoreError::new(path, what, "split the file")
 }
 
 /// The error of a line, or a record, that is longer than any is read.
 pub(super) fn long_line(path: &Path, line: u64) -> StoreError {
     let what = format!("line {line} has more than {MOST_LINE} bytes, and no more are read");
     StoreError::new(path, what, "check the quotes of the line, and how lines end")
-}
-
-/// The error of a long text with more rows than a trial may have.
-pub(super) fn too_many_for_a_trial(path: &Path) -> StoreError {
-    let what = format!("the file has more than {MOST_ROWS} rows, and no more are read");
-    StoreError::new(path, what, "split it")
 }
 
 /// Checks that so many columns may be read.
@@ -156,11 +156,8 @@ pub(super) fn check_columns(path: &Path, columns: usize) -> Result<(), StoreErro
         return Ok(());
     }
     let what = format!("the file has {columns} columns, and at most {MOST_COLUMNS} are read");
-    Err(StoreError::new(
-        path,
-        what,
-        "leave out those that are not needed, or check the delimiter in [file]",
-    ))
+    let remedy = "leave out those that are not needed, or check the delimiter in [file]";
+    Err(StoreError::new(path, what, remedy))
 }
 
 /// Checks that a name is short enough.
@@ -192,6 +189,14 @@ impl<'a> Take<'a> {
         Self { columns, pattern: None, turned: false, budget }
     }
 
+    /// Takes room for cells, before memory is.
+    ///
+    /// # Errors
+    /// There is none left.
+    pub(super) fn room(&self, path: &Path, cells: usize) -> Result<(), StoreError> {
+        if self.budget.cells(cells) { Ok(()) } else { Err(too_much(path)) }
+    }
+
     /// Whether the column at `place` (from 0) is taken; `name` is its name where it has one.
     pub(super) fn wants(&self, place: usize, name: Option<&str>) -> bool {
         self.columns.iter().any(|column| column.means(place, name))
@@ -211,11 +216,8 @@ pub(super) fn check_sizes(path: &Path, samples: &Samples) -> Result<(), StoreErr
     let theta = samples.get(Signal::Theta).unwrap_or_default();
     let Some(row) = theta.iter().position(|v| v.abs() > MOST_ANGLE_RAD) else { return Ok(()) };
     let what = format!("the angle {} rad is more than a thousand turns", theta[row]);
-    let error = StoreError::new(
-        path,
-        what,
-        "check unit, scale and offset of the angle, or leave the row out",
-    );
+    let remedy = "check unit, scale and offset of the angle, or leave the row out";
+    let error = StoreError::new(path, what, remedy);
     Err(error.column(Signal::Theta.name()).row0(row))
 }
 
@@ -244,7 +246,15 @@ pub(super) mod tests {
         read(&Take::of(columns.iter().collect(), &budget))
     }
 
-    /// The same of a matrix whose rows are the signals.
+    /// The columns of these names.
+    pub(in super::super) fn only<T>(names: &[&str], read: impl FnOnce(&Take) -> T) -> T {
+        let named = names.iter().map(|name| ColumnRef::Name((*name).to_owned()));
+        let columns: Vec<ColumnRef> = named.collect();
+        let budget = Budget::default();
+        read(&Take::of(columns.iter().collect(), &budget))
+    }
+
+    /// Every column of a matrix whose rows are the signals.
     pub(in super::super) fn everything_turned<T>(read: impl FnOnce(&Take) -> T) -> T {
         everything(|take| {
             read(&Take { turned: true, ..Take::of(take.columns.clone(), take.budget) })

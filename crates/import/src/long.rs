@@ -106,16 +106,16 @@ fn key(identity: &Identity) -> String {
 /// Checks that no two files have answers to one trial: they would count as two repeats.
 pub(super) fn apart(files: &[&[Answered]]) -> Result<(), Errors> {
     let mut seen: BTreeMap<String, &Path> = BTreeMap::new();
-    let checked = files.iter().flat_map(|trials| trials.iter()).map(|answered| {
+    let twice = files.iter().flat_map(|trials| trials.iter()).filter_map(|answered| {
         let identity = &answered.identity;
-        let Some(first) = seen.insert(key(identity), &identity.file) else { return Ok(()) };
+        let first = seen.insert(key(identity), &identity.file)?;
         let what = format!(
             "{} {} {} {} is in {} too",
             identity.participant, identity.session, identity.environment, identity.mode, first.display()
         );
         let remedy = "put the answers to one trial into one file, or tell the trials apart by trial or repeat \
                       in [trial]";
-        Err(StoreError::new(&identity.file, what, remedy))
+        Some(StoreError::new(&identity.file, what, remedy))
     });
-    all(checked).map(drop)
+    twice.collect::<Errors>().none()
 }

@@ -39,7 +39,7 @@ pub struct Mapping {
 #[derive(Debug, Clone)]
 pub(super) enum Content {
     Trials { who: Box<Who>, time: Time, columns: Vec<SignalFrom>, channels: Vec<ChannelFrom> },
-    Sweeps(Box<(SweepLabels, SweepForm)>),
+    Sweeps(Box<SweepFrom>),
     Likert(Questionnaire),
     Exclusions(Exclusions),
 }
@@ -167,13 +167,8 @@ fn is_number(number: Option<f64>, word: &str) -> bool {
 impl FileForm {
     /// The format named, or that of the file's extension.
     pub(super) fn format_of(&self, path: &Path) -> Result<Format, StoreError> {
-        let extension =
-            path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
-        let mut all = Format::ALL.into_iter();
-        let format = self
-            .format
-            .or_else(|| all.find(|format| format.extensions().contains(&extension.as_str())));
-        format.ok_or_else(|| {
+        self.format.or_else(|| format_named(path)).ok_or_else(|| {
+            let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
             let what = format!("the extension '{extension}' names no known format");
             let words = Format::ALL.map(Format::word).join(", ");
             StoreError::new(path, what, format!("set format in [file] to one of {words}"))
@@ -200,6 +195,12 @@ impl FileForm {
             before: 0,
         }
     }
+}
+
+/// The format that a file's extension names.
+pub(super) fn format_named(path: &Path) -> Option<Format> {
+    let extension = path.extension()?.to_string_lossy().to_lowercase();
+    Format::ALL.into_iter().find(|format| format.extensions().contains(&extension.as_str()))
 }
 
 /// Where the labels of a trial come from.
@@ -230,14 +231,21 @@ impl Who {
     }
 }
 
+/// A column of theirs, and how its numbers become ours.
+#[derive(Debug, Clone)]
+pub(super) struct ColumnFrom {
+    pub(super) from: ColumnRef,
+    pub(super) unit: &'static Unit,
+    /// As the mapping spells it.
+    pub(super) unit_text: String,
+    pub(super) line: Linear,
+}
+
 /// Where the time of a sample comes from.
 #[derive(Debug, Clone)]
 pub(super) enum Time {
     Column {
-        from: ColumnRef,
-        unit: &'static Unit,
-        unit_text: String,
-        line: Linear,
+        column: ColumnFrom,
         mend: Mend,
     },
     /// The n-th row, from 0, lies at n / rate.
@@ -276,12 +284,9 @@ pub(super) struct ChannelFrom {
 /// A column of theirs, or a rule.
 #[derive(Debug, Clone)]
 pub(super) enum Origin {
+    /// With the value at which it starts over, in their unit.
     Column {
-        from: ColumnRef,
-        unit: &'static Unit,
-        unit_text: String,
-        line: Linear,
-        /// Where it starts over, in their unit.
+        column: ColumnFrom,
         wrap: Option<f64>,
     },
     Derived(Rule),
@@ -294,11 +299,14 @@ pub(super) enum Rule {
     IntegralOf(Signal),
 }
 
-/// Where the labels of a sweep come from.
+/// Where a sweep comes from: its labels, its quantities, and how it lies in its file.
 #[derive(Debug, Clone)]
-pub(super) struct SweepLabels {
+pub(super) struct SweepFrom {
     pub(super) actuator: Label,
-    pub(super) sweep: Option<Label>,
+    pub(super) number: Option<Label>,
+    pub(super) command: QuantityFrom,
+    pub(super) response: QuantityFrom,
+    pub(super) form: SweepForm,
 }
 
 /// How a sweep lies in its file.
@@ -308,16 +316,6 @@ pub(super) enum SweepForm {
     Pairs(Pairs),
     /// A column a value of one quantity.
     Wide(Wide),
-}
-
-impl SweepForm {
-    /// Command and response.
-    pub(super) fn quantities(&self) -> (&QuantityFrom, &QuantityFrom) {
-        match self {
-            Self::Pairs(pairs) => (&pairs.command.1, &pairs.response.1),
-            Self::Wide(wide) => (&wide.command, &wide.response),
-        }
-    }
 }
 
 /// A quantity of a sweep, and how its values are converted.
@@ -347,29 +345,16 @@ pub(super) struct Exclusions {
 #[derive(Debug, Clone)]
 pub(super) enum TrialFrom {
     /// By the recording that it was imported from: a path from this folder, which lies beside the table.
-    Recording {
-        column: ColumnRef,
-        folder: PathBuf,
-    },
-    Labels(Box<Labels>),
-}
-
-/// The labels of a trial.
-#[derive(Debug, Clone)]
-pub(super) struct Labels {
-    pub(super) participant: Label,
-    pub(super) session: Label,
-    pub(super) trial: Label,
+    Recording { column: ColumnRef, folder: PathBuf },
+    /// By its participant, its session and its number.
+    Labels(Box<[Label; 3]>),
 }
 
 impl Exclusions {
     pub(super) fn columns(&self) -> impl Iterator<Item = &ColumnRef> {
         let named = match &self.trial {
             TrialFrom::Recording { column, .. } => vec![column],
-            TrialFrom::Labels(labels) => {
-                let Labels { participant, session, trial } = &**labels;
-                [participant, session, trial].into_iter().filter_map(Label::column).collect()
-            }
+            TrialFrom::Labels(labels) => labels.iter().filter_map(Label::column).collect(),
         };
         let when = self.when.iter().map(|(column, _)| column);
         named.into_iter().chain(when).chain(self.reason.column())
@@ -384,26 +369,24 @@ pub(super) struct Wide {
     /// Which quantity stands in the headers.
     pub(super) header: Side,
     pub(super) reduce: Option<Reduce>,
-    pub(super) command: QuantityFrom,
-    pub(super) response: QuantityFrom,
 }
 
 /// How a file of pairs is mapped.
 #[derive(Debug, Clone)]
 pub(super) struct Pairs {
     pub(super) time: Option<Time>,
-    pub(super) command: (ColumnRef, QuantityFrom),
-    pub(super) response: (ColumnRef, QuantityFrom),
+    pub(super) command: ColumnRef,
+    pub(super) response: ColumnRef,
 }
 
 impl Pairs {
     /// The columns of command, response and, where it has one, time.
     pub(super) fn columns(&self) -> Vec<&ColumnRef> {
         let time = match &self.time {
-            Some(Time::Column { from, .. }) => Some(from),
+            Some(Time::Column { column, .. }) => Some(&column.from),
             _ => None,
         };
-        [Some(&self.command.0), Some(&self.response.0), time].into_iter().flatten().collect()
+        [&self.command, &self.response].into_iter().chain(time).collect()
     }
 }
 
@@ -447,17 +430,16 @@ mod tests {
 
     #[test]
     fn every_study_and_mapping_that_comes_with_the_program_is_valid() {
+        let read = |path: &Path| std::fs::read_to_string(path).unwrap();
         let mut mappings = 0;
         for folder in std::fs::read_dir(workspace("studies")).unwrap() {
             let folder = folder.unwrap().path();
-            let study =
-                Study::from_toml(&std::fs::read_to_string(folder.join("study.toml")).unwrap())
-                    .unwrap();
+            let study = Study::from_toml(&read(&folder.join("study.toml"))).unwrap();
             assert_eq!(Some(study.id.as_str()), folder.file_name().unwrap().to_str());
             for file in std::fs::read_dir(folder).unwrap() {
                 let path = file.unwrap().path();
                 if path.file_name().unwrap().to_str().unwrap().starts_with("map") {
-                    Mapping::from_toml(&std::fs::read_to_string(&path).unwrap(), &path).unwrap();
+                    Mapping::from_toml(&read(&path), &path).unwrap();
                     mappings += 1;
                 }
             }

@@ -8,19 +8,31 @@ pub(super) fn other_class(class: &str, variable: &str) -> Option<String> {
     let from = variable.replace('/', ".");
     let x = from.rsplit('.').next().unwrap_or(&from);
     let save = "save('OUT.mat', '-struct', 's', '-v7')";
-    let typed = match class {
+    let alone = |value: &str| format!("{x} = {value}; save('OUT.mat', '{x}', '-v7')");
+    let as_csv = format!("writetable(table({from}), 'OUT.csv')");
+    let (what, typed) = match class {
         "double" | "single" | "logical" | "int8" | "int16" | "int32" | "int64" | "uint8"
         | "uint16" | "uint32" | "uint64" => return None,
-        "table" => format!("s = table2struct({from}, 'ToScalar', true); {save}"),
-        "timetable" => format!(
-            "T = timetable2table({from}); T.(1) = seconds(T.(1) - T.(1)(1)); s = table2struct(T, 'ToScalar', true); {save}"
+        "table" => {
+            ("a MATLAB table", format!("s = table2struct({from}, 'ToScalar', true); {save}"))
+        }
+        "timetable" => (
+            "a MATLAB timetable",
+            format!(
+                "T = timetable2table({from}); T.(1) = seconds(T.(1) - T.(1)(1)); s = table2struct(T, 'ToScalar', true); {save}"
+            ),
         ),
-        "timeseries" => format!("s = struct('time', {from}.Time, 'data', {from}.Data); {save}"),
-        "datetime" => format!("{x} = seconds({from} - {from}(1)); save('OUT.mat', '{x}', '-v7')"),
-        "duration" => format!("{x} = seconds({from}); save('OUT.mat', '{x}', '-v7')"),
-        "sparse" => format!("{x} = full({from}); save('OUT.mat', '{x}', '-v7')"),
-        "string" | "categorical" | "char" => format!("writetable(table({from}), 'OUT.csv')"),
-        "cell" => format!("{x} = cell2mat({from}); save('OUT.mat', '{x}', '-v7')"),
+        "timeseries" => (
+            "a MATLAB timeseries",
+            format!("s = struct('time', {from}.Time, 'data', {from}.Data); {save}"),
+        ),
+        "datetime" => ("a MATLAB datetime", alone(&format!("seconds({from} - {from}(1))"))),
+        "duration" => ("a MATLAB duration", alone(&format!("seconds({from})"))),
+        "sparse" => ("a sparse matrix", alone(&format!("full({from})"))),
+        "cell" => ("a cell array", alone(&format!("cell2mat({from})"))),
+        "string" => ("an array of strings", as_csv),
+        "categorical" => ("a categorical array", as_csv),
+        "char" => ("text", as_csv),
         "struct" => return Some("a struct; name its fields by their path".to_owned()),
         "function_handle" => {
             return Some("a function handle, which has no values; save what it returns".to_owned());
@@ -31,18 +43,6 @@ pub(super) fn other_class(class: &str, variable: &str) -> Option<String> {
                 "an object of the class {class}; in MATLAB, save what is wanted of it as numeric variables"
             ));
         }
-    };
-    let what = match class {
-        "string" => "an array of strings",
-        "categorical" => "a categorical array",
-        "char" => "text",
-        "cell" => "a cell array",
-        "sparse" => "a sparse matrix",
-        "table" => "a MATLAB table",
-        "timetable" => "a MATLAB timetable",
-        "timeseries" => "a MATLAB timeseries",
-        "datetime" => "a MATLAB datetime",
-        _ => "a MATLAB duration",
     };
     Some(format!("{what}; in MATLAB, type {typed}"))
 }

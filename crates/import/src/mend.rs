@@ -40,18 +40,11 @@ impl Recording {
         let read = read.map_err(|row| {
             let cell = self.table.columns[column].cell(row);
             let what = format!("'{cell}' is not a time as the first row has it");
-            self.cell_error(
-                column,
-                row,
-                &what,
-                "mend the cell, or leave the row out with bad_lines",
-            )
+            let remedy = "mend the cell, or leave the row out with bad_lines";
+            self.cell_error(column, row, &what, remedy)
         })?;
-        match read {
-            None => {}
-            Some(Clock::LessTheFirst(values)) => {
-                self.table.columns[column] = Cells::Numbers(values)
-            }
+        let values = match read {
+            None => return Ok(()),
             #[allow(clippy::float_cmp)] // the factor of a second
             // Clock texts become seconds, whatever the mapping says: another unit there is a mistake.
             Some(Clock::Seconds(_)) if time.unit.to_si != 1.0 => {
@@ -61,8 +54,9 @@ impl Recording {
                     .error(what, "set unit = \"s\" in [time]")
                     .column(time.from.to_string()));
             }
-            Some(Clock::Seconds(values)) => self.table.columns[column] = Cells::Numbers(values),
-        }
+            Some(Clock::Seconds(values) | Clock::LessTheFirst(values)) => values,
+        };
+        self.table.columns[column] = Cells::Numbers(values);
         Ok(())
     }
 
@@ -108,19 +102,15 @@ impl Recording {
         let height = self.table.columns[column].len();
         let mut times = self.numbers(column, &rows.kept)?;
         // Trial by trial: a time has nothing to do with that of the trial before.
-        let ends = self.pieces(&rows.kept, labels).map(<[usize]>::len);
-        let ends: Vec<usize> = ends
-            .scan(0, |end, length| {
-                *end += length;
-                Some(*end)
-            })
-            .collect();
+        let mut ends = Vec::new();
         let mut begin = 0;
-        for end in &ends {
+        for piece in self.pieces(&rows.kept, labels) {
+            let end = begin + piece.len();
             if let Some(wrap) = wrap {
-                unwrap_times(&mut times[begin..*end], wrap, counts_at_hz.is_some());
+                unwrap_times(&mut times[begin..end], wrap, counts_at_hz.is_some());
             }
-            begin = *end;
+            ends.push(end);
+            begin = end;
         }
         self.table.columns[column] = spread(&times, &rows.kept, height);
         let Some(equal) = equal else { return Ok(()) };
@@ -185,7 +175,7 @@ pub(super) fn unwrap_angle(values: &mut [f64], wrap: f64) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::world::{ONE, World, close, trials_map};
+    use super::super::world::{ONE, World, close, column, trials_map};
     use super::*;
     use zwidth_store::{GAPS, Signal};
 
@@ -201,14 +191,12 @@ mod tests {
     }
 
     fn map(file: &str, time: &str) -> String {
-        let force = "[[column]]\nto = \"force_ex_n\"\nfrom = \"f\"\nunit = \"N\"\n";
-        trials_map(&[file, ONE, "[time]\n", time, force])
+        trials_map(&[file, ONE, "[time]\n", time, &column("force_ex_n", "f", "N")])
     }
 
     fn times(map: &str, text: &str) -> (World, Vec<f64>) {
         let world = World::new();
-        let report = world.import(map, &[world.file("a.csv", text)]);
-        report.unwrap_or_else(|e| panic!("{e:?}"));
+        world.import(map, &[world.file("a.csv", text)]).unwrap();
         let t = world.column(1, Signal::Time);
         (world, t)
     }
@@ -266,19 +254,17 @@ mod tests {
 
     #[test]
     fn a_time_that_runs_backwards_begins_another_trial_where_the_mapping_says_so() {
-        let text = "t,f\n0,1\n1,2\n0.5,3\n1,4\n";
         let split = map("", "from = \"t\"\nunit = \"s\"\nbackwards = \"split\"\n");
         let world = World::new();
-        assert_eq!(world.import(&split, &[world.file("a.csv", text)]).unwrap().trials, 2);
-        let world = World::new();
+        let file = world.file("a.csv", "t,f\n0,1\n1,2\n0.5,3\n1,4\n");
         let refuse = split.replace("split", "refuse");
-        world.refuses(&refuse, &world.file("a.csv", text), "time runs backwards", Some(("t", 3)));
+        world.refuses(&refuse, &file, "time runs backwards", Some(("t", 3)));
+        assert_eq!(world.import(&split, &[file]).unwrap().trials, 2);
     }
 
     #[test]
     fn clocks_and_durations_are_seconds_and_no_other_unit() {
-        let rows =
-            |times: [&str; 3]| format!("t,f\n{},1\n{},2\n{},3\n", times[0], times[1], times[2]);
+        let rows = |[a, b, c]: [&str; 3]| format!("t,f\n{a},1\n{b},2\n{c},3\n");
         let time = "from = \"t\"\nunit = \"s\"\nzero = \"first\"\n";
         for times_as_written in [
             ["10:00:00.000", "10:00:00.040", "10:00:01.000"],
@@ -290,16 +276,9 @@ mod tests {
             close(&t, &[0.0, 0.04, 1.0]);
         }
         let world = World::new();
-        let file = world.file("a.csv", rows(["0 sec", "0.04 sec", "1 sec"]));
-        let in_ms = map("", &time.replace("\"s\"", "\"ms\""));
-        world.refuses(&in_ms, &file, "set unit = \"s\"", None);
         let file = world.file("b.csv", rows(["0 sec", "soon", "1 sec"]));
-        world.refuses(
-            &map("", time),
-            &file,
-            "'soon' is not a time as the first row has it",
-            Some(("t", 2)),
-        );
+        let words = "'soon' is not a time as the first row has it";
+        world.refuses(&map("", time), &file, words, Some(("t", 2)));
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! The same recording counts once: by its content, within an import and in the whole study.
 
 use super::context::{Context, Converted};
-use super::errors::{Errors, all};
+use super::errors::Errors;
 use super::given::Read;
 use super::identity::{Cases, Identity};
 use super::report::FileReport;
@@ -45,11 +45,10 @@ pub(super) fn new_trials<T>(
 /// Checks that no sweep of the study was imported from one of these recordings.
 pub(super) fn sweeps<T>(context: &Context, files: &[Converted<T>]) -> Result<(), Errors> {
     let sources = sweep_sources(context.files, context.layout)?;
-    let checked = files.iter().map(|file| match sources.get(&file.blake3) {
-        None => Ok(()),
-        Some(first) => Err(imported_before(&file.path, first)),
-    });
-    all(checked).map(drop)
+    let before = files
+        .iter()
+        .filter_map(|file| Some(imported_before(&file.path, sources.get(&file.blake3)?)));
+    before.collect::<Errors>().none()
 }
 
 /// Checks that no session of the study has answers from the same columns of one of these tables.
@@ -59,21 +58,17 @@ pub(super) fn answers<'a>(
 ) -> Result<(), Errors> {
     let records = readable_records(context.files, context.layout)?;
     let mut seen = BTreeSet::new();
-    let checked = tables.filter(|table| seen.insert(&table.path)).map(|table| {
-        match records.iter().find(|record| {
+    let before = tables.filter(|table| seen.insert(&table.path)).filter_map(|table| {
+        let record = records.iter().find(|record| {
             // A record that names no columns has all of them.
             let taken = &record.answer_columns;
             record.imported_from.contains(&table.blake3)
                 && (taken.is_empty() || taken.iter().any(|at| table.parsed.columns.contains(at)))
-        }) {
-            None => Ok(()),
-            Some(record) => {
-                let first = format!("{} {}", record.participant, record.session);
-                Err(imported_before(&table.path, &first))
-            }
-        }
+        })?;
+        let first = format!("{} {}", record.participant, record.session);
+        Some(imported_before(&table.path, &first))
     });
-    all(checked).map(drop)
+    before.collect::<Errors>().none()
 }
 
 fn imported_before(path: &Path, first: &str) -> StoreError {
@@ -120,47 +115,28 @@ mod tests {
         assert_eq!(world.written(), ["study.toml"]);
     }
 
-    fn imported_before(map: &str, other: &str, content: &str, words: &str) {
-        let world = World::new();
-        world.import(map, &[world.file("a.csv", content)]).unwrap();
-        let before = world.written();
-        let errors = world.import(other, &[world.file("b.csv", content)]).unwrap_err();
-        assert!(errors.len() == 1 && errors[0].what.contains(words), "{errors:?}");
-        assert_eq!(world.written(), before);
-    }
-
     #[test]
     fn a_recording_that_the_study_has_under_another_name_is_refused_with_where_it_is() {
         let one = trials_map(&[ONE, FORCE]);
-        imported_before(
-            &one,
-            &one.replace("S01", "S02"),
-            CSV,
-            "imported before, as P01 S01 trial 1",
-        );
-        imported_before(
-            &one,
-            &one.replace("P01", "P02"),
-            CSV,
-            "imported before, as P01 S01 trial 1",
-        );
         let sweep = "kind = \"sweeps\"\n[sweep]\nactuator = \"brake\"\n[command]\nname = \"u\"\nunit = \"V\"\nfrom = \"t\"\n\
             [response]\nname = \"f\"\nunit = \"N\"\nfrom = \"f\"\n";
-        imported_before(
-            sweep,
-            &sweep.replace("brake", "motor"),
-            CSV,
-            "imported before, as sweep 1 of brake",
-        );
         let likert = "kind = \"likert\"\n[trial]\nparticipant = \"P01\"\nsession = \"S01\"\nenvironment = \"spring\"\n\
             mode = { column = \"m\" }\n[questions.columns]\nfelt_spring = 2\n";
         let answers = "m,a\nactive,3\npassive,4\n";
-        imported_before(
-            likert,
-            &likert.replace("S01", "S02"),
-            answers,
-            "imported before, as P01 S01",
-        );
+        for (map, ours, theirs, content, words) in [
+            (one.as_str(), "S01", "S02", CSV, "imported before, as P01 S01 trial 1"),
+            (one.as_str(), "P01", "P02", CSV, "imported before, as P01 S01 trial 1"),
+            (sweep, "brake", "motor", CSV, "imported before, as sweep 1 of brake"),
+            (likert, "S01", "S02", answers, "imported before, as P01 S01"),
+        ] {
+            let world = World::new();
+            world.import(map, &[world.file("a.csv", content)]).unwrap();
+            let before = world.written();
+            let other = map.replace(ours, theirs);
+            let errors = world.import(&other, &[world.file("b.csv", content)]).unwrap_err();
+            assert!(errors.len() == 1 && errors[0].what.contains(words), "{errors:?}");
+            assert_eq!(world.written(), before);
+        }
     }
 
     #[test]

@@ -79,12 +79,9 @@ fn against_others(trial: &Outline, trials: &[Outline]) -> Vec<String> {
         return doubts;
     }
     // A single load that is held looks like a sensor at its end; several loads differ.
-    let standing = others.iter().filter(|other| match (trial.largest, other.largest) {
-        (Some((_, Some(own))), Some((_, Some(theirs)))) => {
-            own.value.to_bits() == theirs.value.to_bits()
-        }
-        _ => false,
-    });
+    let plateau = |trial: &Outline| Some(trial.largest?.1?.value.to_bits());
+    let own = plateau(trial);
+    let standing = others.iter().filter(|other| own.is_some() && plateau(other) == own);
     let at_an_end = standing.count() >= LEAST_OTHERS
         && !others
             .iter()

@@ -1,10 +1,10 @@
 //! Parquet files from any program.
 
 use super::limits::{
-    MOST_TEXT, MOST_UNPACKED, MOST_WHOLE_ROWS, Take, check_columns, too_many_rows, too_much,
+    MOST_TEXT, MOST_UNPACKED, MOST_WHOLE_ROWS, Take, check_columns, too_many_rows,
 };
 use super::spelling::shown;
-use super::table::{Cells, Declared, Table};
+use super::table::{Built, Cells, Declared, Table};
 use ::parquet::arrow::ProjectionMask;
 use ::parquet::arrow::arrow_reader::{
     ArrowReaderMetadata, ArrowReaderOptions, ParquetRecordBatchReaderBuilder,
@@ -16,7 +16,8 @@ use arrow::array::{
 };
 use arrow::compute::floats;
 use arrow::datatypes::{
-    DataType, FieldRef, Fields, Int32Type, Int64Type, Schema, TimeUnit, UInt64Type,
+    ArrowPrimitiveType, DataType, FieldRef, Fields, Int32Type, Int64Type, Schema, TimeUnit,
+    UInt64Type,
 };
 use bytes::Bytes;
 use std::path::Path;
@@ -45,20 +46,54 @@ pub(super) fn read(path: &Path, bytes: Vec<u8>, take: &Take) -> Result<Table, St
     let usable = (0..fields.len()).filter(|root| kinds[*root].is_some());
     let roots: Vec<usize> =
         usable.filter(|root| take.wants(*root, Some(fields[*root].name()))).collect();
-    if !take.budget.cells(rows.saturating_mul(roots.len())) {
-        return Err(too_much(path));
+    take.room(path, rows.saturating_mul(roots.len()))?;
+    let schema = metadata.metadata().file_metadata().schema_descr();
+    let unpacked = check_pages(&bytes, metadata.metadata(), |leaf| {
+        roots.contains(&schema.get_column_root_idx(leaf))
+    });
+    let unpacked = unpacked.map_err(|why| unreadable(path, &why))?;
+    if unpacked > MOST_UNPACKED {
+        let what = format!(
+            "the mapped columns unpack to {unpacked} bytes, and at most {MOST_UNPACKED} are read"
+        );
+        return Err(StoreError::new(path, what, "split the file"));
     }
-    let mut cells = columns(path, &bytes, &metadata, &kinds, &roots)?;
-    // The roots rise, as they were counted up.
-    let columns = fields.iter().enumerate().map(|(root, field)| match roots.binary_search(&root) {
-        Ok(place) => std::mem::replace(&mut cells[place], Cells::Unread),
-        Err(_) if kinds[root].is_some() => Cells::Unread,
-        Err(_) => {
+    let mut text = 0;
+    let mut growing: Vec<Built> =
+        roots.iter().filter_map(|root| kinds[*root]).map(column).collect();
+    guarded(path, REMEDY, || {
+        if roots.is_empty() {
+            return Ok(());
+        }
+        // Text as a dictionary: a long word that every row repeats stays one word.
+        let word = DataType::Dictionary(Box::new(DataType::Int32), Box::new(DataType::Utf8));
+        let typed = fields.iter().zip(&kinds).map(|(field, kind)| match kind {
+            Some(Kind::Text) => field.as_ref().clone().with_data_type(word.clone()).into(),
+            _ => field.clone(),
+        });
+        let fields: Fields = typed.collect();
+        let options = ArrowReaderOptions::default().with_schema(Arc::new(Schema::new(fields)));
+        let metadata = ArrowReaderMetadata::try_new(metadata.metadata().clone(), options)?;
+        let mask = ProjectionMask::roots(schema, roots.iter().copied());
+        let builder = ParquetRecordBatchReaderBuilder::new_with_metadata(bytes.clone(), metadata);
+        for batch in builder.with_projection(mask).with_batch_size(BATCH_ROWS).build()? {
+            for (column, array) in growing.iter_mut().zip(batch?.columns()) {
+                extend(column, array, &mut text)?;
+            }
+        }
+        Ok(())
+    })?;
+    let unread = fields.iter().zip(&kinds).map(|(field, kind)| match kind {
+        Some(_) => Cells::Unread,
+        None => {
             let name = field.data_type().to_string();
             Cells::Other(format!("its type {} is neither number nor text", shown(&name)))
         }
     });
-    let columns = columns.collect();
+    let mut columns: Vec<Cells> = unread.collect();
+    for (root, read) in roots.iter().zip(growing) {
+        columns[*root] = read.finish();
+    }
     let names = fields.iter().map(|f| f.name().clone()).collect();
     let units = fields.iter().enumerate().filter_map(|(place, field)| {
         let unit = unit(field.data_type())?.to_owned();
@@ -84,130 +119,59 @@ fn rows(path: &Path, metadata: &ArrowReaderMetadata, columns: usize) -> Result<u
     Err(unreadable(path, &format!("its footer claims {rows} rows, and its row groups others")))
 }
 
-/// Reads the columns in use.
-fn columns(
-    path: &Path,
-    bytes: &Bytes,
-    metadata: &ArrowReaderMetadata,
-    kinds: &[Option<Kind>],
-    roots: &[usize],
-) -> Result<Vec<Cells>, StoreError> {
-    let schema = metadata.metadata().file_metadata().schema_descr();
-    let unpacked = check_pages(bytes, metadata.metadata(), |leaf| {
-        roots.contains(&schema.get_column_root_idx(leaf))
-    });
-    let unpacked = unpacked.map_err(|why| unreadable(path, &why))?;
-    if unpacked > MOST_UNPACKED {
-        let what = format!(
-            "the mapped columns unpack to {unpacked} bytes, and at most {MOST_UNPACKED} are read"
-        );
-        return Err(StoreError::new(path, what, "split the file"));
+/// A column of this kind, without rows.
+fn column(kind: Kind) -> Built {
+    match kind {
+        Kind::Number => Built::Numbers(Float64Builder::new()),
+        Kind::Whole => Built::Whole(Vec::new()),
+        Kind::Text => Built::Text(LargeStringBuilder::new()),
     }
-    let mut text = 0;
-    let mut columns: Vec<Growing> =
-        roots.iter().filter_map(|root| kinds[*root]).map(Growing::new).collect();
-    if columns.is_empty() {
-        return Ok(Vec::new());
-    }
-    guarded(path, REMEDY, || {
-        // Text as a dictionary: a long word that every row repeats stays one word.
-        let word = DataType::Dictionary(Box::new(DataType::Int32), Box::new(DataType::Utf8));
-        let typed = metadata.schema().fields().iter().zip(kinds).map(|(field, kind)| match kind {
-            Some(Kind::Text) => field.as_ref().clone().with_data_type(word.clone()).into(),
-            _ => field.clone(),
-        });
-        let fields: Fields = typed.collect();
-        let options = ArrowReaderOptions::default().with_schema(Arc::new(Schema::new(fields)));
-        let metadata = ArrowReaderMetadata::try_new(metadata.metadata().clone(), options)?;
-        let mask = ProjectionMask::roots(schema, roots.iter().copied());
-        let builder = ParquetRecordBatchReaderBuilder::new_with_metadata(bytes.clone(), metadata);
-        for batch in builder.with_projection(mask).with_batch_size(BATCH_ROWS).build()? {
-            let batch = batch?;
-            for (column, array) in columns.iter_mut().zip(batch.columns()) {
-                column.extend(array, &mut text)?;
-            }
-        }
-        Ok(())
-    })?;
-    Ok(columns.into_iter().map(Growing::finish).collect())
 }
 
-/// A column that grows batch by batch.
-enum Growing {
-    Numbers(Float64Builder),
-    /// Numbers of which a double may not hold every digit.
-    Whole(Vec<Option<i128>>),
-    Text(LargeStringBuilder),
+/// Adds a batch to a column; `text` counts the bytes of all texts.
+fn extend(column: &mut Built, array: &ArrayRef, text: &mut usize) -> Result<(), ParquetError> {
+    match column {
+        Built::Unread => {}
+        Built::Numbers(numbers) => numbers.extend(&floats(array)?),
+        Built::Whole(whole) => whole.extend(match array.data_type() {
+            DataType::UInt64 => whole_numbers::<UInt64Type>(array)?,
+            // Times and dates are whole numbers of eight bytes, or of four.
+            kind if kind.primitive_width() == Some(size_of::<i64>()) => {
+                whole_numbers::<Int64Type>(array)?
+            }
+            _ => whole_numbers::<Int32Type>(array)?,
+        }),
+        Built::Text(texts) => {
+            let words = array
+                .as_dictionary_opt::<Int32Type>()
+                .and_then(|d| d.downcast_dict::<StringArray>());
+            let words = words.ok_or_else(|| {
+                let what = "its text has a type that cannot be read; save it as plain strings";
+                ParquetError::General(what.to_owned())
+            })?;
+            for word in words {
+                *text += word.map_or(0, str::len);
+                if *text > MOST_TEXT {
+                    let what =
+                        format!("the texts in mapped columns have more than {MOST_TEXT} bytes");
+                    return Err(ParquetError::General(what));
+                }
+                texts.append_option(word);
+            }
+        }
+    }
+    Ok(())
 }
 
-impl Growing {
-    fn new(kind: Kind) -> Self {
-        match kind {
-            Kind::Number => Self::Numbers(Float64Builder::new()),
-            Kind::Whole => Self::Whole(Vec::new()),
-            Kind::Text => Self::Text(LargeStringBuilder::new()),
-        }
-    }
-
-    /// Adds a batch; `text` counts the bytes of all texts.
-    fn extend(&mut self, array: &ArrayRef, text: &mut usize) -> Result<(), ParquetError> {
-        match self {
-            Self::Numbers(numbers) => {
-                numbers.extend(&floats(array)?);
-            }
-            Self::Whole(whole) => {
-                let data = array.to_data();
-                match array.data_type() {
-                    DataType::UInt64 => {
-                        let numbers = array.as_primitive::<UInt64Type>();
-                        whole.extend(numbers.iter().map(|number| number.map(i128::from)));
-                    }
-                    // Times and dates are whole numbers of eight bytes, or of four.
-                    kind if kind.primitive_width() == Some(size_of::<i64>()) => {
-                        let data = data.into_builder().data_type(DataType::Int64).build()?;
-                        let numbers = make_array(data);
-                        let numbers = numbers.as_primitive::<Int64Type>();
-                        whole.extend(numbers.iter().map(|number| number.map(i128::from)));
-                    }
-                    _ => {
-                        let data = data.into_builder().data_type(DataType::Int32).build()?;
-                        let numbers = make_array(data);
-                        let numbers = numbers.as_primitive::<Int32Type>();
-                        whole.extend(numbers.iter().map(|number| number.map(i128::from)));
-                    }
-                }
-            }
-            Self::Text(texts) => {
-                let words = array
-                    .as_dictionary_opt::<Int32Type>()
-                    .and_then(|d| d.downcast_dict::<StringArray>());
-                let words = words.ok_or_else(|| {
-                    ParquetError::General(
-                        "its text has a type that cannot be read; save it as plain strings"
-                            .to_owned(),
-                    )
-                })?;
-                for word in words {
-                    *text += word.map_or(0, str::len);
-                    if *text > MOST_TEXT {
-                        let what =
-                            format!("the texts in mapped columns have more than {MOST_TEXT} bytes");
-                        return Err(ParquetError::General(what));
-                    }
-                    texts.append_option(word);
-                }
-            }
-        }
-        Ok(())
-    }
-
-    fn finish(self) -> Cells {
-        match self {
-            Self::Numbers(mut numbers) => Cells::Numbers(numbers.finish()),
-            Self::Whole(whole) => Cells::whole(whole.into_iter()),
-            Self::Text(mut texts) => Cells::Text(texts.finish()),
-        }
-    }
+/// The numbers of an array whose values lie as those of this type do.
+fn whole_numbers<T>(array: &ArrayRef) -> Result<Vec<Option<i128>>, ParquetError>
+where
+    T: ArrowPrimitiveType,
+    i128: From<T::Native>,
+{
+    let data = array.to_data().into_builder().data_type(T::DATA_TYPE).build()?;
+    let numbers = make_array(data);
+    Ok(numbers.as_primitive::<T>().iter().map(|number| number.map(i128::from)).collect())
 }
 
 fn unreadable(path: &Path, why: &str) -> StoreError {
@@ -278,8 +242,8 @@ fn unit(data_type: &DataType) -> Option<&'static str> {
 
 #[cfg(test)]
 pub(super) mod tests {
-    use super::super::limits::{Budget, tests::everything};
-    use super::super::table::{Cell, ColumnRef};
+    use super::super::limits::tests::{everything, only};
+    use super::super::table::Cell;
     use super::*;
     use ::parquet::arrow::ArrowWriter;
     use ::parquet::basic::CompressionCodec;
@@ -292,8 +256,8 @@ pub(super) mod tests {
         LargeStringArray, RecordBatch,
     };
 
-    fn read(path: &Path, bytes: Vec<u8>) -> Result<Table, StoreError> {
-        everything(|take| super::read(path, bytes, take))
+    fn read(bytes: Vec<u8>) -> Result<Table, StoreError> {
+        everything(|take| super::read(Path::new("a.parquet"), bytes, take))
     }
 
     fn sample() -> Vec<u8> {
@@ -320,7 +284,7 @@ pub(super) mod tests {
 
     #[test]
     fn numbers_are_f64_words_are_text_and_the_rest_says_why_not() {
-        let table = read(Path::new("a.parquet"), sample()).unwrap();
+        let table = read(sample()).unwrap();
         let cell = |c: usize, r: usize| table.columns[c].cell(r);
         assert_eq!(cell(0, 0), Cell::Number(f64::from(0.1_f32)));
         assert_eq!((cell(0, 1), cell(1, 1)), (Cell::Empty, Cell::Number(2.0)));
@@ -343,7 +307,7 @@ pub(super) mod tests {
         let groups = metadata.row_groups().iter().map(group).collect();
         let metadata = metadata.into_builder().set_row_groups(groups).build();
         ParquetMetaDataWriter::new(&mut bytes, &metadata).finish().unwrap();
-        let error = read(Path::new("a.parquet"), bytes).unwrap_err();
+        let error = read(bytes).unwrap_err();
         assert!(error.what.contains("compressed with gzip"), "{error}");
     }
 
@@ -351,7 +315,7 @@ pub(super) mod tests {
     fn a_file_cut_anywhere_is_one_clear_error() {
         let bytes = sample();
         for cut in (0..bytes.len()).step_by(41) {
-            let error = read(Path::new("a.parquet"), bytes[..cut].to_vec()).unwrap_err();
+            let error = read(bytes[..cut].to_vec()).unwrap_err();
             assert!(error.what.contains("Parquet") || error.what.contains("empty"), "{error}");
         }
     }
@@ -362,12 +326,12 @@ pub(super) mod tests {
         for i in 0..bytes.len() {
             let mut bad = bytes.clone();
             bad[i] ^= 1 << (i % 8);
-            let _ = read(Path::new("a.parquet"), bad);
+            let _ = read(bad);
         }
     }
 
     fn refused(bytes: Vec<u8>) -> String {
-        read(Path::new("a.parquet"), bytes).unwrap_err().what
+        read(bytes).unwrap_err().what
     }
 
     fn file(columns: Vec<(&str, ArrayRef)>) -> Vec<u8> {
@@ -378,14 +342,11 @@ pub(super) mod tests {
     fn every_way_to_write_words_and_numbers_reads_alike() {
         let decimal =
             Decimal128Array::from(vec![Some(150), None]).with_precision_and_scale(30, 2).unwrap();
-        let table = read(
-            Path::new("a.parquet"),
-            file(vec![
-                ("large", Arc::new(LargeStringArray::from(vec![Some("x"), None]))),
-                ("plain", Arc::new(StringArray::from(vec!["", "ä"]))),
-                ("decimal", Arc::new(decimal)),
-            ]),
-        );
+        let table = read(file(vec![
+            ("large", Arc::new(LargeStringArray::from(vec![Some("x"), None]))),
+            ("plain", Arc::new(StringArray::from(vec!["", "ä"]))),
+            ("decimal", Arc::new(decimal)),
+        ]));
         let columns = table.unwrap().columns;
         let cells: Vec<_> = columns.iter().map(|c| (c.cell(0), c.cell(1))).collect();
         assert_eq!(cells[0], (Cell::Text("x"), Cell::Empty));
@@ -428,10 +389,8 @@ pub(super) mod tests {
         assert!(bytes.len() < 1 << 27, "{}", bytes.len());
         let error = refused(bytes.clone());
         assert!(error.contains("column note unpacks to more than 67108864 bytes"), "{error}");
-        let t = ColumnRef::Name("t".to_owned());
-        let budget = Budget::default();
-        let take = Take::of(vec![&t], &budget);
-        let table = super::read(Path::new("a.parquet"), bytes, &take).unwrap();
+        let read = |take: &Take| super::read(Path::new("a.parquet"), bytes, take);
+        let table = only(&["t"], read).unwrap();
         assert_eq!((table.columns[0].len(), table.columns[1].len()), (1 << 17, 0));
     }
 

@@ -45,30 +45,23 @@ pub(super) fn spaced(text: &str, comment: Option<u8>) -> String {
     let mut lines = String::with_capacity(text.len());
     for line in text.lines() {
         let cells = line.trim();
-        if comment.is_some() && cells.bytes().next() == comment {
-            lines.push_str(cells);
-        } else {
-            push_cells(&mut lines, cells);
-        }
-        lines.push('\n');
-    }
-    lines
-}
-
-fn push_cells(lines: &mut String, cells: &str) {
-    let mut quoted = false;
-    let mut blank = false;
-    for letter in cells.chars() {
-        quoted ^= letter == '"';
-        if letter.is_whitespace() && !quoted {
-            blank = true;
-        } else {
+        let is_comment = comment.is_some() && cells.bytes().next() == comment;
+        let mut quoted = false;
+        let mut blank = false;
+        for letter in cells.chars() {
+            quoted ^= letter == '"';
+            if letter.is_whitespace() && !quoted && !is_comment {
+                blank = true;
+                continue;
+            }
             if std::mem::take(&mut blank) {
                 lines.push('\t');
             }
             lines.push(letter);
         }
+        lines.push('\n');
     }
+    lines
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use super::context::Context;
 use super::convert::{Linear, Zero};
 use super::errors::{Errors, all};
-use super::mapping::{ChannelFrom, Mend, Origin, Rule, SignalFrom, Time};
+use super::mapping::{ChannelFrom, ColumnFrom, Mend, Origin, Rule, SignalFrom, Time};
 use super::table::ColumnRef;
 use super::unit;
 use super::unit::Unit;
@@ -17,6 +17,13 @@ pub(super) struct TimeColumn<'a> {
     /// Whether times count from the first sample of a trial.
     pub(super) from_first: bool,
     pub(super) mend: Mend,
+}
+
+impl<'a> TimeColumn<'a> {
+    pub(super) fn of(column: &'a ColumnFrom, mend: Mend) -> Self {
+        let ColumnFrom { from, unit, line, .. } = column;
+        Self { from, unit, from_first: line.zero == Zero::First, mend }
+    }
 }
 
 /// The signals that are taken from every file, and those that are computed.
@@ -93,15 +100,14 @@ pub(super) fn plan<'a>(
             plan.rate_hz = Some(*rate_hz);
             plan.computed.push(rate_words(*rate_hz));
         }
-        Time::Column { from, unit, unit_text, line, mend } => {
-            plan.take(context, Signal::Time, from, unit, unit_text, *line)?;
-            let from_first = line.zero == Zero::First;
-            plan.time = Some(TimeColumn { from, unit, from_first, mend: *mend });
+        Time::Column { column, mend } => {
+            plan.take(context, Signal::Time, column, None)?;
+            plan.time = Some(TimeColumn::of(column, *mend));
             plan.computed.extend(mend.words());
         }
     }
     let added = columns.iter().map(|SignalFrom { to, origin }| match origin {
-        Origin::Column { from, unit, unit_text, line, wrap } => {
+        Origin::Column { column, wrap } => {
             // The user's torque is kept as a force where the study has a lever length, F = τ / L.
             let has_force = columns.iter().any(|c| c.to == Signal::ForceEx);
             let to = match to {
@@ -110,12 +116,7 @@ pub(super) fn plan<'a>(
                 }
                 other => *other,
             };
-            plan.take(context, to, from, unit, unit_text, *line)?;
-            if let (Some(wrap), Some(taken)) = (*wrap, plan.taken.last_mut()) {
-                taken.wrap = Some(wrap);
-                plan.computed.push(format!("{} unwrapped at {wrap} {unit_text}", to.name()));
-            }
-            Ok::<_, StoreError>(())
+            plan.take(context, to, column, *wrap)
         }
         Origin::Derived(rule) => {
             let words = match rule {
@@ -158,11 +159,10 @@ impl<'a> Plan<'a> {
         &mut self,
         context: &Context,
         to: Signal,
-        from: &'a ColumnRef,
-        unit: &'static unit::Unit,
-        unit_text: &'a str,
-        line: Linear,
+        column: &'a ColumnFrom,
+        wrap: Option<f64>,
     ) -> Result<(), StoreError> {
+        let ColumnFrom { from, unit, unit_text, line } = column;
         let (factor, length) = unit::factor(unit, to, context.study).map_err(|lacks| {
             let what =
                 format!("{unit_text} becomes {} only where study.toml has {lacks}", to.name());
@@ -187,14 +187,18 @@ impl<'a> Plan<'a> {
                 self.computed.push(words);
             }
         }
-        self.taken.push(Taken { to, from, line, factor, wrap: None, unit: (unit, unit_text) });
+        if let Some(wrap) = wrap {
+            self.computed.push(format!("{name} unwrapped at {wrap} {unit_text}"));
+        }
+        let unit = (column.unit, unit_text.as_str());
+        self.taken.push(Taken { to, from, line: *line, factor, wrap, unit });
         Ok(())
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::world::{FORCE, ONE, World, close, trials_map};
+    use super::super::world::{FORCE, ONE, World, close, column, trials_map};
     use zwidth_store::Signal;
     use zwidth_study::{StudyId, template};
 
@@ -236,20 +240,13 @@ offset = 1.0
         assert!(report.to_string().contains("force_ex_n ← 4 (N), (2 x + 1)"), "{report}");
     }
 
-    const TORQUE: &str = "
-[time]
-rate_hz = 200.0
-[[column]]
-to = \"torque_ex_nm\"
-from = \"tau\"
-unit = \"mN·m\"
-";
-
     #[test]
     fn torque_becomes_force_by_the_lever_and_stays_torque_without_one() {
         let csv = "tau\n90\n45\n";
+        let torque = column("torque_ex_nm", "tau", "mN·m");
+        let map = trials_map(&[ONE, "[time]\nrate_hz = 200.0\n", &torque]);
         let world = World::new();
-        world.import(&trials_map(&[ONE, TORQUE]), &[world.file("a.csv", csv)]).unwrap();
+        world.import(&map, &[world.file("a.csv", csv)]).unwrap();
         close(&world.column(1, Signal::ForceEx), &[2.0, 1.0]);
         assert_eq!(world.trial("P01", "S01", 1).samples.get(Signal::TorqueEx), None);
         let made = world.computed(1);
@@ -258,14 +255,10 @@ unit = \"mN·m\"
         let leverless = template(&StudyId::new("demo").unwrap()).replace("lever_m = 0.045", "");
         let world = World::with(&leverless);
         let file = world.file("a.csv", csv);
-        let asks_force = TORQUE.replace("torque_ex_nm", "force_ex_n");
-        world.refuses(
-            &trials_map(&[ONE, &asks_force]),
-            &file,
-            "only where study.toml has device.lever_m",
-            None,
-        );
-        world.import(&trials_map(&[ONE, TORQUE]), &[file]).unwrap();
+        let asks_force = map.replace("torque_ex_nm", "force_ex_n");
+        let words = "only where study.toml has device.lever_m";
+        world.refuses(&asks_force, &file, words, None);
+        world.import(&map, &[file]).unwrap();
         close(&world.column(1, Signal::TorqueEx), &[0.09, 0.045]);
         assert_eq!(world.trial("P01", "S01", 1).samples.get(Signal::ForceEx), None);
     }
@@ -273,21 +266,16 @@ unit = \"mN·m\"
     #[test]
     fn millimetres_become_radians_by_the_linear_coordinate_only() {
         let map = FORCE.replace("force_ex_n", "theta_rad").replace("\"N\"", "\"mm\"");
+        let map = trials_map(&[ONE, &map]);
         let world = World::new();
         let file = world.file("a.csv", "t,f\n0,5\n1,10\n");
-        world.refuses(
-            &trials_map(&[ONE, &map]),
-            &file,
-            "mm becomes theta_rad only where study.toml has coord",
-            None,
-        );
+        let words = "mm becomes theta_rad only where study.toml has coord";
+        world.refuses(&map, &file, words, None);
         let slide = "schema = 2\n[study]\nid = \"demo\"\ntitle = \"x\"\n[design]\nrepeats = 1\ntrial_limit_s = 4.0
 [coordinate]\nkind = \"linear\"\n[device]\nname = \"x\"\nlever_m = 0.5
 [[environments]]\nid = \"spring\"\nlabel = \"x\"\nkind = \"free\"\n[[modes]]\nid = \"hybrid\"\nlabel = \"x\"\n";
         let world = World::with(slide);
-        world
-            .import(&trials_map(&[ONE, &map]), &[world.file("a.csv", "t,f\n0,5\n1,10\n")])
-            .unwrap();
+        world.import(&map, &[world.file("a.csv", "t,f\n0,5\n1,10\n")]).unwrap();
         close(&world.column(1, Signal::Theta), &[0.01, 0.02]);
     }
 }

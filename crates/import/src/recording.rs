@@ -87,13 +87,10 @@ impl Gaps {
         if absent == 0 {
             return None;
         }
-        let mut causes = Vec::new();
-        if self.empty > 0 {
-            causes.push(format!("empty rows: {}", self.empty));
-        }
-        if self.missing > 0 {
-            causes.push(format!("rows without a value in a mapped column: {}", self.missing));
-        }
+        let causes =
+            [("empty rows", self.empty), ("rows without a value in a mapped column", self.missing)];
+        let causes = causes.into_iter().filter(|(_, n)| *n > 0);
+        let causes: Vec<String> = causes.map(|(what, n)| format!("{what}: {n}")).collect();
         let all = kept.saturating_add(absent);
         Some(format!("missing samples: {absent} of {all} ({})", causes.join("; ")))
     }
@@ -142,10 +139,8 @@ impl Recording {
     /// The text of a named group of the pattern on the path.
     pub(super) fn group(&self, name: &str) -> Result<String, StoreError> {
         self.groups.get(name).cloned().ok_or_else(|| {
-            self.error(
-                format!("group '{name}' of the pattern is not in the path"),
-                "mend the pattern in [name]",
-            )
+            let what = format!("group '{name}' of the pattern is not in the path");
+            self.error(what, "mend the pattern in [name]")
         })
     }
 
@@ -239,15 +234,11 @@ impl Recording {
 
     /// The numbers of a column in the rows given; the error names the first cell that is none.
     pub(super) fn numbers(&self, column: usize, rows: &[usize]) -> Result<Vec<f64>, StoreError> {
+        let remedy = "mend the cell, or set delimiter and decimal in [file]";
         let numbers = rows.iter().map(|row| match self.number(column, *row) {
             Ok(Some(value)) => Ok(value),
             Ok(None) => Err(self.missing(column, *row)),
-            Err(what) => Err(self.cell_error(
-                column,
-                *row,
-                &what,
-                "mend the cell, or set delimiter and decimal in [file]",
-            )),
+            Err(what) => Err(self.cell_error(column, *row, &what, remedy)),
         });
         numbers.collect()
     }
@@ -277,12 +268,8 @@ impl Recording {
             }
             cell => format!("{cell} is not a number"),
         };
-        self.cell_error(
-            column,
-            row,
-            &what,
-            "mend the cell, or leave such rows out with missing = \"drop\" in [file]",
-        )
+        let remedy = "mend the cell, or leave such rows out with missing = \"drop\" in [file]";
+        self.cell_error(column, row, &what, remedy)
     }
 
     /// The rows to take: up to the limit, and without those where one of `numeric` or `text` has no
@@ -463,11 +450,8 @@ pub(super) fn groups(path: &Path, pattern: &Regex) -> Result<BTreeMap<String, St
     // So that one pattern does on every system.
     let text = path.to_string_lossy().replace('\\', "/");
     let captures = pattern.captures(&text).ok_or_else(|| {
-        StoreError::new(
-            path,
-            format!("the path does not match the pattern '{pattern}'"),
-            "mend the pattern in [name], or leave the file out",
-        )
+        let what = format!("the path does not match the pattern '{pattern}'");
+        StoreError::new(path, what, "mend the pattern in [name], or leave the file out")
     })?;
     let groups = pattern
         .capture_names()
@@ -551,10 +535,8 @@ mod tests {
     fn every_format_gives_the_same_trial() {
         let map = trials_map(&[ONE, &FORCE.replace("\"s\"", "\"ms\"")]);
         let mat = |big| {
-            mat::tests::encode(
-                &[(b'z', &[1.0]), (b't', &[0.0, 500.0, 1e3]), (b'f', &[1.5, 2.0, 4.0])],
-                big,
-            )
+            let t = [0.0, 500.0, 1e3];
+            mat::tests::encode(&[(b'z', &[1.0]), (b't', &t), (b'f', &[1.5, 2.0, 4.0])], big)
         };
         let check = |name: &str, form: &str, content: &[u8]| {
             let world = World::new();
@@ -568,11 +550,8 @@ mod tests {
         check("a.parquet", "", &parquet_file());
         check("a.mat", "", &mat(false));
         check("a.mat", "", &mat(true));
-        check(
-            "a.txt",
-            "[file]\nformat = \"csv\"\ndelimiter = \" \"\n",
-            b"t f\n0 1.5\n500 2\n1000 4\n",
-        );
+        let blanks = "[file]\nformat = \"csv\"\ndelimiter = \" \"\n";
+        check("a.txt", blanks, b"t f\n0 1.5\n500 2\n1000 4\n");
     }
 
     #[test]
@@ -592,10 +571,9 @@ mod tests {
     #[test]
     fn mapped_columns_of_different_lengths_are_refused_others_do_not_matter() {
         let world = World::new();
-        let mat = mat::tests::encode(
-            &[(b't', &[0.0, 1.0]), (b'f', &[1.0, 2.0, 3.0]), (b'z', &[1.0])],
-            false,
-        );
+        let columns: [(u8, &[f64]); 3] =
+            [(b't', &[0.0, 1.0]), (b'f', &[1.0, 2.0, 3.0]), (b'z', &[1.0])];
+        let mat = mat::tests::encode(&columns, false);
         let words = "it has 3 values where 't' has 2";
         world.refuses(&trials_map(&[ONE, FORCE]), &world.file("a.mat", mat), words, None);
     }
@@ -603,31 +581,24 @@ mod tests {
     #[test]
     fn bad_input_is_one_clear_error_with_file_column_and_row() {
         let world = World::new();
-        let check = |csv: &str, words: &str, at: Option<(&str, usize)>| {
+        let backwards = "time runs backwards or stands still: 0.5 s after 1 s";
+        let comma = "'1,5' is not a number with '.' before its decimals";
+        for (csv, words, at) in [
+            ("t,f\n0,1\n1,abc\n", "'abc' is not a number (line 3)", Some(("f", 2))),
+            ("t,f\n0,1\n1,NaN\n", "NaN is not a number (line 3)", Some(("f", 2))),
+            ("t,f\n0,1\n1,inf\n", "'inf' is not a finite number", Some(("f", 2))),
+            ("t,f\n0,1\n1,\n", "the cell is empty (line 3)", Some(("f", 2))),
+            ("t,f\n0,1\n1,2\n0.5,3\n", backwards, Some(("t", 3))),
+            ("t,f\n0,1\n0,2\n", "stands still", Some(("t", 2))),
+            ("t,g\n0,1\n", "column f: the column is missing; the file has t, g", None),
+            ("t;f\n0;1\n", "column t: the column is missing", None),
+            ("t,f\n0,1\n1\n", "line 3 has 1 cells where 2 belong", None),
+            ("t,f\n0,\"1,5\"\n", comma, Some(("f", 1))),
+            ("\u{feff}\r\n", "the file is empty", None),
+        ] {
             let file = world.file("bad.csv", csv);
             world.refuses(&trials_map(&[ONE, FORCE]), &file, words, at);
-        };
-        check("t,f\n0,1\n1,abc\n", "'abc' is not a number (line 3)", Some(("f", 2)));
-        check("t,f\n0,1\n1,NaN\n", "NaN is not a number (line 3)", Some(("f", 2)));
-        check("t,f\n0,1\n1,inf\n", "'inf' is not a finite number", Some(("f", 2)));
-        check("t,f\n0,1\n1,\n", "the cell is empty (line 3)", Some(("f", 2)));
-        check(
-            "t,f\n0,1\n1,2\n0.5,3\n",
-            "time runs backwards or stands still: 0.5 s after 1 s",
-            Some(("t", 3)),
-        );
-        check("t,f\n0,1\n0,2\n", "stands still", Some(("t", 2)));
-        check("t,g\n0,1\n", "column f: the column is missing; the file has t, g", None);
-        check("t;f\n0;1\n", "column t: the column is missing", None);
-        check("t,f\n0,1\n1\n", "line 3 has 1 cells where 2 belong", None);
-        check(
-            "t,f\n0,\"1,5\"\n",
-            "'1,5' is not a number with '.' before its decimals",
-            Some(("f", 1)),
-        );
-        check("t,f\n", "the file has 0 rows", None);
-        check("", "the file is empty", None);
-        check("\u{feff}\r\n", "the file is empty", None);
+        }
     }
 
     #[test]
@@ -687,14 +658,10 @@ mod tests {
         let map = format!("{ONE}likert = {{ column = \"q\" }}\n");
         let map = trials_map(&["[file]\nmissing = \"drop\"\n", &map, FORCE]);
         for mark in ["", "None"] {
-            for is_long in [false, true] {
+            for import in [World::import, World::import_streamed] {
                 let world = World::new();
-                let file = [world.file("a.csv", format!("t,f,q\n0,1,{mark}\n1,2,{mark}\n"))];
-                let report = match is_long {
-                    true => world.import_streamed(&map, &file),
-                    false => world.import(&map, &file),
-                };
-                let report = report.unwrap();
+                let file = world.file("a.csv", format!("t,f,q\n0,1,{mark}\n1,2,{mark}\n"));
+                let report = import(&world, &map, &[file]).unwrap();
                 assert_eq!((report.trials, report.answers), (1, 0));
             }
         }
@@ -715,13 +682,11 @@ mod tests {
     #[test]
     fn a_file_that_is_wrong_throughout_is_told_up_to_a_thousand_errors() {
         let world = World::new();
-        let rows: String = (0..3000).map(|i| format!("{i},x\n")).collect();
+        let one: String = (0..3000).map(|i| format!("{i},x\n")).collect();
         let map = trials_map(&[&ONE.replace("\"hybrid\"", "{ column = \"f\" }"), FORCE]);
         let bad: String = (0..3000).map(|i| format!("{i},x{i}\n")).collect();
-        assert_eq!(
-            world.import(&map, &[world.file("a.csv", format!("t,f\n{rows}"))]).unwrap_err().len(),
-            1
-        );
+        let errors = world.import(&map, &[world.file("a.csv", format!("t,f\n{one}"))]).unwrap_err();
+        assert_eq!(errors.len(), 1);
         let errors = world.import(&map, &[world.file("b.csv", format!("t,f\n{bad}"))]).unwrap_err();
         assert_eq!(errors.len(), 1001);
         assert!(errors[1000].what.contains("more errors than these"), "{}", errors[1000]);

@@ -157,19 +157,14 @@ impl fmt::Display for Report {
                 results.collect::<Vec<_>>().join(", ")
             )?,
         }
-        if left_out > 0 {
-            write!(
-                f,
-                "; {} there already",
-                if left_out == 1 { "1 was".to_owned() } else { format!("{left_out} were") }
-            )?;
+        match left_out {
+            0 => {}
+            1 => write!(f, "; 1 was there already")?,
+            n => write!(f, "; {n} were there already")?,
         }
-        let doubtful = self.files.iter().filter(|file| file.is_doubtful()).count();
-        match doubtful {
+        match self.files.iter().filter(|file| file.is_doubtful()).count() {
             0 => Ok(()),
-            n if n == new => {
-                write!(f, "; all have warnings, listed above")
-            }
+            n if n == new => write!(f, "; all have warnings, listed above"),
             n => write!(f, "; {n} of {files} have warnings, listed above"),
         }
     }
@@ -219,9 +214,9 @@ impl FileReport {
 
     /// The lines of its report that other files do not share.
     fn brief(&self) -> Vec<String> {
-        let own = Self { file: self.file.clone(), rows_read: self.rows_read, ..Self::default() };
-        let own = Self { rows_kept: self.rows_kept, made: self.made.clone(), ..own };
-        let mut lines = Self { care: self.care.clone(), ..own }.lines();
+        let Self { file, rows_read, rows_kept, made, care, .. } = self.clone();
+        let own = Self { file, rows_read, rows_kept, made, care, ..Self::default() };
+        let mut lines = own.lines();
         lines[0] += "; otherwise as above";
         lines
     }
@@ -232,11 +227,9 @@ impl FileReport {
         }
         let read = count_of(self.rows_read, "row");
         let mut lines = vec![format!("{}: {read} read, {} kept", self.file, self.rows_kept)];
-        lines.extend(
-            self.rows_dropped
-                .iter()
-                .map(|d| format!("  dropped   {}: {}", count_of(d.rows, "row"), d.why)),
-        );
+        for RowsDropped { rows, why } in &self.rows_dropped {
+            lines.push(format!("  dropped   {}: {why}", count_of(*rows, "row")));
+        }
         lines.extend(self.told.iter().map(|line| format!("  noted     {line}")));
         // Forty questionnaire columns with one reason are one line.
         for why in self.columns_dropped.iter().map(|c| &c.why).collect::<BTreeSet<_>>() {
@@ -258,9 +251,9 @@ impl FileReport {
         }
         let care = self.lost.iter().chain(&self.care);
         lines.extend(care.map(|line| format!("  read with care: {line}")));
-        lines.extend(
-            (!self.null.is_empty()).then(|| format!("  null      {}", self.null.join(", "))),
-        );
+        if !self.null.is_empty() {
+            lines.push(format!("  null      {}", self.null.join(", ")));
+        }
         lines
     }
 }
@@ -280,10 +273,8 @@ mod tests {
 
     #[test]
     fn the_report_reads_as_a_list_a_file() {
-        let column = |column: &str| ColumnDropped {
-            column: column.to_owned(),
-            why: "not mapped".to_owned(),
-        };
+        let why = "not mapped".to_owned();
+        let column = |column: &str| ColumnDropped { column: column.to_owned(), why: why.clone() };
         let file = FileReport {
             file: "K_1.csv".to_owned(),
             rows_read: 10,
@@ -291,13 +282,11 @@ mod tests {
             rows_dropped: vec![RowsDropped { rows: 1, why: "a mapped cell is empty".to_owned() }],
             columns_dropped: vec![column("a"), column("b")],
             converted: vec!["theta_rad ← x (mm)".to_owned()],
-            computed: vec![],
             null: vec!["flags".to_owned()],
             made: vec!["trial 1".to_owned()],
             told: vec!["cells stand between tabs".to_owned()],
-            there: None,
-            lost: None,
             care: vec!["column t_s: it jumps; mend it".to_owned()],
+            ..FileReport::default()
         };
         let study = StudyId::new("demo").unwrap();
         let report = Report {

@@ -261,18 +261,15 @@ pub(super) struct WideShape {
 }
 
 #[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, default)]
 pub(super) struct QuestionsShape {
-    #[serde(default)]
     pub(super) columns: BTreeMap<String, AnswerFrom>,
-    #[serde(default)]
     pub(super) times: BTreeMap<String, ColumnRef>,
     pub(super) question: Option<LabelShape>,
     pub(super) answer: Option<ColumnRef>,
     pub(super) time: Option<ColumnRef>,
     pub(super) time_unit: Option<String>,
     pub(super) lowest: Option<i64>,
-    #[serde(default)]
     pub(super) translate: BTreeMap<String, i16>,
 }
 

@@ -58,17 +58,18 @@ fn with_empty_rows() -> Vec<(&'static str, Vec<u8>)> {
         ("a.txt", b"f x\n1  0\n  \n\n2 0\n\n3 0\n\n".to_vec()),
         (
             "a.jsonl",
-            b"{\"f\":1}\n{}\n{\"f\":null,\"x\":\"\"}\n{\"f\":2}\n\n{\"f\":3}\n{}\n".to_vec(),
+            b"{\"f\":1}\n{}\n{\"f\":null,\"x\":\"\",\"y\":\" \"}\n{\"f\":2}\n\n{\"f\":3}\n{}\n"
+                .to_vec(),
         ),
         ("a.xlsx", xlsx(&[("data", &rows)])),
         ("a.ods", ods),
     ]
 }
 
-type Imported = Result<Report, Vec<StoreError>>;
+pub(super) type Imported = Result<Report, Vec<StoreError>>;
 
 /// The same import whole and block by block, each into a study of its own.
-fn both(map: &str, name: &str, content: &[u8]) -> [(World, Imported); 2] {
+pub(super) fn both(map: &str, name: &str, content: &[u8]) -> [(World, Imported); 2] {
     [false, true].map(|streamed| {
         let world = World::new();
         let files = [world.file(name, content)];

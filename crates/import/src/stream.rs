@@ -4,12 +4,12 @@
 
 use super::blocks::{Block, Blocks, is_long};
 use super::context::Context;
-use super::counter::{self};
+use super::counter;
 use super::csv;
 use super::errors::{Errors, all};
 use super::growing::Part;
 use super::identity::{Identity, identity};
-use super::limits::{Budget, Take, too_many_for_a_trial};
+use super::limits::{Budget, Take};
 use super::mapping::{FileForm, Who};
 use super::plan::Plan;
 use super::recording::{Recording, Rows, Standing, empty_between, groups};
@@ -58,12 +58,6 @@ pub(super) struct Stretch<'a> {
     before: Standing,
 }
 
-/// The labels' cells of the row before, and its time where that parts trials.
-type Last = Option<(Vec<String>, Option<f64>)>;
-
-/// The names of a text's columns, and how many there are.
-type Shape = (Option<Vec<String>>, usize);
-
 /// The state of the walk through a text.
 #[derive(Debug, Default)]
 pub(super) struct Walked {
@@ -77,8 +71,10 @@ pub(super) struct Walked {
     /// The places of the first and of the last row that were kept.
     ends: Option<[Standing; 2]>,
     pub(super) blake3: String,
-    /// The columns as the first block has them.
-    shape: Option<Shape>,
+    /// The names of the columns, and how many there are, as the first block has them.
+    shape: Option<(Option<Vec<String>>, usize)>,
+    /// The labels' cells of the last row that was kept, and its time where that parts trials.
+    last: Option<(Vec<String>, Option<f64>)>,
 }
 
 impl<'a> Source<'a> {
@@ -141,7 +137,6 @@ impl<'a> Source<'a> {
         let dialect = self.form.dialect(self.form.format_of(self.path)?);
         let mut blocks = Blocks::open(self.path, dialect)?;
         let mut walked = Walked::default();
-        let mut last: Last = None;
         let mut parsed = self.parse_some(&mut blocks);
         while !parsed.is_empty() {
             let mut go_on = true;
@@ -158,8 +153,7 @@ impl<'a> Source<'a> {
                                 ..error
                             })
                         })?;
-                        go_on =
-                            go_on && self.pass(&block, &mut walked, &mut last, progress, each)?;
+                        go_on = go_on && self.pass(&block, &mut walked, progress, each)?;
                     }
                     Ok(())
                 },
@@ -183,7 +177,6 @@ impl<'a> Source<'a> {
         &self,
         parsed: &Parsed,
         walked: &mut Walked,
-        last: &mut Last,
         progress: &(dyn Fn(u64) + Sync),
         each: &mut (dyn FnMut(&Stretch) -> Result<bool, Errors> + Send),
     ) -> Result<bool, Errors> {
@@ -202,13 +195,14 @@ impl<'a> Source<'a> {
         walked.rows.missing += parsed.rows.missing;
         walked.kept += parsed.rows.kept.len();
         if walked.rows.read > MOST_ROWS {
-            return Err(too_many_for_a_trial(self.path).into());
+            let what = format!("the file has more than {MOST_ROWS} rows, and no more are read");
+            return Err(StoreError::new(self.path, what, "split it").into());
         }
         progress(parsed.bytes);
         let times = parsed.values.first().filter(|_| self.form.splits_at_time);
         for (i, (range, identity)) in parsed.stretches.iter().enumerate() {
             let continues = i == 0
-                && last.as_ref().is_some_and(|(labels, last_time)| {
+                && walked.last.as_ref().is_some_and(|(labels, last_time)| {
                     let time = times.and_then(|times| times.get(range.start));
                     let falls = time.zip(*last_time).is_some_and(|(b, a)| *b < a);
                     *labels == parsed.ends[0] && !falls
@@ -222,7 +216,7 @@ impl<'a> Source<'a> {
             let [first, end] = [*first, *end].map(|row| before.of(table, row));
             walked.ends = Some([walked.ends.map_or(first, |[first, _]| first), end]);
             let time = times.and_then(|times| times.last()).copied();
-            *last = Some((parsed.ends[1].clone(), time));
+            walked.last = Some((parsed.ends[1].clone(), time));
         }
         Ok(true)
     }
@@ -246,10 +240,8 @@ impl<'a> Source<'a> {
 
     fn parse(&self, block: &Block) -> Result<Parsed, Errors> {
         // Columns that are not mapped cost time: where times are recorded they are not read.
-        let looked_at: Vec<ColumnRef> = match self.plan.rate_hz {
-            Some(_) => counter::looked_at().collect(),
-            None => Vec::new(),
-        };
+        let looked_at: Vec<ColumnRef> =
+            self.plan.rate_hz.map_or_else(Vec::new, |_| counter::looked_at().collect());
         let columns = self.plan.columns().chain(self.who.columns()).chain(&looked_at).collect();
         let budget = Budget::default();
         let take = Take::of(columns, &budget);
@@ -314,11 +306,12 @@ impl Stretch<'_> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::FileReport;
+    use super::super::skipped::{Imported, both};
     use super::super::world::{ONE, World, trials_map};
-    use super::super::{FileReport, Report};
     use std::fmt::Write as _;
     use std::path::Path;
-    use zwidth_store::{StoreError, StudyData, Trial, read_channels};
+    use zwidth_store::{StudyData, Trial, read_channels};
 
     const MOVED: &str = "
 [time]
@@ -367,21 +360,6 @@ derive = \"integral of theta_dot_rad_s\"
         text
     }
 
-    type Imported = Result<Report, Vec<StoreError>>;
-
-    /// The same import whole and block by block, each into a study of its own.
-    fn both(map: &str, content: &str) -> [(World, Imported); 2] {
-        [false, true].map(|streamed| {
-            let world = World::new();
-            let files = [world.file("a.csv", content)];
-            let imported = match streamed {
-                true => world.import_streamed(map, &files),
-                false => world.import(map, &files),
-            };
-            (world, imported)
-        })
-    }
-
     fn trials(world: &World) -> Vec<Trial> {
         // `verify` has something to say of such a recording, of both ways the same.
         let data = StudyData::load(&world.layout).unwrap();
@@ -399,7 +377,7 @@ derive = \"integral of theta_dot_rad_s\"
     /// Both ways give the same trials, bit for bit, and the same report.
     #[track_caller]
     fn alike(map: &str, content: &str, trials_made: usize) {
-        let [(whole, of_whole), (streamed, of_streamed)] = both(map, content);
+        let [(whole, of_whole), (streamed, of_streamed)] = both(map, "a.csv", content.as_bytes());
         let report = |imported: Imported| -> Vec<FileReport> {
             let files = imported.unwrap().files.into_iter();
             files.map(|file| FileReport { file: String::new(), ..file }).collect()
@@ -459,12 +437,11 @@ mode = { column = \"m\" }
         ]);
         let latin: Vec<u8> =
             format!("rig\nof 2026\n# a remark\n{content}").chars().map(|c| c as u8).collect();
-        let world = World::new();
-        let files = [world.file("a.csv", &latin)];
-        world.import_streamed(&map, &files).unwrap();
-        let other = World::new();
-        other.import(&map, &[other.file("a.csv", &latin)]).unwrap();
-        assert_eq!(format!("{:?}", trials(&world)), format!("{:?}", trials(&other)));
+        let [whole, streamed] = both(&map, "a.csv", &latin).map(|(world, imported)| {
+            imported.unwrap();
+            format!("{:?}", trials(&world))
+        });
+        assert_eq!(whole, streamed);
     }
 
     #[test]
@@ -483,7 +460,7 @@ mode = { column = \"m\" }
             cell(2500, "2599,,1"),
             cell(2700, "2799,9e9,1"),
         ] {
-            let [(_, whole), (streamed, found)] = both(&map, &bad);
+            let [(_, whole), (streamed, found)] = both(&map, "a.csv", bad.as_bytes());
             let words = |imported: Imported| -> Vec<(Option<String>, Option<usize>, String)> {
                 imported.unwrap_err().into_iter().map(|e| (e.column, e.row, e.what)).collect()
             };

@@ -2,11 +2,11 @@
 
 use super::batch::Batch;
 use super::context::{Context, Converted, EMPTY, EMPTY_AT_A_RATE};
-use super::convert::{Zero, mean};
+use super::convert::mean;
 use super::errors::{Errors, all};
 use super::label::Label;
 use super::limits::{Budget, Take, check_time};
-use super::mapping::{Pairs, QuantityFrom, Reduce, Side, SweepForm, SweepLabels, Time, Wide};
+use super::mapping::{Pairs, QuantityFrom, Reduce, Side, SweepForm, SweepFrom, Time, Wide};
 use super::plan::{TimeColumn, rate_times, rate_words};
 use super::recording::{Gaps, Recording};
 use super::report::FileReport;
@@ -33,19 +33,19 @@ pub(super) struct Piece {
 /// Converts every file and numbers the sweeps of each actuator in the order of the files.
 pub(super) fn sweeps(
     context: &Context,
-    (labels, form): &(SweepLabels, SweepForm),
+    sweep: &SweepFrom,
     files: &[PathBuf],
 ) -> Result<Batch, Errors> {
     let budget = Budget::default();
-    let (columns, pattern) = match form {
+    let (columns, pattern) = match &sweep.form {
         SweepForm::Pairs(form) => (form.columns(), None),
         SweepForm::Wide(form) => (Vec::new(), Some(&form.pattern)),
     };
-    let columns = columns.into_iter().chain(labels.columns()).collect();
+    let columns = columns.into_iter().chain(sweep.label_columns()).collect();
     let take = Take { pattern, ..context.take(columns, &budget) };
-    let converted = context.convert(files, &take, |recording| match form {
-        SweepForm::Pairs(form) => pairs(context, labels, form, &budget, recording),
-        SweepForm::Wide(form) => wide(context, labels, form, recording),
+    let converted = context.convert(files, &take, |recording| match &sweep.form {
+        SweepForm::Pairs(form) => pairs(context, sweep, form, &budget, recording),
+        SweepForm::Wide(form) => wide(context, sweep, form, recording),
     })?;
     once::sweeps(context, &converted)?;
     let mut batch = Batch::default();
@@ -76,7 +76,7 @@ pub(super) fn sweeps(
                     let remedy = "write it as it is written there, or choose another id";
                     Err(StoreError::new(&file, what, remedy))
                 }
-                None if free => encode(form, piece, number, source, &footer, &file),
+                None if free => encode(sweep, piece, number, source, &footer, &file),
                 None => {
                     let shown = context.layout.shown(&path).display().to_string();
                     let what = format!("duplicate sweep: {shown} exists already");
@@ -96,58 +96,51 @@ pub(super) fn sweeps(
     Ok(batch)
 }
 
-/// One sweep's file; `from` names the recording in errors.
+/// One sweep's file; `path` names the recording in errors.
 fn encode(
-    form: &SweepForm,
+    from: &SweepFrom,
     piece: Piece,
     number: u32,
     source: Source,
     footer: &BTreeMap<String, String>,
-    from: &Path,
+    path: &Path,
 ) -> Result<Vec<u8>, StoreError> {
-    let (command, response) = form.quantities();
     let mut file = footer.clone();
     file.extend(piece.gaps.map(|gaps| (GAPS.to_owned(), gaps)));
     let sweep = Sweep {
         actuator: piece.actuator,
         sweep: number,
         source,
-        command: command.quantity.clone(),
-        response: response.quantity.clone(),
+        command: from.command.quantity.clone(),
+        response: from.response.quantity.clone(),
         t_s: piece.t_s,
         command_values: piece.command,
         response_values: piece.response,
         file,
     };
-    sweep_bytes(&sweep, from)
+    sweep_bytes(&sweep, path)
 }
 
 /// A row a sample; consecutive rows with equal labels are one sweep.
 fn pairs(
     context: &Context,
-    labels: &SweepLabels,
+    sweep: &SweepFrom,
     form: &Pairs,
     budget: &Budget,
     recording: &mut Recording,
 ) -> Result<(Vec<Piece>, FileReport), Errors> {
-    let time = match &form.time {
-        Some(Time::Column { from, unit, line, mend, .. }) => {
-            let from_first = line.zero == Zero::First;
-            Some(TimeColumn { from, unit, from_first, mend: *mend })
-        }
-        _ => None,
-    };
     let numeric = all(form.columns().into_iter().map(|c| recording.find(c)))?;
-    // The time is the last of the columns.
-    if let (Some(Time::Column { unit, unit_text, line, .. }), Some(place)) =
-        (&form.time, numeric.get(2))
-    {
-        recording.table.told.extend(recording.check_unit(*place, unit, unit_text, line)?);
+    let mut time = None;
+    if let Some(Time::Column { column, mend }) = &form.time {
+        // The time is the last of the columns.
+        let told =
+            recording.check_unit(numeric[2], column.unit, &column.unit_text, &column.line)?;
+        recording.table.told.extend(told);
+        let column = TimeColumn::of(column, *mend);
+        recording.read_clock(column, column.from_first)?;
+        time = Some(column);
     }
-    if let Some(time) = time {
-        recording.read_clock(time, time.from_first)?;
-    }
-    let label_columns = all(labels.columns().map(|c| recording.find(c)))?;
+    let label_columns = all(sweep.label_columns().map(|c| recording.find(c)))?;
     let mut rows = recording.rows(&context.mapping.file, &numeric, &label_columns)?;
     if let Some(time) = time {
         recording.mend(time, &mut rows, &numeric, &label_columns)?;
@@ -157,73 +150,54 @@ fn pairs(
     budget.trials(&recording.path, recording.pieces(&rows.kept, &label_columns).count())?;
     let stretches = recording.pieces(&rows.kept, &label_columns);
     let pieces = all(stretches.map(|stretch| {
+        let (actuator, number) = sweep.labels(recording, stretch[0])?;
+        let t_s = match &form.time {
+            None => None,
+            Some(Time::Rate { rate_hz }) => Some(rate_times(*rate_hz, recording.places(stretch))),
+            Some(Time::Column { column, .. }) => {
+                let factor = column.unit.to_si;
+                let t = recording.converted(numeric[2], stretch, &column.line, factor)?;
+                check_time(&t).map_err(|(i, what)| {
+                    let remedy = "check the unit of the time";
+                    recording.cell_error(numeric[2], stretch[i], &what, remedy)
+                })?;
+                if let Some(i) = t.windows(2).position(|pair| pair[1] <= pair[0]) {
+                    let what = "time runs backwards or stands still";
+                    let remedy = "sort or mend the recording";
+                    return Err(recording.cell_error(numeric[2], stretch[i + 1], what, remedy));
+                }
+                Some(t)
+            }
+        };
+        let command = recording.converted(numeric[0], stretch, &sweep.command.line, 1.0)?;
+        let response = recording.converted(numeric[1], stretch, &sweep.response.line, 1.0)?;
         let gaps = recording.gaps(&rows, stretch);
-        let piece = piece(labels, form, recording, &numeric, stretch)?;
         let empty = if at_a_rate { gaps.empty } else { 0 };
-        Ok::<_, StoreError>(Piece { gaps: Gaps { empty, ..gaps }.in_words(stretch.len()), ..piece })
+        let gaps = Gaps { empty, ..gaps }.in_words(stretch.len());
+        Ok::<_, StoreError>(Piece { actuator, number, t_s, command, response, gaps })
     }))?;
-    let mut report = context.file_report(
-        recording,
-        &rows,
-        rows.kept.len(),
-        &[numeric.as_slice(), &label_columns].concat(),
-    )?;
-    report.add_empty(
-        recording.gaps(&rows, &rows.kept).empty,
-        if at_a_rate { EMPTY_AT_A_RATE } else { EMPTY },
-    );
-    match form.time {
-        Some(Time::Rate { rate_hz }) => report.computed.push(rate_words(rate_hz)),
-        Some(Time::Column { line, mend, .. }) => {
-            report.computed.extend(line.words().map(|words| format!("t_s = {words}")));
+    let used = [numeric.as_slice(), &label_columns].concat();
+    let mut report = context.file_report(recording, &rows, rows.kept.len(), &used)?;
+    let why = if at_a_rate { EMPTY_AT_A_RATE } else { EMPTY };
+    report.add_empty(recording.gaps(&rows, &rows.kept).empty, why);
+    match &form.time {
+        Some(Time::Rate { rate_hz }) => report.computed.push(rate_words(*rate_hz)),
+        Some(Time::Column { column, mend }) => {
+            report.computed.extend(column.line.words().map(|words| format!("t_s = {words}")));
             report.computed.extend(mend.words());
         }
         None => report.null.push("t_s".to_owned()),
     }
-    let sides = [("command", &form.command), ("response", &form.response)];
-    for (place, (side, (from, q))) in numeric.iter().zip(sides) {
-        if let Some(unit) = unit::declared(q.quantity.unit.as_str()) {
-            report.told.extend(recording.check_unit(
-                *place,
-                unit,
-                q.quantity.unit.as_str(),
-                &q.line,
-            )?);
+    let sides =
+        [("command", &form.command, &sweep.command), ("response", &form.response, &sweep.response)];
+    for (place, (side, from, q)) in numeric.iter().zip(sides) {
+        let text = &q.quantity.unit;
+        if let Some(unit) = unit::declared(text) {
+            report.told.extend(recording.check_unit(*place, unit, text, &q.line)?);
         }
         note(&mut report, side, &from.to_string(), q);
     }
     Ok((pieces, report))
-}
-
-/// The sweep in these rows; `numeric` are the places of command, response and, where it has one,
-/// time.
-fn piece(
-    labels: &SweepLabels,
-    form: &Pairs,
-    recording: &Recording,
-    numeric: &[usize],
-    rows: &[usize],
-) -> Result<Piece, StoreError> {
-    let (actuator, number) = labels.of(recording, rows[0])?;
-    let t_s = match &form.time {
-        None => None,
-        Some(Time::Rate { rate_hz }) => Some(rate_times(*rate_hz, recording.places(rows))),
-        Some(Time::Column { unit, line, .. }) => {
-            let t = recording.converted(numeric[2], rows, line, unit.to_si)?;
-            check_time(&t).map_err(|(i, what)| {
-                recording.cell_error(numeric[2], rows[i], &what, "check the unit of the time")
-            })?;
-            if let Some(i) = t.windows(2).position(|pair| pair[1] <= pair[0]) {
-                let what = "time runs backwards or stands still";
-                let remedy = "sort or mend the recording";
-                return Err(recording.cell_error(numeric[2], rows[i + 1], what, remedy));
-            }
-            Some(t)
-        }
-    };
-    let command = recording.converted(numeric[0], rows, &form.command.1.line, 1.0)?;
-    let response = recording.converted(numeric[1], rows, &form.response.1.line, 1.0)?;
-    Ok(Piece { actuator, number, t_s, command, response, gaps: None })
 }
 
 /// Says in the report where a quantity came from, and what was done to it.
@@ -236,20 +210,20 @@ fn note(report: &mut FileReport, side: &str, from: &str, q: &QuantityFrom) {
     report.computed.extend(words.map(|w| format!("{side} = {w}")));
 }
 
-impl SweepLabels {
+impl SweepFrom {
     /// The columns that labels come from.
-    pub(super) fn columns(&self) -> impl Iterator<Item = &ColumnRef> {
-        [Some(&self.actuator), self.sweep.as_ref()].into_iter().flatten().filter_map(Label::column)
+    fn label_columns(&self) -> impl Iterator<Item = &ColumnRef> {
+        std::iter::once(&self.actuator).chain(&self.number).filter_map(Label::column)
     }
 
     /// Whose sweep begins with `row`, and which number it has where the mapping gives it.
-    pub(super) fn of(
+    fn labels(
         &self,
         recording: &Recording,
         row: usize,
     ) -> Result<(ActuatorId, Option<u32>), StoreError> {
         let actuator = self.actuator.value("actuator", recording, row, identity::id)?;
-        let number = self.sweep.as_ref().map(|label| {
+        let number = self.number.as_ref().map(|label| {
             label.value("sweep", recording, row, |text| identity::number("sweep", text))
         });
         Ok((actuator, number.transpose()?))
@@ -259,13 +233,13 @@ impl SweepLabels {
 /// The one sweep of a wide file: a sample a cell, or a sample a column where it is reduced.
 fn wide(
     context: &Context,
-    labels: &SweepLabels,
+    sweep: &SweepFrom,
     form: &Wide,
     recording: &Recording,
 ) -> Result<(Vec<Piece>, FileReport), Errors> {
     let columns = header_values(&form.pattern, recording)?;
     let places: Vec<usize> = columns.iter().map(|(place, _)| *place).collect();
-    let label_columns = all(labels.columns().map(|c| recording.find(c)))?;
+    let label_columns = all(sweep.label_columns().map(|c| recording.find(c)))?;
     let rows = recording.rows(&context.mapping.file, &places, &label_columns)?;
     let samples = all(columns.iter().map(|(place, value)| {
         let cells = recording.numbers(*place, &rows.kept)?;
@@ -273,12 +247,8 @@ fn wide(
         Ok::<_, StoreError>(cells.into_iter().map(|cell| (*value, cell)).collect::<Vec<_>>())
     }))?;
     let (headers, cells): (Vec<f64>, Vec<f64>) = samples.into_iter().flatten().unzip();
-    let mut report = context.file_report(
-        recording,
-        &rows,
-        rows.kept.len(),
-        &[places, label_columns].concat(),
-    )?;
+    let used = [places, label_columns].concat();
+    let mut report = context.file_report(recording, &rows, rows.kept.len(), &used)?;
     report.null.push("t_s".to_owned());
     let (cells_are, mut command, mut response) = match form.header {
         Side::Command => ("response", headers, cells),
@@ -290,14 +260,14 @@ fn wide(
             .push(format!("{cells_are} = mean of {} rows of each column", rows.kept.len()));
     }
     for (side, q, values) in
-        [("command", &form.command, &mut command), ("response", &form.response, &mut response)]
+        [("command", &sweep.command, &mut command), ("response", &sweep.response, &mut response)]
     {
         q.line.apply_to_all(values, 1.0);
         let from = if side == cells_are { "the cells" } else { "the number in the header" };
         note(&mut report, side, &format!("{from} of the columns '{}'", form.pattern), q);
     }
     // A wide file is one sweep: any row says whose.
-    let (actuator, number) = labels.of(recording, rows.kept[0])?;
+    let (actuator, number) = sweep.labels(recording, rows.kept[0])?;
     report.add_empty(recording.gaps(&rows, &rows.kept).empty, EMPTY);
     Ok((vec![Piece { actuator, number, t_s: None, command, response, gaps: None }], report))
 }
@@ -387,16 +357,21 @@ sign = -1
     #[test]
     fn bad_sweeps_are_refused_with_column_and_row() {
         let world = World::new();
-        let check = |map: &str, csv: &str, words: &str, at| {
-            world.refuses(map, &world.file("a.csv", csv), words, at)
-        };
-        check(PAIRS, "u,adc\n0,1\n1,x\n", "'x' is not a number (line 3)", Some(("adc", 2)));
-        check(PAIRS, "u,adc\n", "0 rows", None);
         let timed = format!("{PAIRS}[time]\nfrom = \"t\"\nunit = \"s\"\n");
-        check(&timed, "u,adc,t\n0,1,1\n1,1,0.5\n", "time runs backwards", Some(("t", 2)));
-        check(&timed, "u,adc,t\n0,1,1\n1,1,1e9\n", "more than a day", Some(("t", 2)));
         let path = PAIRS.replace("\"brake\"", "\"../x\"");
-        check(&path, "u,adc\n0,1\n", "'../x' is not a valid actuator id", None);
+        let wild = WIDE.replace("-?[0-9.]+", ".+");
+        for (map, csv, words, at) in [
+            (PAIRS, "u,adc\n0,1\n1,x\n", "'x' is not a number (line 3)", Some(("adc", 2))),
+            (PAIRS, "u,adc\n", "0 rows", None),
+            (timed.as_str(), "u,adc,t\n0,1,1\n1,1,0.5\n", "time runs backwards", Some(("t", 2))),
+            (timed.as_str(), "u,adc,t\n0,1,1\n1,1,1e9\n", "more than a day", Some(("t", 2))),
+            (path.as_str(), "u,adc\n0,1\n", "'../x' is not a valid actuator id", None),
+            (WIDE, "deg_1_1,deg_2_2\n1,2\nNaN,2\n", "NaN is not a number", Some(("deg_1_1", 2))),
+            (WIDE, "a,b\n1,2\n", "no header matches", None),
+            (wild.as_str(), "deg_x_1\n1\n", "'x' in the header is not a number", None),
+        ] {
+            world.refuses(map, &world.file("a.csv", csv), words, at);
+        }
     }
 
     const WIDE: &str = "
@@ -433,21 +408,5 @@ offset = 1.0
         assert_eq!(sweep(&world, 1).response_values, [2.5, 5.0]);
         let made = &sweep(&world, 1).file["made_by_import"];
         assert!(made.contains("response = mean of 2 rows of each column"), "{made}");
-    }
-
-    #[test]
-    fn bad_wide_tables_are_refused_with_column_and_row() {
-        let world = World::new();
-        let check = |map: &str, csv: &str, words: &str, at| {
-            world.refuses(map, &world.file("a.csv", csv), words, at)
-        };
-        check(WIDE, "deg_1_1,deg_2_2\n1,2\nNaN,2\n", "NaN is not a number", Some(("deg_1_1", 2)));
-        check(WIDE, "a,b\n1,2\n", "no header matches", None);
-        check(
-            &WIDE.replace("-?[0-9.]+", ".+"),
-            "deg_x_1\n1\n",
-            "'x' in the header is not a number",
-            None,
-        );
     }
 }

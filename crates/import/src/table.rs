@@ -2,7 +2,7 @@
 
 use super::spelling::plain;
 use super::spelling::shown;
-use arrow::array::{Array, Float64Array, LargeStringArray, LargeStringBuilder};
+use arrow::array::{Array, Float64Array, Float64Builder, LargeStringArray, LargeStringBuilder};
 use serde::Deserialize;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -117,6 +117,89 @@ impl Cells {
     }
 }
 
+/// A column that grows as its values are read.
+pub(super) enum Built {
+    Unread,
+    Numbers(Float64Builder),
+    /// Numbers of which a double may not hold every digit.
+    Whole(Vec<Option<i128>>),
+    Text(LargeStringBuilder),
+}
+
+impl Built {
+    pub(super) fn finish(self) -> Cells {
+        match self {
+            Self::Unread => Cells::Unread,
+            Self::Numbers(mut numbers) => Cells::Numbers(numbers.finish()),
+            Self::Whole(whole) => Cells::whole(whole.into_iter()),
+            Self::Text(mut texts) => Cells::Text(texts.finish()),
+        }
+    }
+}
+
+/// What the bytes of a number are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum NumberKind {
+    Signed,
+    Unsigned,
+    Float,
+}
+
+/// How a number is written in a binary format.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Number {
+    pub(super) kind: NumberKind,
+    /// Its bytes, one to eight.
+    pub(super) size: usize,
+    /// Whether its first byte is the highest.
+    pub(super) big: bool,
+}
+
+impl Number {
+    fn bits(self, bytes: &[u8]) -> u64 {
+        let mut eight = [0; 8];
+        let own = &mut eight[..bytes.len()];
+        own.copy_from_slice(bytes);
+        if self.big {
+            own.reverse();
+        }
+        u64::from_le_bytes(eight)
+    }
+
+    /// Shifted up and down again, a number of fewer bytes keeps its sign.
+    fn signed(self, bits: u64) -> i64 {
+        let unused = 64 - 8 * self.size;
+        (bits << unused) as i64 >> unused
+    }
+
+    /// The whole number in bytes of its size.
+    pub(super) fn whole(self, bytes: &[u8]) -> i128 {
+        let bits = self.bits(bytes);
+        match self.kind {
+            NumberKind::Unsigned => i128::from(bits),
+            _ => i128::from(self.signed(bits)),
+        }
+    }
+
+    /// The number in bytes of its size; of a whole one past 2⁵³ the nearest double.
+    pub(super) fn read(self, bytes: &[u8]) -> f64 {
+        let bits = self.bits(bytes);
+        match self.kind {
+            NumberKind::Signed => self.signed(bits) as f64,
+            NumberKind::Unsigned => bits as f64,
+            NumberKind::Float if self.size == 4 => f64::from(f32::from_bits(bits as u32)),
+            NumberKind::Float => f64::from_bits(bits),
+        }
+    }
+}
+
+/// The whole number in so many bytes, at most eight, from a place on: the lowest comes first.
+pub(super) fn little(bytes: &[u8], at: usize, size: usize) -> Option<usize> {
+    let bytes = bytes.get(at..at.checked_add(size)?)?;
+    let number = bytes.iter().rev().fold(0, |number, byte| number << 8 | u64::from(*byte));
+    usize::try_from(number).ok()
+}
+
 /// A file's columns. Columns of a MAT file may differ in length.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Table {
@@ -193,7 +276,14 @@ impl EmptyRows {
 }
 
 /// Most names that an error lists.
-const NAMES_SHOWN: usize = 20;
+pub(super) const MOST_LISTED: usize = 20;
+
+/// The first of these names, as an error lists them.
+pub(super) fn listed(mut names: impl Iterator<Item = String>) -> String {
+    let first: Vec<String> = names.by_ref().take(MOST_LISTED).collect();
+    let more = if names.next().is_some() { ", …" } else { "" };
+    first.join(", ") + more
+}
 
 impl Table {
     /// The place of a row among all rows of the file, empty ones included, from 0.
@@ -237,8 +327,8 @@ impl Table {
                 None => format!("{n} columns"),
                 Some(names) => {
                     let first: Vec<_> =
-                        names.iter().take(NAMES_SHOWN).map(|name| shown(name)).collect();
-                    let more = n > NAMES_SHOWN;
+                        names.iter().take(MOST_LISTED).map(|name| shown(name)).collect();
+                    let more = n > MOST_LISTED;
                     let rest = if more { format!(", … ({n} columns)") } else { String::new() };
                     first.join(", ") + &rest
                 }

@@ -72,7 +72,7 @@ const UNREAD: [(&[u8], &str, &str); 13] = [
     (b"\x80\x05", PICKLED, PICKLE),
     (b"SQLite format 3", "an SQLite database", "write its table as CSV"),
     (b"%PDF", "a PDF", "ask for the numbers themselves"),
-    (b"TDSm", TDMS, AS_CSV),
+    (b"TDSm", "a TDMS file of LabVIEW", AS_CSV),
     (
         b"TDSh",
         "the index beside a TDMS file of LabVIEW",
@@ -83,11 +83,7 @@ const UNREAD: [(&[u8], &str, &str); 13] = [
     (b"\xffBIOSEMI", "a BDF file of BioSemi", AS_CSV),
     (b"0       ", EDF, AS_CSV),
 ];
-const TDMS: &str = "a TDMS file of LabVIEW";
 const EDF: &str = "an EDF file";
-const C3D: &str = "a C3D file of a motion capture system";
-const ACQKNOWLEDGE: &str = "a file of AcqKnowledge (BIOPAC)";
-const MAT_4: &str = "a MAT file of version 4";
 const JSON: &str = "one JSON array, and not JSON lines: those are one object a line";
 const AS_JSON_LINES: &str = "write them: python -c \"import sys, json; [print(json.dumps(row)) for row in json.load(open(sys.argv[1]))]\" \
      IN.json > OUT.jsonl";
@@ -139,10 +135,12 @@ pub(super) fn check_readable(path: &Path, bytes: &[u8]) -> Result<(), StoreError
     let (what, remedy) = match (unread, bytes) {
         (Some((_, what, remedy)), _) => (*what, *remedy),
         // The block in which parameters begin, and the key of the format.
-        (None, [1..=8, 0x50, ..]) => (C3D, AS_CSV),
-        (None, [0, ..]) if extension.eq_ignore_ascii_case("acq") => (ACQKNOWLEDGE, AS_CSV),
+        (None, [1..=8, 0x50, ..]) => ("a C3D file of a motion capture system", AS_CSV),
+        (None, [0, ..]) if extension.eq_ignore_ascii_case("acq") => {
+            ("a file of AcqKnowledge (BIOPAC)", AS_CSV)
+        }
         (None, _) if extension.eq_ignore_ascii_case("mat") && is_mat_4(bytes) => {
-            (MAT_4, "save it again with -v7")
+            ("a MAT file of version 4", "save it again with -v7")
         }
         (None, _) if is_json_array => (JSON, AS_JSON_LINES),
         (None, _) => return Ok(()),
@@ -224,8 +222,7 @@ pub(super) fn decode_from<'a>(
             Encoding::Latin1 | Encoding::Windows1252 => {
                 let text: String = bytes.iter().map(|byte| windows_1252(*byte)).collect();
                 if let Some(at) = text.find(char::REPLACEMENT_CHARACTER) {
-                    let lines = text[..at].bytes().filter(|byte| *byte == b'\n').count() as u64;
-                    let line = 1 + before + lines;
+                    let line = 1 + before + count_lines(&text.as_bytes()[..at]);
                     let what = format!("line {line} is not Windows-1252 text");
                     let remedy = "set encoding = \"latin-1\" in [file], or save the file as UTF-8";
                     return Err(StoreError::new(path, what, remedy));
@@ -240,10 +237,14 @@ pub(super) fn decode_from<'a>(
     Ok(text)
 }
 
+/// The number of lines that end in a text.
+pub(super) fn count_lines(text: &[u8]) -> u64 {
+    text.iter().filter(|byte| **byte == b'\n').count() as u64
+}
+
 fn utf_8<'a>(path: &Path, bytes: &'a [u8], before: u64) -> Result<&'a str, StoreError> {
     std::str::from_utf8(bytes).map_err(|e| {
-        let lines = bytes[..e.valid_up_to()].iter().filter(|b| **b == b'\n').count() as u64;
-        let line = 1 + before + lines;
+        let line = 1 + before + count_lines(&bytes[..e.valid_up_to()]);
         let what = format!("line {line} is not UTF-8 text");
         let remedy = if is_windows_1252(bytes) {
             "set encoding = \"windows-1252\" in [file], or save the file as UTF-8"

@@ -21,19 +21,20 @@ use zwidth_store::{
     Asked, DOUBTS, GAPS, LOST, Samples, Signal, StoreError, Trial, TrialFile, TrialWriter, ZEROS,
     check_form, check_samples, trial_bytes,
 };
-use zwidth_study::{AnswerValue, Event, PlannedTrial, Source, Status, Study, TrialMeta};
+use zwidth_study::{AnswerValue, Event, PlannedTrial, Source, Status, TrialMeta};
 
-/// One trial of a file.
-struct Piece {
-    identity: Identity,
-    /// None of a long text: they are read once more when they are written.
-    samples: Samples,
-    notes: Notes,
+/// The trials of a file.
+struct FileTrials {
+    identities: Vec<Identity>,
+    /// None of a long text: its samples are read once more when they are written.
+    made: Vec<Made>,
+    /// None yet of a long text, which was read for its labels alone.
+    report: Option<FileReport>,
 }
 
-/// Notes in a trial's file on how it was made.
-#[derive(Debug, Default)]
-struct Notes {
+/// The samples of one trial, and notes in its file on how it was made.
+struct Made {
+    samples: Samples,
     /// Samples missing between its first and its last ([`GAPS`]).
     gaps: Option<String>,
     /// The parts of the recording that could not be read ([`LOST`]).
@@ -69,89 +70,64 @@ pub(super) fn trials(
     let plan = plan(context, time, columns, channels)?;
     let budget = Budget::default();
     let converted = convert_files(context, who, &plan, &budget, files)?;
-    let (mut converted, existing) = once::new_trials(context, converted, |file| {
-        file.pieces.iter().map(|piece| &piece.identity).collect()
-    })?;
+    let (mut converted, existing) =
+        once::new_trials(context, converted, |file| file.identities.iter().collect())?;
     // Samples of long texts are not there yet.
-    let mut pieces: Vec<&mut Piece> = converted
-        .iter_mut()
-        .flat_map(|file| file.parsed.pieces.iter_mut())
-        .filter(|piece| !piece.samples.is_empty())
-        .collect();
+    let made = converted.iter_mut().map(|file| &mut file.parsed);
+    let mut made: Vec<(&Identity, &mut Made)> =
+        made.flat_map(|file| file.identities.iter().zip(&mut file.made)).collect();
     let outlines: Vec<Outline> =
-        pieces.iter().map(|piece| Outline::of(&piece.identity, &piece.samples)).collect();
-    for (piece, doubts) in pieces.iter_mut().zip(outline::doubts(&outlines)) {
-        piece.notes.doubts.extend(doubts);
+        made.iter().map(|(identity, made)| Outline::of(identity, &made.samples)).collect();
+    for ((_, made), doubts) in made.iter_mut().zip(outline::doubts(&outlines)) {
+        made.doubts.extend(doubts);
     }
-    let identities: Vec<Identity> =
-        converted.iter().flat_map(|c| c.parsed.pieces.iter().map(|p| p.identity.clone())).collect();
+    let identities = converted.iter().flat_map(|file| &file.parsed.identities);
+    let identities: Vec<Identity> = identities.cloned().collect();
     let planned = number_trials(context, &identities, true)?;
     let mut batch = Batch { files: existing, ..Batch::default() };
     let mut numbers = planned.iter();
-    let mut done = Vec::new();
-    for Converted { path, blake3, parsed: FileTrials { pieces, report } } in converted {
-        let own: Vec<Identity> = pieces.iter().map(|piece| piece.identity.clone()).collect();
-        let own: Vec<&Identity> = own.iter().collect();
-        let numbered: Vec<_> = pieces.into_iter().map(|piece| (piece, numbers.next())).collect();
-        let numbered: Vec<(Piece, &PlannedTrial)> =
-            numbered.into_iter().filter_map(|(piece, number)| Some((piece, number?))).collect();
+    let mut losses = Vec::new();
+    for Converted { path, blake3, parsed: FileTrials { identities: own, made, report } } in
+        converted
+    {
+        let numbered: Vec<(&Identity, &PlannedTrial)> = own.iter().zip(numbers.by_ref()).collect();
         let encoded = match report {
             Some(report) => all(numbered
                 .into_par_iter()
-                .map(|(piece, number)| encode(context, &plan, piece, number, &blake3))
+                .zip(made)
+                .map(|((own, number), made)| encode(context, &plan, own, made, number, &blake3))
                 .collect::<Vec<_>>())
             .map(|encoded| (encoded, report)),
             None => stream_trials(context, who, &plan, &path, numbered, &blake3),
         };
-        let encoded = encoded.map(|(encoded, mut report)| {
-            tell_labels(&mut report, &own, &identities);
-            (encoded, report)
-        });
-        done.push(encoded);
-        // The trials after it are not written; those before it are taken away again below.
-        if done.last().is_some_and(Result::is_err) {
-            break;
+        // The trials after it are not written, and those before it are taken away again.
+        let (encoded, mut report) = encoded.inspect_err(|_| batch.discard(context.files))?;
+        tell_labels(&mut report, &own, &identities);
+        for Encoded { path, output, words, care, lost } in encoded {
+            report.made.push(words);
+            report.care.extend(care);
+            losses.push(lost);
+            batch.outputs.push((path, output));
         }
-    }
-    let mut failed = None;
-    let mut losses = Vec::new();
-    for encoded in done {
-        match encoded {
-            Ok((encoded, mut report)) => {
-                for Encoded { path, output, words, care, lost } in encoded {
-                    report.made.push(words);
-                    report.care.extend(care);
-                    losses.push(lost);
-                    batch.outputs.push((path, output));
-                }
-                batch.files.push(report);
-            }
-            Err(errors) => failed = Some(errors),
-        }
-    }
-    if let Some(errors) = failed {
-        batch.discard(context.files);
-        return Err(errors);
+        batch.files.push(report);
     }
     let mut events = Vec::new();
     let trials = planned.iter().zip(&identities).zip(losses);
     for (((number, identity), lost), (_, output)) in trials.zip(&batch.outputs) {
         let trial = number.trial;
         let recorded = Event::Recorded { trial, blake3: output.blake3() };
-        let answer = answer(context.study, identity, trial);
+        // An answer may stand beside the samples.
+        let environment = context.study.environment(&identity.environment);
+        let question = environment.and_then(|environment| environment.question.clone());
+        let answer = question.zip(identity.likert);
+        let answer =
+            answer.map(|(question, value)| Event::Answer { trial, question, value, time_ms: None });
         let lost = lost.map(|text| Event::Note { trial: Some(trial), text });
         events.push(std::iter::once(recorded).chain(answer).chain(lost).collect());
     }
     // The trials' own footers say what they were imported from.
     batch.add_sessions(context, &identities, &planned, events, &[])?;
     Ok(batch)
-}
-
-/// The trials of a file.
-struct FileTrials {
-    pieces: Vec<Piece>,
-    /// None yet of a long text, which was read for its labels alone.
-    report: Option<FileReport>,
 }
 
 /// Converts the short files, and reads the labels of long texts; all in the order of `files`.
@@ -170,10 +146,8 @@ fn convert_files(
     let take = context.take(taken, budget);
     let mut short = match short.is_empty() {
         true => Vec::new(),
-        false => context.convert(&short, &take, |recording| {
-            let (pieces, report) = convert(context, who, plan, budget, recording)?;
-            Ok(FileTrials { pieces, report: Some(report) })
-        })?,
+        false => context
+            .convert(&short, &take, |recording| convert(context, who, plan, budget, recording))?,
     };
     if long.is_empty() {
         return Ok(short);
@@ -184,12 +158,8 @@ fn convert_files(
             let what = "it was long when the import began, and is not now";
             return Err(StoreError::new(path, what, "import it again").into());
         };
-        let pieces = source.identities(budget)?.into_iter().map(|identity| Piece {
-            identity,
-            samples: Samples::default(),
-            notes: Notes::default(),
-        });
-        let parsed = FileTrials { pieces: pieces.collect(), report: None };
+        let identities = source.identities(budget)?;
+        let parsed = FileTrials { identities, made: Vec::new(), report: None };
         Ok::<_, Errors>(Converted { path: path.clone(), blake3, parsed })
     }))?;
     let mut in_order = Vec::new();
@@ -211,19 +181,19 @@ fn stream_trials(
     who: &Who,
     plan: &Plan,
     path: &Path,
-    pieces: Vec<(Piece, &PlannedTrial)>,
+    trials: Vec<(&Identity, &PlannedTrial)>,
     blake3: &str,
 ) -> Result<(Vec<Encoded>, FileReport), Errors> {
     let source = LongText::of(context, who, plan, path)?.ok_or_else(|| changed(path))?;
-    let mut pieces = pieces.into_iter();
+    let mut trials = trials.into_iter();
     let mut encoded: Vec<Encoded> = Vec::new();
     let mut open: Option<Open> = None;
     let mut report = None;
     let walked = source.walk(&|bytes| (context.progress)(Step::Read(bytes)), &mut |stretch| {
         if stretch.begins {
             encoded.extend(open.take().map(|open| open.end(context)).transpose()?);
-            let (piece, number) = pieces.next().ok_or_else(|| changed(path))?;
-            open = Some(Open::begin(context, plan, path, piece, number, blake3)?);
+            let (identity, number) = trials.next().ok_or_else(|| changed(path))?;
+            open = Some(Open::begin(context, plan, path, identity, number, blake3)?);
         }
         if report.is_none() {
             let (recording, used) = stretch.recording();
@@ -239,7 +209,7 @@ fn stream_trials(
         encoded.extend(open.take().map(|open| open.end(context)).transpose()?);
         let report = report.take().ok_or_else(|| changed(path))?;
         // The labels were read in a first pass: they are those of the samples only if nothing changed.
-        if walked.blake3 != blake3 || pieces.next().is_some() {
+        if walked.blake3 != blake3 || trials.next().is_some() {
             return Err(changed(path));
         }
         Ok((walked, report))
@@ -289,7 +259,7 @@ struct Open<'a> {
     growing: Growing<'a>,
     writer: TrialWriter,
     path: PathBuf,
-    identity: Identity,
+    identity: &'a Identity,
     number: &'a PlannedTrial,
 }
 
@@ -298,17 +268,16 @@ impl<'a> Open<'a> {
         context: &Context,
         plan: &'a Plan<'a>,
         from: &Path,
-        piece: Piece,
+        identity: &'a Identity,
         number: &'a PlannedTrial,
         blake3: &str,
     ) -> Result<Self, StoreError> {
-        let identity = piece.identity;
         let path = context.layout.trial(&identity.participant, &identity.session, number.trial);
         // In the study's own folder, which is there.
         let name =
             format!("{}_{}_trial-{}.parquet", identity.participant, identity.session, number.trial);
         let near = context.layout.raw().join(name);
-        let meta = meta(&identity, number, context.mapping.source());
+        let meta = meta(identity, number, context.mapping.source());
         let file = file(context, plan, blake3);
         let form = context.study.trial_form();
         let writer = TrialWriter::begin(context.files, &near, &path, meta, file, &form)?;
@@ -336,7 +305,7 @@ impl<'a> Open<'a> {
         let mut care = care(&findings, self.number, samples);
         care.extend(hidden.map(|hidden| format!("trial {}, {hidden}", self.number.trial)));
         Ok(Encoded {
-            words: words(&self.identity, self.number, samples),
+            words: words(self.identity, self.number, samples),
             care,
             path: self.path,
             output: Output::Staged(staged),
@@ -344,12 +313,6 @@ impl<'a> Open<'a> {
             lost: None,
         })
     }
-}
-
-/// The event of an answer that stands beside the samples.
-fn answer(study: &Study, identity: &Identity, trial: u32) -> Option<Event> {
-    let question = study.environment(&identity.environment)?.question.clone()?;
-    Some(Event::Answer { trial, question, value: identity.likert?, time_ms: None })
 }
 
 fn words(i: &Identity, number: &PlannedTrial, samples: usize) -> String {
@@ -387,7 +350,7 @@ fn convert(
     plan: &Plan,
     budget: &Budget,
     recording: &mut Recording,
-) -> Result<(Vec<Piece>, FileReport), Errors> {
+) -> Result<FileTrials, Errors> {
     check_turned(context.mapping.file.turned, recording)?;
     let numeric = all(plan.columns().map(|column| recording.find(column)))?;
     let labels = all(who.columns().into_iter().map(|c| recording.find(c)))?;
@@ -444,7 +407,7 @@ fn convert(
     // Counted before anything is made of them.
     budget.trials(&recording.path, pieces().count())?;
     let begins: Vec<usize> = pieces().map(|rows| rows[0]).collect();
-    let pieces = all(pieces().enumerate().map(|(i, stretch)| {
+    let trials = all(pieces().enumerate().map(|(i, stretch)| {
         let identity = identity(who, recording, stretch[0], context.study)?;
         let part = Part {
             recording,
@@ -470,29 +433,25 @@ fn convert(
         });
         let doubts = recording.table.doubts.iter().chain(&other_units).chain(&coarse).cloned();
         let doubts = doubts.chain(zeros.doubts).chain(hidden).collect();
-        let notes = Notes { gaps, lost, zeros: zeros.words, doubts };
-        Ok::<_, Errors>(Piece { identity, samples, notes })
+        let zeros = zeros.words;
+        Ok::<_, Errors>((identity, Made { samples, gaps, lost, zeros, doubts }))
     }))?;
+    let (identities, made): (Vec<Identity>, Vec<Made>) = trials.into_iter().unzip();
     let signals: Vec<Signal> =
-        Signal::all().filter(|s| pieces.iter().any(|p| p.samples.get(*s).is_some())).collect();
+        Signal::all().filter(|s| made.iter().any(|m| m.samples.get(*s).is_some())).collect();
+    let used = [numeric.as_slice(), &labels].concat();
     let mut report = FileReport {
         converted: plan.converted.clone(),
         computed: plan.computed.clone(),
         null: null_columns(&signals),
-        ..context.file_report(
-            recording,
-            &rows,
-            rows.kept.len(),
-            &[numeric.as_slice(), &labels].concat(),
-        )?
+        ..context.file_report(recording, &rows, rows.kept.len(), &used)?
     };
     report.add_empty(recording.gaps(&rows, &rows.kept).empty, why_empty(plan));
     // What was only looked at is not kept: its room is free for the next file.
     let looked_at = recording.table.columns.iter().enumerate();
-    let looked_at =
-        looked_at.filter(|(place, _)| !numeric.contains(place) && !labels.contains(place));
+    let looked_at = looked_at.filter(|(place, _)| !used.contains(place));
     budget.give_back(looked_at.map(|(_, cells)| cells.len()).sum());
-    Ok((pieces, report))
+    Ok(FileTrials { identities, made, report: Some(report) })
 }
 
 /// Whether a matrix has its samples in rows: Simulink's "To File" has its signals there.
@@ -541,18 +500,18 @@ fn gap_words(plan: &Plan, gaps: Gaps, kept: usize) -> Option<String> {
 fn encode(
     context: &Context,
     plan: &Plan,
-    Piece { identity, samples, notes }: Piece,
+    identity: &Identity,
+    Made { samples, gaps, lost, zeros, doubts }: Made,
     number: &PlannedTrial,
     blake3: &str,
 ) -> Result<Encoded, StoreError> {
     let path = context.layout.trial(&identity.participant, &identity.session, number.trial);
     let requested = Asked::of(context.study, &number.environment);
     let findings = check_samples(&requested, Path::new(""), &samples);
-    let words = words(&identity, number, samples.len());
+    let words = words(identity, number, samples.len());
     let mut care = care(&findings, number, samples.len());
-    let Notes { gaps, lost, zeros, doubts } = notes;
     care.extend(doubts.iter().map(|doubt| format!("trial {}, {doubt}", number.trial)));
-    let meta = meta(&identity, number, context.mapping.source());
+    let meta = meta(identity, number, context.mapping.source());
     let mut file = file(context, plan, blake3);
     file.extend(gaps.map(|gaps| (GAPS.to_owned(), gaps)));
     file.extend(lost.clone().map(|lost| (LOST.to_owned(), lost)));
@@ -593,7 +552,9 @@ fn file(context: &Context, plan: &Plan, blake3: &str) -> TrialFile {
 
 #[cfg(test)]
 mod tests {
-    use super::super::world::{COLUMNS, FORCE, ONE, World, close, template_once, trials_map};
+    use super::super::world::{
+        COLUMNS, FORCE, ONE, World, close, column, template_once, trials_map,
+    };
     use zwidth_store::{Signal, file_blake3, read_channels};
     use zwidth_study::{Event, Kind, Source};
 
@@ -648,18 +609,12 @@ mod tests {
             format!("{t},{},{}\n", 0.4 * sin, (1.2 * cos).to_degrees())
         };
         let rows: String = (0..200).map(row).collect();
-        let column = |to: &str, from: &str, unit: &str| {
-            format!("[[column]]\nto = \"{to}\"\nfrom = \"{from}\"\nunit = \"{unit}\"\n")
-        };
         let columns = column("theta_rad", "x", "rad") + &column("theta_dot_rad_s", "v", "rad/s");
         let map = trials_map(&[ONE, "[time]\nfrom = \"t\"\nunit = \"s\"\n", &columns]);
         let report = world.import(&map, &[world.file("a.csv", format!("t,x,v\n{rows}"))]).unwrap();
-        let care = &report.files[0].care;
-        assert_eq!(care.len(), 1, "{care:?}");
-        assert!(
-            care[0].starts_with("trial 1, theta_dot_rad_s: the velocity is 57.3 times"),
-            "{care:?}"
-        );
+        let [care] = &report.files[0].care[..] else { panic!("{report}") };
+        let words = "trial 1, theta_dot_rad_s: the velocity is 57.3 times";
+        assert!(care.starts_with(words), "{care}");
         let mended = map.replace("unit = \"rad/s\"", "unit = \"deg/s\"");
         let other = World::new();
         let file = other.file("a.csv", format!("t,x,v\n{rows}"));
@@ -690,17 +645,11 @@ mod tests {
 
     #[test]
     fn a_column_becomes_a_channel_of_the_study_in_its_unit_and_no_other() {
-        let channels =
-            "\n[[channels]]\nid = \"grip_n\"\nunit = \"N\"\ndescription = \"the grip\"\n";
-        let text = zwidth_study::template(&"demo".parse().unwrap()) + channels;
-        let text = text.replace("repeats = 6", "repeats = 1");
         let map = |to: &str, unit: &str| {
-            let channel = format!(
-                "\n[[channel]]\nto = \"{to}\"\nfrom = \"g\"\nunit = \"{unit}\"\nsign = -1\n"
-            );
-            trials_map(&[ONE, FORCE, &channel])
+            let channel = column(to, "g", unit).replace("column", "channel");
+            trials_map(&[ONE, FORCE, &channel, "sign = -1\n"])
         };
-        let world = World::with(&text);
+        let world = World::with(&format!("{}\n{GRIP}", template_once()));
         let file = world.file("a.csv", "t,f,g\n0,0,1.5\n1,1,-2\n");
         world.refuses(&map("grip_n", "mN"), &file, "'grip_n' is in 'N' in study.toml", None);
         world.refuses(&map("hum", "N"), &file, "'hum' is not a channel of study.toml", None);
@@ -745,30 +694,19 @@ mod tests {
         assert!(errors[0].remedy.contains("keeps the form it began with"), "{errors:?}");
     }
 
-    const RATED: &str = "
-[time]
-rate_hz = 200.0
-[[column]]
-to = \"torque_ex_nm\"
-from = \"tau\"
-unit = \"mN·m\"
-";
-
     #[test]
-    fn a_rate_makes_the_time_and_the_file_says_so() {
+    fn a_rate_makes_the_time_as_the_file_says_and_dropped_rows_leave_a_gap_and_are_counted() {
         let world = World::new();
-        world.import(&trials_map(&[ONE, RATED]), &[world.file("a.csv", "tau\n1\n2\n3\n")]).unwrap();
+        let rated = "[time]\nrate_hz = 200.0\n".to_owned() + &column("torque_ex_nm", "tau", "mN·m");
+        let file = world.file("a.csv", "tau\n1\n2\n3\n");
+        world.import(&trials_map(&[ONE, &rated]), &[file]).unwrap();
         assert_eq!(world.column(1, Signal::Time), [0.0, 0.005, 0.01]);
         let made = world.computed(1);
         assert!(made.contains("t_s = row / 200 Hz"), "{made}");
-    }
-
-    #[test]
-    fn dropped_rows_leave_a_gap_in_time_and_are_counted() {
         let world = World::new();
-        let map = trials_map(&["[file]\nmissing = \"drop\"\nrows = 4\n", ONE, RATED]);
-        let report =
-            world.import(&map, &[world.file("a.csv", "tau,x\n1,\n,5\n3,\nNaN,\n5,\n")]).unwrap();
+        let map = trials_map(&["[file]\nmissing = \"drop\"\nrows = 4\n", ONE, &rated]);
+        let file = world.file("a.csv", "tau,x\n1,\n,5\n3,\nNaN,\n5,\n");
+        let report = world.import(&map, &[file]).unwrap();
         assert_eq!(world.column(1, Signal::Time), [0.0, 0.01]);
         let file = &report.files[0];
         assert_eq!((file.rows_read, file.rows_kept), (5, 2));
@@ -778,23 +716,15 @@ unit = \"mN·m\"
     #[test]
     fn a_derivative_is_made_only_where_asked_for_and_the_file_says_so() {
         let world = World::new();
-        let derived = "
-[time]
-from = \"t\"
-unit = \"ms\"
-[[column]]
-to = \"theta_dot_rad_s\"
-from = \"w\"
-unit = \"rad/s\"
-[[column]]
-to = \"theta_ddot_rad_s2\"
-derive = \"derivative of theta_dot_rad_s\"
-[[column]]
-to = \"theta_rad\"
-derive = \"integral of theta_dot_rad_s\"
-";
+        let map = trials_map(&[
+            ONE,
+            "[time]\nfrom = \"t\"\nunit = \"ms\"\n",
+            &column("theta_dot_rad_s", "w", "rad/s"),
+            "[[column]]\nto = \"theta_ddot_rad_s2\"\nderive = \"derivative of theta_dot_rad_s\"\n",
+            "[[column]]\nto = \"theta_rad\"\nderive = \"integral of theta_dot_rad_s\"\n",
+        ]);
         let file = world.file("a.csv", "t,w\n0,0\n500,1\n1000,4\n");
-        world.import(&trials_map(&[ONE, derived]), &[file]).unwrap();
+        world.import(&map, &[file]).unwrap();
         close(&world.column(1, Signal::ThetaDdot), &[2.0, 4.0, 6.0]);
         close(&world.column(1, Signal::Theta), &[0.0, 0.25, 1.5]);
         let made = world.computed(1);

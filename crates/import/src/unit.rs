@@ -25,27 +25,6 @@ use Dimension::{
     Torque, Velocity, Voltage,
 };
 
-impl Dimension {
-    /// The dimension of the time derivative, where a signal has it.
-    pub(super) fn derivative(self) -> Option<Self> {
-        match self {
-            Angle => Some(AngularVelocity),
-            AngularVelocity => Some(AngularAcceleration),
-            _ => None,
-        }
-    }
-
-    /// The angular dimension that a linear coordinate x = L θ turns this one into.
-    fn angular(self) -> Option<Self> {
-        match self {
-            Length => Some(Angle),
-            Velocity => Some(AngularVelocity),
-            Acceleration => Some(AngularAcceleration),
-            _ => None,
-        }
-    }
-}
-
 /// A unit: its spellings, and the factor to SI.
 #[derive(Debug)]
 pub(super) struct Unit {
@@ -199,10 +178,14 @@ pub(super) fn dimension(signal: Signal) -> Option<Dimension> {
 
 /// Whether `unit` can become `signal` in some study.
 pub(super) fn may_become(unit: &Unit, signal: Signal) -> bool {
-    let target = dimension(signal);
-    target == Some(unit.dimension)
-        || (target.is_some() && target == unit.dimension.angular())
-        || (unit.dimension == Torque && target == Some(Force))
+    let Some(target) = dimension(signal) else { return false };
+    match (unit.dimension, target) {
+        // By a linear coordinate x = L θ.
+        (Length, Angle) | (Velocity, AngularVelocity) | (Acceleration, AngularAcceleration) => true,
+        // By a lever.
+        (Torque, Force) => true,
+        (own, target) => own == target,
+    }
 }
 
 /// The factor that turns a value in `unit` into `signal`'s SI unit, and the length that was used.
@@ -229,12 +212,8 @@ pub(super) fn factor(
 mod tests {
     use super::*;
 
-    fn study() -> Study {
-        zwidth_testing::study()
-    }
-
     fn check(unit: &str, signal: Signal, expect: f64) {
-        let (found, _) = factor(find(unit).unwrap(), signal, &study()).unwrap();
+        let (found, _) = factor(find(unit).unwrap(), signal, &zwidth_testing::study()).unwrap();
         assert!((found / expect - 1.0).abs() < 1e-12, "{unit}: {found}");
     }
 
@@ -287,18 +266,6 @@ mod tests {
         check("ms", Signal::Time, 1e-3);
         check("oz·in", Signal::TorqueEx, 0.028_349_523_125 * 9.806_65 * 0.0254);
         check("mN·m", Signal::TorqueEx, 1e-3);
-    }
-
-    #[test]
-    fn torque_becomes_force_by_the_lever_and_length_becomes_angle_by_the_linear_coordinate() {
-        check("N·m", Signal::ForceEx, 1.0 / 0.045);
-        let mut study = study();
-        let mm = find("mm").unwrap();
-        assert!(factor(mm, Signal::Theta, &study).unwrap_err().contains("linear"));
-        study.coordinate = Coordinate::Linear { lever_m: 0.5 };
-        assert_eq!(factor(mm, Signal::Theta, &study), Ok((0.002, Some(0.5))));
-        study.device.lever_m = None;
-        assert!(factor(find("N·m").unwrap(), Signal::ForceEx, &study).is_err());
     }
 
     #[test]

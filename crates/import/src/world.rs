@@ -107,10 +107,9 @@ impl World {
         };
         let report = import(&self.layout, &self.study, mapping, files, BY, disk, &progress)?;
         let (read, written) = told.into_inner().unwrap();
-        // Each block of a long text has its header again.
-        let most = 2 * bytes_of(files);
         let all = bytes_of(files);
-        assert!((all..=most).contains(&read), "progress reaches the end: {read} of {all} bytes");
+        // Each block of a long text has its header again.
+        assert!((all..=2 * all).contains(&read), "progress reaches the end: {read} of {all} bytes");
         assert!(written.iter().all(|all| *all == written.len()), "{written:?}");
         Ok(report)
     }
@@ -123,8 +122,7 @@ impl World {
     ) -> Result<Report, Vec<StoreError>> {
         let mut mapping = Mapping::from_toml(map, Path::new("map.toml"))?;
         mapping.file.long_from = 0;
-        let disk = &RealFiles;
-        self.followed(&mapping, files, disk)
+        self.followed(&mapping, files, &RealFiles)
     }
 
     pub(super) fn import(&self, map: &str, files: &[PathBuf]) -> Result<Report, Vec<StoreError>> {
@@ -203,6 +201,11 @@ impl World {
 /// A mapping of kind `trials` from its parts.
 pub(super) fn trials_map(parts: &[&str]) -> String {
     format!("kind = \"trials\"\n{}", parts.concat())
+}
+
+/// A column of theirs that becomes one of ours.
+pub(super) fn column(to: &str, from: &str, unit: &str) -> String {
+    format!("[[column]]\nto = \"{to}\"\nfrom = \"{from}\"\nunit = \"{unit}\"\n")
 }
 
 /// Equal within rounding.

@@ -85,10 +85,7 @@ impl<'a> Xml<'a> {
                 Read::Eof if self.open.is_empty() => return Ok(None),
                 Read::Eof => return Err("its XML is cut off".to_owned()),
             };
-            match &mut text {
-                Some(text) => text.to_mut().push_str(&part),
-                None => text = Some(part),
-            }
+            *text.get_or_insert_default() += part;
         }
     }
 

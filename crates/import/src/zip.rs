@@ -4,6 +4,7 @@
 //! the end of the file; a claim in it never exceeds the bytes that are there.
 
 use super::limits::{MOST_COLUMNS, MOST_NAME, MOST_UNPACKED};
+use super::table::little;
 use flate2::Crc;
 use flate2::read::DeflateDecoder;
 use std::io::Read as _;
@@ -19,30 +20,20 @@ const LOCAL_LENGTH: usize = 30;
 /// The end has a remark behind it of at most so many bytes.
 const MOST_REMARK: usize = 1 << 16;
 /// The flag of an entry that a password locks.
-const LOCKED: u16 = 1;
+const LOCKED: usize = 1;
 /// How an entry is packed: as it is, or deflated.
-const STORED: u16 = 0;
-const DEFLATED: u16 = 8;
+const STORED: usize = 0;
+const DEFLATED: usize = 8;
 
 /// An entry of the directory.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Entry {
     pub(super) name: String,
-    method: u16,
-    crc: u32,
+    method: usize,
+    crc: usize,
     packed: usize,
     size: usize,
     at: usize,
-}
-
-/// The number of two or four bytes at a place.
-fn u16_at(bytes: &[u8], at: usize) -> Option<u16> {
-    bytes.get(at..at.checked_add(2)?)?.try_into().ok().map(u16::from_le_bytes)
-}
-
-fn u32_at(bytes: &[u8], at: usize) -> Option<usize> {
-    let four: [u8; 4] = bytes.get(at..at.checked_add(4)?)?.try_into().ok()?;
-    usize::try_from(u32::from_le_bytes(four)).ok()
 }
 
 const CUT: &str = "its directory is cut off or damaged";
@@ -55,8 +46,8 @@ pub(super) fn entries(bytes: &[u8]) -> Result<Vec<Entry>, String> {
     let end = (0..=tail.len().saturating_sub(END_LENGTH)).rev();
     let end = end.into_iter().find(|at| tail[*at..].starts_with(END));
     let end = from + end.ok_or("it is not an archive, or was cut off: it has no directory")?;
-    let count = usize::from(u16_at(bytes, end + 10).ok_or(CUT)?);
-    let mut at = u32_at(bytes, end + 16).ok_or(CUT)?;
+    let count = little(bytes, end + 10, 2).ok_or(CUT)?;
+    let mut at = little(bytes, end + 16, 4).ok_or(CUT)?;
     if count > MOST_COLUMNS {
         return Err(format!("it has {count} parts, and at most {MOST_COLUMNS} are read"));
     }
@@ -73,27 +64,25 @@ pub(super) fn entries(bytes: &[u8]) -> Result<Vec<Entry>, String> {
 fn entry(bytes: &[u8], at: usize) -> Option<Result<(Entry, usize), String>> {
     let head =
         bytes.get(at..at.checked_add(ENTRY_LENGTH)?).filter(|head| head.starts_with(ENTRY))?;
-    let [name, extra, remark] = [28, 30, 32].map(|at| u16_at(head, at).map(usize::from));
-    let name = name?;
-    let extra = extra?;
-    let remark = remark?;
+    let name = little(head, 28, 2)?;
+    let extra = little(head, 30, 2)?;
+    let remark = little(head, 32, 2)?;
     let name_at = at + ENTRY_LENGTH;
     if name > MOST_NAME {
         return Some(Err(format!("a name has {name} bytes, and at most {MOST_NAME} are read")));
     }
     let name_bytes = bytes.get(name_at..name_at + name)?;
     let name = String::from_utf8_lossy(name_bytes).into_owned();
-    if u16_at(head, 8)? & LOCKED != 0 {
+    if little(head, 8, 2)? & LOCKED != 0 {
         return Some(Err(format!("'{name}' is locked by a password")));
     }
-    let crc = u32::from_le_bytes(head.get(16..20)?.try_into().ok()?);
     let entry = Entry {
         name,
-        method: u16_at(head, 10)?,
-        crc,
-        packed: u32_at(head, 20)?,
-        size: u32_at(head, 24)?,
-        at: u32_at(head, 42)?,
+        method: little(head, 10, 2)?,
+        crc: little(head, 16, 4)?,
+        packed: little(head, 20, 4)?,
+        size: little(head, 24, 4)?,
+        at: little(head, 42, 4)?,
     };
     Some(Ok((entry, name_at + name_bytes.len() + extra + remark)))
 }
@@ -122,14 +111,15 @@ pub(super) fn unpack(bytes: &[u8], entry: &Entry, unpacked: &mut u64) -> Result<
     }
     let mut crc = Crc::new();
     crc.update(&content);
-    if content.len() == entry.size && crc.sum() == entry.crc { Ok(content) } else { Err(damaged()) }
+    let is_whole = content.len() == entry.size && crc.sum() as usize == entry.crc;
+    if is_whole { Ok(content) } else { Err(damaged()) }
 }
 
 /// The packed bytes of an entry, behind a head of its own.
 fn packed<'a>(bytes: &'a [u8], entry: &Entry) -> Option<&'a [u8]> {
     let head = bytes.get(entry.at..entry.at.checked_add(LOCAL_LENGTH)?);
     let head = head.filter(|head| head.starts_with(LOCAL))?;
-    let varies = usize::from(u16_at(head, 26)?) + usize::from(u16_at(head, 28)?);
+    let varies = little(head, 26, 2)? + little(head, 28, 2)?;
     let from = entry.at.checked_add(LOCAL_LENGTH + varies)?;
     bytes.get(from..from.checked_add(entry.packed)?)
 }

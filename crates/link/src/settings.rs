@@ -36,6 +36,14 @@ pub enum Link {
     Text,
 }
 
+/// The links as boards in software and soaks try them, by the words of their chores.
+pub const LINKS: [(&str, Link, AngleAt); 4] = [
+    ("framed", Link::Framed, AngleAt::I2c),
+    ("firmata", Link::Firmata, AngleAt::Analog(0)),
+    ("firmata-i2c", Link::Firmata, AngleAt::I2c),
+    ("text", Link::Text, AngleAt::I2c),
+];
+
 /// The content of `rig.toml`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

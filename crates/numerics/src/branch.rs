@@ -24,21 +24,6 @@ impl Branch {
             Self::Down => "down",
         }
     }
-
-    fn turned(self) -> Self {
-        match self {
-            Self::Up => Self::Down,
-            Self::Down => Self::Up,
-        }
-    }
-
-    /// How far `from` lies ahead of `to` on this branch: what the command has lost.
-    fn fallback(self, from: f64, to: f64) -> f64 {
-        match self {
-            Self::Up => from - to,
-            Self::Down => to - from,
-        }
-    }
 }
 
 /// The branch of each sample of one sweep, in the order of recording.
@@ -57,11 +42,15 @@ pub fn branches(command: &[f64]) -> Vec<Branch> {
     let mut furthest = 0;
     for (i, &x) in command.iter().enumerate() {
         branches.push(branch);
-        let lost = branch.fallback(command[furthest], x);
+        // How far the furthest command lies ahead on this branch.
+        let (lost, other) = match branch {
+            Branch::Up => (command[furthest] - x, Branch::Down),
+            Branch::Down => (x - command[furthest], Branch::Up),
+        };
         if lost <= 0.0 {
             furthest = i;
         } else if lost > threshold {
-            branch = branch.turned();
+            branch = other;
             // The turn shows only now, but the way back began right after the furthest command.
             branches[furthest + 1..].fill(branch);
             furthest = i;

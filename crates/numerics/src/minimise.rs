@@ -7,6 +7,7 @@
 //! function flat, its slope decides instead (the approximate Wolfe condition of Hager & Zhang 2005,
 //! SIAM J. Optim. 16:170), so a minimum is found to nearly all digits, not only to half of them.
 
+use crate::dense::dot;
 use crate::error::NumericsError;
 
 /// Share of the first slope's promise that a step has to keep (Armijo).
@@ -197,10 +198,6 @@ fn is_finite(place: &Place) -> bool {
 
 fn largest(gradient: &[f64]) -> f64 {
     gradient.iter().fold(0.0, |most, g| g.abs().max(most))
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 #[cfg(test)]

@@ -14,7 +14,13 @@ pub struct Updates {
 /// s.
 pub fn updates(t: &[f64], values: &[f64], age: &[f64]) -> Updates {
     let mut updates = Updates { t: Vec::new(), values: Vec::new() };
-    for i in (0..t.len()).filter(|i| is_new(t, age, *i)) {
+    // A new value came with a sample if the age did not grow as the clock did.
+    let is_new = |i: &usize| match i.checked_sub(1) {
+        // Half of the interval as margin: the age is stored in single precision.
+        Some(before) => age[*i] < age[before] + (t[*i] - t[before]) / 2.0,
+        None => true,
+    };
+    for i in (0..t.len()).filter(is_new) {
         let taken = t[i] - age[i];
         // Rounded ages can put a value before the last one, and interpolation needs rising times.
         if updates.t.last().is_none_or(|last| taken > *last) {
@@ -23,15 +29,6 @@ pub fn updates(t: &[f64], values: &[f64], age: &[f64]) -> Updates {
         }
     }
     updates
-}
-
-/// Whether a new value came with sample `i`: the age did not grow as the clock did.
-fn is_new(t: &[f64], age: &[f64], i: usize) -> bool {
-    match i.checked_sub(1) {
-        // Half of the interval as margin: the age is stored in single precision.
-        Some(before) => age[i] < age[before] + (t[i] - t[before]) / 2.0,
-        None => true,
-    }
 }
 
 impl Updates {

@@ -2,7 +2,7 @@
 //! and one of force against position. If there is no mean, they are empty and their note says why.
 
 use crate::figures::drawing::{Drawing, Figured};
-use crate::shared::conditions::{Repeats, repeats, sessions};
+use crate::shared::conditions::{Repeats, repeats, sessions, trial_sources};
 use crate::shared::making::{derived, write_tables};
 use crate::shared::trials::{OfTrials, Recordings, files, open_all};
 use rayon::prelude::*;
@@ -11,7 +11,7 @@ use std::collections::BTreeSet;
 use std::path::PathBuf;
 use zwidth_average::{Alignment, AverageError, Parameters, SessionLoop, WhyNot};
 use zwidth_figures::{About, EnvironmentOfPeople, MEAN_LOOPS, ModeOfPeople, draws_each};
-use zwidth_runner::{Inputs, Job, JobError, Made, Making, Stage};
+use zwidth_runner::{Job, JobError, Made, Making, Stage};
 use zwidth_store::{Layout, StudyData};
 use zwidth_study::{Environment, SceneKind, Source};
 use zwidth_tables::{Table, TableError};
@@ -125,50 +125,37 @@ fn make_people(level: &f64, sessions: &Vec<PathBuf>, making: &Making) -> Result<
 struct Drawn {
     about: About,
     environments: Vec<(Environment, Vec<usize>)>,
-    sources: BTreeSet<Source>,
+    sources: Vec<Source>,
 }
 
 /// The figure of the means over participants, if there are several.
 pub(crate) fn figure(data: &StudyData) -> Option<Drawing> {
     let people = over_people(data);
-    let mut environments: Vec<(Environment, Vec<usize>)> = Vec::new();
-    for condition in &people {
-        // Conditions of one environment follow each other.
-        match environments.last_mut().filter(|(last, _)| last.id == condition.environment.id) {
-            Some((_, modes)) => modes.push(condition.mode),
-            None => environments.push((condition.environment.clone(), vec![condition.mode])),
-        }
-    }
+    // Conditions of one environment follow each other.
+    let environments = people.chunk_by(|a, b| a.environment.id == b.environment.id).map(|own| {
+        let modes = own.iter().map(|condition| condition.mode).collect();
+        (own[0].environment.clone(), modes)
+    });
     let drawn = Drawn {
         about: About::of(&data.study),
-        environments,
-        sources: data.counting().map(|trial| trial.meta.source).collect(),
+        environments: environments.collect(),
+        sources: trial_sources(data),
     };
     let most = people.iter().map(|people| people.sessions.len()).max().unwrap_or(0);
-    let mut files = Vec::new();
+    let mut files = OfPeople::new();
     for People { mean, sessions, .. } in people {
         // What is not drawn is no input: the figure would be made again whenever a session changes.
         files.push((mean, if draws_each(most) { sessions } else { Vec::new() }));
     }
     let trials = data.counting().count();
     (!files.is_empty())
-        .then(|| Drawing::new(data, MEAN_LOOPS, [""; 0], drawn, OfPeople(files), draw).of(trials))
+        .then(|| Drawing::new(data, MEAN_LOOPS, [""; 0], drawn, files, draw).of(trials))
 }
 
 /// Each condition's mean over participants, and the means of its sessions where they are drawn.
-struct OfPeople(Vec<(PathBuf, Vec<PathBuf>)>);
+type OfPeople = Vec<(PathBuf, Vec<PathBuf>)>;
 
-impl Inputs for OfPeople {
-    fn files(&self) -> Vec<PathBuf> {
-        self.0
-            .iter()
-            .flat_map(|(mean, sessions)| [mean].into_iter().chain(sessions))
-            .cloned()
-            .collect()
-    }
-}
-
-fn draw(drawn: &Drawn, OfPeople(files): &OfPeople) -> Figured {
+fn draw(drawn: &Drawn, files: &OfPeople) -> Figured {
     let columns = zwidth_figures::loop_columns();
     let columns: Vec<&str> = columns.iter().map(String::as_str).collect();
     let mut tables = Vec::new();
@@ -188,8 +175,7 @@ fn draw(drawn: &Drawn, OfPeople(files): &OfPeople) -> Figured {
             .map(|(index, (mean, sessions))| ModeOfPeople { index: *index, mean, sessions });
         environments.push(EnvironmentOfPeople { environment, modes: modes.collect() });
     }
-    let sources: Vec<Source> = drawn.sources.iter().copied().collect();
-    Ok((zwidth_figures::mean_loops(&drawn.about, &environments, &sources)?, Vec::new()))
+    Ok((zwidth_figures::mean_loops(&drawn.about, &environments, &drawn.sources)?, Vec::new()))
 }
 
 /// The averages of one condition, by each alignment.

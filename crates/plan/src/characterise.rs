@@ -1,7 +1,7 @@
 //! Stage `characterise`: candidate models, parameters and curve of each actuator or sensor; the
 //! calibration.
 
-use crate::shared::handle::{Derived, Written};
+use crate::shared::handle::{Derived, write_named};
 use crate::shared::making::derived;
 use crate::shared::trials::{WithProblems, readable};
 use serde::Serialize;
@@ -14,7 +14,7 @@ use zwidth_results::{
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, Stage};
 use zwidth_stability::impedance::ACTUATOR;
 use zwidth_store::{Layout, StoreError, StudyData, Sweep, read_sweep};
-use zwidth_study::{ActuatorId, Calibration, Characteristic};
+use zwidth_study::{ActuatorId, Calibration};
 use zwidth_tables::{Table, TableError};
 
 const STAGE: Stage = Stage { name: "characterise", version: zwidth_characterise::VERSION };
@@ -33,14 +33,11 @@ pub(crate) struct Characterisation {
 
 impl Characterisation {
     pub(crate) fn of(layout: &Layout, actuator: &ActuatorId) -> Self {
-        fn table<R: Row>(layout: &Layout, actuator: &ActuatorId) -> Derived<R> {
-            let name = format!("characterise/{}.{actuator}.parquet", R::NAME);
-            Derived::at(derived(layout, name))
-        }
+        let file = |name: &str| derived(layout, format!("characterise/{name}.{actuator}.parquet"));
         Self {
-            models: table(layout, actuator),
-            parameters: table(layout, actuator),
-            curve: table(layout, actuator),
+            models: Derived::at(file(FittedModel::NAME)),
+            parameters: Derived::at(file(FittedParameter::NAME)),
+            curve: Derived::at(file(CurvePoint::NAME)),
         }
     }
 
@@ -159,12 +156,12 @@ fn make_characteristic(
     let fits = zwidth_characterise::characterise(&samples, &settings)?;
     let curve = curve_points(&samples, &fits, parameters.level)?;
     // What is swept on a simulated device is marked where it is printed.
-    let written = Written::begin(making, false)
-        .table(subject.models_table(&fits)?)?
-        .table(subject.parameters_table(&fits)?)?
-        .table(subject.curve_table(&curve)?)?
-        .end()?;
-    Ok(Made { problems, ..written })
+    let tables = vec![
+        subject.models_table(&fits)?,
+        subject.parameters_table(&fits)?,
+        subject.curve_table(&curve)?,
+    ];
+    Ok(Made { problems, ..write_named(tables, making, false)? })
 }
 
 /// The calibration, if motor and brake were both swept. It has no comment and no provenance, so
@@ -174,18 +171,14 @@ fn calibrate(
     (motor, brake): &(Characterisation, Characterisation),
     _: &Making,
 ) -> Result<Made, JobError> {
+    // By knots, from the tables of an actuator.
+    let characteristic = |actuator, tables: &Characterisation| -> Result<_, JobError> {
+        Ok(calibrated(actuator, &tables.read()?.chosen(actuator)?)?)
+    };
     let motor = characteristic("motor", motor)?;
     let brake = characteristic("brake", brake)?;
     let text = Calibration { motor, brake }.to_toml()?;
     // Sessions will refuse a calibration that cannot be read: it is an error here, not there.
     Calibration::from_toml(&text)?;
     Ok(Made::of(vec![text.into_bytes()]))
-}
-
-/// The characteristic by knots, from the tables of an actuator.
-fn characteristic(
-    actuator: &'static str,
-    tables: &Characterisation,
-) -> Result<Characteristic, JobError> {
-    Ok(calibrated(actuator, &tables.read()?.chosen(actuator)?)?)
 }

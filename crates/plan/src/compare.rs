@@ -1,18 +1,20 @@
 //! Stage `compare`: modes, participants and sessions compared, one job for all metrics and one for answers; its figures.
 
 use crate::figures::drawing::{Drawing, Figured};
-use crate::likert::figures as likert_figures;
+use crate::likert::figures::{self as likert_figures, Page};
 use crate::page::preregistered::preregistered;
-use crate::shared::handle::{Derived, Written};
+use crate::shared::conditions::trial_sources;
+use crate::shared::handle::{Derived, file_within, write_named};
 use crate::shared::making::derived;
 use crate::tables::printed::Printed;
 use crate::{likert, metrics};
 use serde::Serialize;
 use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use zwidth_compare::{
     AnswerParameters, DrawnOrder, MetricParameters, Noticed, Parameters, SessionOrder,
 };
+use zwidth_draw::Figure;
 use zwidth_figures::{
     ANSWERS_COMPARED, About, AnswersPage, FigureKind, IN_ONE_COLUMN, MODES_COMPARED, MetricResults,
     PARTICIPANTS_COMPARED, REPEATS_COMPARED, SESSIONS_COMPARED, VERDICTS, VerdictRow,
@@ -21,7 +23,7 @@ use zwidth_figures::{
 use zwidth_results::{
     AnswerDifference, Cell, Compared, GivenAnswer, Learning, Mean, MetricNote, ModeDifference,
     Model, Omnibus, OrderTest, PersonDifference, PersonSuperiority, PrintedDifference,
-    RedrawnDifference, RepeatMean, SessionChange,
+    RedrawnDifference, RepeatMean, Row, SessionChange,
 };
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, Stage};
 use zwidth_store::{Layout, SessionLog, StudyData};
@@ -29,7 +31,7 @@ use zwidth_study::order::Rules;
 use zwidth_study::{
     Bound, Coordinate, Environment, Event, IdError, MetricId, Source, Study, is_felt,
 };
-use zwidth_tables::{Measured, TableError};
+use zwidth_tables::{Measured, Table, TableError};
 
 const STAGE: Stage = Stage { name: "compare", version: zwidth_compare::VERSION };
 
@@ -44,85 +46,63 @@ const OTHERS: [&str; 6] = [
     "duration_s",
 ];
 
-/// The results of the stage on metrics, one table for each kind of row.
+/// The results of the stage on metrics: one folder, with a table for each kind of row.
 #[derive(Clone)]
 pub(crate) struct Comparison {
-    pub(crate) metrics: Derived<Compared>,
-    pub(crate) cells: Derived<Cell>,
-    pub(crate) means: Derived<Mean>,
-    pub(crate) contrasts: Derived<ModeDifference>,
-    pub(crate) printed: Derived<PrintedDifference>,
-    pub(crate) omnibus: Derived<Omnibus>,
-    pub(crate) models: Derived<Model>,
-    pub(crate) participants: Derived<PersonDifference>,
-    pub(crate) sessions: Derived<SessionChange>,
-    pub(crate) learning: Derived<Learning>,
-    pub(crate) repeats: Derived<RepeatMean>,
-    pub(crate) orders: Derived<OrderTest>,
-    pub(crate) redrawn: Derived<RedrawnDifference>,
-    pub(crate) notes: Derived<MetricNote>,
+    folder: PathBuf,
 }
 
 impl Comparison {
     fn of(layout: &Layout) -> Self {
-        let folder = derived(layout, "compare");
-        Self {
-            metrics: Derived::within(&folder),
-            cells: Derived::within(&folder),
-            means: Derived::within(&folder),
-            contrasts: Derived::within(&folder),
-            printed: Derived::within(&folder),
-            omnibus: Derived::within(&folder),
-            models: Derived::within(&folder),
-            participants: Derived::within(&folder),
-            sessions: Derived::within(&folder),
-            learning: Derived::within(&folder),
-            repeats: Derived::within(&folder),
-            orders: Derived::within(&folder),
-            redrawn: Derived::within(&folder),
-            notes: Derived::within(&folder),
-        }
+        Self { folder: derived(layout, "compare") }
+    }
+
+    /// The table of rows `R`.
+    pub(crate) fn table<R: Row>(&self) -> Derived<R> {
+        Derived::within(&self.folder)
+    }
+
+    /// The file of the table of that name.
+    pub(crate) fn file(&self, name: &str) -> PathBuf {
+        file_within(&self.folder, name)
     }
 
     /// The results on one metric.
     fn read(&self, metric: &MetricId) -> Result<MetricResults, JobError> {
-        let compared = self.metrics.read_of(metric)?.into_iter().next();
+        let compared = self.table::<Compared>().read_of(metric)?.into_iter().next();
         Ok(MetricResults {
             metric: compared.ok_or_else(|| format!("the metric {metric} was not compared"))?,
-            cells: self.cells.read_of(metric)?,
-            means: self.means.read_of(metric)?,
-            contrasts: self.contrasts.read_of(metric)?,
-            participants: self.participants.read_of(metric)?,
-            sessions: self.sessions.read_of(metric)?,
-            repeats: self.repeats.read_of(metric)?,
-            redrawn: self.redrawn.read_of(metric)?,
-            notes: self.notes.read_of(metric)?,
+            cells: self.table().read_of(metric)?,
+            means: self.table().read_of(metric)?,
+            contrasts: self.table().read_of(metric)?,
+            participants: self.table().read_of(metric)?,
+            sessions: self.table().read_of(metric)?,
+            repeats: self.table().read_of(metric)?,
+            redrawn: self.table().read_of(metric)?,
+            notes: self.table().read_of(metric)?,
         })
     }
 }
 
 impl Inputs for Comparison {
     fn files(&self) -> Vec<PathBuf> {
-        let Self { metrics, cells, means, contrasts, printed, omnibus, models, .. } = self;
-        let Self { participants, sessions, learning, repeats, orders, redrawn, notes, .. } = self;
-        [
-            metrics.path(),
-            cells.path(),
-            means.path(),
-            contrasts.path(),
-            printed.path(),
-            omnibus.path(),
-            models.path(),
-            participants.path(),
-            sessions.path(),
-            learning.path(),
-            repeats.path(),
-            orders.path(),
-            redrawn.path(),
-            notes.path(),
-        ]
-        .map(Path::to_owned)
-        .to_vec()
+        let names = [
+            Compared::NAME,
+            Cell::NAME,
+            Mean::NAME,
+            ModeDifference::NAME,
+            PrintedDifference::NAME,
+            Omnibus::NAME,
+            Model::NAME,
+            PersonDifference::NAME,
+            SessionChange::NAME,
+            Learning::NAME,
+            RepeatMean::NAME,
+            OrderTest::NAME,
+            RedrawnDifference::NAME,
+            MetricNote::NAME,
+        ];
+        names.map(|name| self.file(name)).to_vec()
     }
 }
 
@@ -144,21 +124,16 @@ pub enum By {
 /// The tables of a comparison, as they are printed, in the order in which they are read.
 pub fn comparison(data: &StudyData, by: By, metric: &str) -> Vec<Printed> {
     let tables = Comparison::of(&data.layout);
-    let paths = match by {
+    let names = match by {
         By::Answer => {
             return vec![Printed::without_empty_columns(answers_of(&data.layout).0.path())];
         }
-        By::Mode => vec![
-            tables.means.path(),
-            tables.contrasts.path(),
-            tables.omnibus.path(),
-            tables.orders.path(),
-        ],
-        By::Participant => vec![tables.participants.path()],
-        By::Session => vec![tables.sessions.path()],
-        By::Repeat => vec![tables.learning.path()],
+        By::Mode => vec![Mean::NAME, ModeDifference::NAME, Omnibus::NAME, OrderTest::NAME],
+        By::Participant => vec![PersonDifference::NAME],
+        By::Session => vec![SessionChange::NAME],
+        By::Repeat => vec![Learning::NAME],
     };
-    paths.into_iter().map(|table| Printed::of_metric(table, metric)).collect()
+    names.into_iter().map(|name| Printed::of_metric(&tables.file(name), metric)).collect()
 }
 
 /// How participants differ in a metric: the contrasts, and the mixed models.
@@ -170,7 +145,7 @@ pub fn spreads(
     metric: &MetricId,
 ) -> Result<(Vec<ModeDifference>, Vec<Model>), TableError> {
     let tables = Comparison::of(&data.layout);
-    Ok((tables.contrasts.read_of(metric)?, tables.models.read_of(metric)?))
+    Ok((tables.table().read_of(metric)?, tables.table().read_of(metric)?))
 }
 
 /// The metrics that are compared: those that trials of this study can have, the primary one first.
@@ -220,16 +195,6 @@ fn requested_metrics(study: &Study) -> Vec<String> {
         }
     }
     requested
-}
-
-/// What a metric measures, in words, if there is one of that name.
-pub fn metric_in_words(name: &str) -> Option<&'static str> {
-    zwidth_metrics::in_words(name)
-}
-
-/// Whether there is a metric of that name that can be compared: a number.
-pub fn is_metric(name: &str) -> bool {
-    zwidth_metrics::is_number(name)
 }
 
 /// Remarks on metrics in study.toml that do not exist, and on bounds that have no effect.
@@ -303,20 +268,21 @@ pub(crate) fn tables(data: &StudyData) -> Vec<Printed> {
     let Attendance { several, several_and_again } = attendance(data);
     let mut tables = Vec::new();
     if let Some(comparison) = of_study(data) {
-        tables.push(Printed::whole(comparison.printed.path()));
+        tables.push(Printed::whole(&comparison.file(PrintedDifference::NAME)));
         let kinds = [
-            (true, comparison.means.path()),
-            (true, comparison.contrasts.path()),
-            (several, comparison.omnibus.path()),
-            (several, comparison.models.path()),
-            (several, comparison.participants.path()),
-            (several_and_again, comparison.sessions.path()),
-            (true, comparison.learning.path()),
-            (true, comparison.orders.path()),
+            (true, Mean::NAME),
+            (true, ModeDifference::NAME),
+            (several, Omnibus::NAME),
+            (several, Model::NAME),
+            (several, PersonDifference::NAME),
+            (several_and_again, SessionChange::NAME),
+            (true, Learning::NAME),
+            (true, OrderTest::NAME),
         ];
         for metric in compared(data) {
-            let printed = kinds.iter().filter(|(is_printed, _)| *is_printed);
-            tables.extend(printed.map(|(_, table)| Printed::of_metric(table, &metric)));
+            for (_, name) in kinds.iter().filter(|(is_printed, _)| *is_printed) {
+                tables.push(Printed::of_metric(&comparison.file(name), &metric));
+            }
         }
     }
     tables.extend(answers(data).map(|table| Printed::without_empty_columns(&table)));
@@ -337,15 +303,15 @@ fn answers_of(layout: &Layout) -> AnswersOf {
     (Derived::within(&folder), Derived::within(&folder))
 }
 
-/// What the comparison of a study depends on.
+/// What a comparison depends on.
 #[derive(Serialize)]
-struct Comparing {
-    stage: Parameters,
+struct Comparing<P> {
+    stage: P,
     /// Whether any of the data are simulated.
     simulated: bool,
 }
 
-impl Comparing {
+impl Comparing<Parameters> {
     fn of(data: &StudyData) -> Result<Self, IdError> {
         let (study, compare) = (&data.study, &data.study.compare);
         let compared = compared(data);
@@ -369,7 +335,17 @@ impl Comparing {
                 // A plan is a promise on the primary metric alone.
                 preregistered: if primary { preregistered(data, &compared) } else { None },
                 bounds: bounds.collect(),
-                noticed: noticed(study, metric),
+                // What cannot be felt is not noticed from any difference on.
+                noticed: is_felt(metric).then(|| Noticed {
+                    perception: study.perception.clone(),
+                    lever_m: study.device.lever_m.unwrap_or(0.0),
+                    is_slide: matches!(study.coordinate, Coordinate::Linear { .. }),
+                    commanded: study
+                        .environments
+                        .iter()
+                        .map(|e| zwidth_metrics::commanded(metric, &e.scene))
+                        .collect(),
+                }),
             });
         }
         let stage = Parameters {
@@ -386,20 +362,6 @@ impl Comparing {
         let simulated = data.counting().any(|trial| trial.meta.source.is_simulated());
         Ok(Self { stage, simulated })
     }
-}
-
-/// From which difference on a metric is noticed, if it can be felt at all.
-fn noticed(study: &Study, metric: &str) -> Option<Noticed> {
-    is_felt(metric).then(|| Noticed {
-        perception: study.perception.clone(),
-        lever_m: study.device.lever_m.unwrap_or(0.0),
-        is_slide: matches!(study.coordinate, Coordinate::Linear { .. }),
-        commanded: study
-            .environments
-            .iter()
-            .map(|environment| zwidth_metrics::commanded(metric, &environment.scene))
-            .collect(),
-    })
 }
 
 /// How the order of a session came about. It was drawn for the study as it was then.
@@ -454,7 +416,7 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
             level: study.compare.level,
         };
         let simulated = data.sessions.iter().any(|s| s.record.source.is_simulated());
-        let parameters = ComparingAnswers { stage, simulated };
+        let parameters = Comparing { stage, simulated };
         let inputs = likert::answers(data);
         let outputs = answers_of(&data.layout).files();
         jobs.push(Job::new(STAGE, "compare answers", parameters, inputs, outputs, make_answers));
@@ -462,66 +424,66 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
     jobs
 }
 
-fn make(parameters: &Comparing, metrics: &PathBuf, making: &Making) -> Result<Made, JobError> {
-    let Comparing { stage, simulated } = parameters;
+fn make(
+    Comparing { stage, simulated }: &Comparing<Parameters>,
+    metrics: &PathBuf,
+    making: &Making,
+) -> Result<Made, JobError> {
     let compared: Vec<&str> = stage.metrics.iter().map(|metric| metric.metric.as_str()).collect();
     let metrics = Measured::read(metrics, &compared)?;
     let results = zwidth_compare::compare(&metrics, stage)?;
     let printed = zwidth_compare::together(&results.metrics, &results.contrasts)?;
-    Written::begin(making, *simulated)
-        .rows(&results.metrics)?
-        .rows(&results.cells)?
-        .rows(&results.means)?
-        .rows(&results.contrasts)?
-        .table(printed)?
-        .rows(&results.omnibus)?
-        .rows(&results.models)?
-        .rows(&results.participants)?
-        .rows(&results.sessions)?
-        .rows(&results.learning)?
-        .rows(&results.repeats)?
-        .rows(&results.orders)?
-        .rows(&results.redrawn)?
-        .rows(&results.notes)?
-        .end()
-}
-
-/// What the comparison of a study's answers depends on.
-#[derive(Serialize)]
-struct ComparingAnswers {
-    stage: AnswerParameters,
-    /// Whether any of the answers are simulated.
-    simulated: bool,
+    let tables = vec![
+        Table::of_rows(&results.metrics)?,
+        Table::of_rows(&results.cells)?,
+        Table::of_rows(&results.means)?,
+        Table::of_rows(&results.contrasts)?,
+        printed,
+        Table::of_rows(&results.omnibus)?,
+        Table::of_rows(&results.models)?,
+        Table::of_rows(&results.participants)?,
+        Table::of_rows(&results.sessions)?,
+        Table::of_rows(&results.learning)?,
+        Table::of_rows(&results.repeats)?,
+        Table::of_rows(&results.orders)?,
+        Table::of_rows(&results.redrawn)?,
+        Table::of_rows(&results.notes)?,
+    ];
+    write_named(tables, making, *simulated)
 }
 
 fn make_answers(
-    parameters: &ComparingAnswers,
+    parameters: &Comparing<AnswerParameters>,
     answers: &Option<Derived<GivenAnswer>>,
     making: &Making,
 ) -> Result<Made, JobError> {
     let answers = likert::read_counting(answers.as_ref().ok_or("there is no answer")?)?;
     let results = zwidth_compare::compare_answers(&answers, &parameters.stage)?;
-    Written::begin(making, parameters.simulated)
-        .table(zwidth_compare::answers_table(&results.contrasts)?)?
-        .rows(&results.participants)?
-        .end()
+    let contrasts = zwidth_compare::answers_table(&results.contrasts)?;
+    let participants = Table::of_rows(&results.participants)?;
+    write_named(vec![contrasts, participants], making, parameters.simulated)
 }
 
-/// What a figure of the stage depends on besides tables.
-#[derive(Clone, Serialize)]
+/// A figure of a metric.
+type Draw = fn(&About, &[Environment], &[Source], &MetricResults) -> Figure;
+
+/// What a figure of the stage depends on besides tables, and what draws it.
+#[derive(Serialize)]
 struct Drawn {
     about: About,
     environments: Vec<Environment>,
-    sources: BTreeSet<Source>,
+    sources: Vec<Source>,
     metric: String,
+    #[serde(skip)]
+    draw: Draw,
 }
 
 /// What the figure of all metrics depends on besides tables.
-#[derive(Clone, Serialize)]
+#[derive(Serialize)]
 struct AllDrawn {
     about: About,
     environments: Vec<Environment>,
-    sources: BTreeSet<Source>,
+    sources: Vec<Source>,
     metrics: Vec<String>,
     is_narrow: bool,
 }
@@ -530,12 +492,8 @@ fn draw_verdicts(drawn: &AllDrawn, tables: &Comparison) -> Figured {
     let AllDrawn { about, environments, sources, metrics, is_narrow } = drawn;
     let metrics = metrics.iter().map(|metric| tables.read(&metric.parse()?));
     let metrics = metrics.collect::<Result<Vec<_>, _>>()?;
-    let sources: Vec<Source> = sources.iter().copied().collect();
-    Ok((zwidth_figures::verdicts(about, environments, &sources, &metrics, *is_narrow), Vec::new()))
+    Ok((zwidth_figures::verdicts(about, environments, sources, &metrics, *is_narrow), Vec::new()))
 }
-
-/// Describes a figure of a metric.
-type Draw = fn(&Drawn, &Comparison) -> Figured;
 
 /// The figure of every difference between modes, over two columns and in one.
 pub(crate) fn verdict_figures(data: &StudyData) -> Vec<Drawing> {
@@ -547,7 +505,7 @@ pub(crate) fn verdict_figures(data: &StudyData) -> Vec<Drawing> {
         let drawn = AllDrawn {
             about: About::of(&data.study),
             environments: data.study.environments.clone(),
-            sources: data.counting().map(|trial| trial.meta.source).collect(),
+            sources: trial_sources(data),
             metrics: metrics.clone(),
             is_narrow: column.is_some(),
         };
@@ -573,46 +531,32 @@ pub fn verdicts(data: &StudyData) -> Result<Vec<VerdictRow>, JobError> {
 pub(crate) fn figures(data: &StudyData) -> Vec<Drawing> {
     let Attendance { several, several_and_again } = attendance(data);
     let trials = data.counting().count();
+    let sources = trial_sources(data);
     let tables = Comparison::of(&data.layout);
     // One repeat shows no learning.
     let repeated = data.study.design.repeats > 1;
     let kinds: [(bool, FigureKind, Draw); 4] = [
-        (true, MODES_COMPARED, |drawn, tables| draw(zwidth_figures::modes_compared, drawn, tables)),
-        (several, PARTICIPANTS_COMPARED, |drawn, tables| {
-            draw(zwidth_figures::participants_compared, drawn, tables)
-        }),
-        (several_and_again, SESSIONS_COMPARED, |drawn, tables| {
-            draw(zwidth_figures::sessions_compared, drawn, tables)
-        }),
-        (repeated, REPEATS_COMPARED, |drawn, tables| {
-            draw(zwidth_figures::repeats_compared, drawn, tables)
-        }),
+        (true, MODES_COMPARED, zwidth_figures::modes_compared),
+        (several, PARTICIPANTS_COMPARED, zwidth_figures::participants_compared),
+        (several_and_again, SESSIONS_COMPARED, zwidth_figures::sessions_compared),
+        (repeated, REPEATS_COMPARED, zwidth_figures::repeats_compared),
     ];
     let mut drawings = Vec::new();
     for metric in compared(data) {
-        let drawn = Drawn {
-            about: About::of(&data.study),
-            environments: data.study.environments.clone(),
-            sources: data.counting().map(|trial| trial.meta.source).collect(),
-            metric,
-        };
-        for (_, kind, draw) in kinds.into_iter().filter(|(is_shown, ..)| *is_shown) {
-            let drawn = drawn.clone();
-            let tables = tables.clone();
-            let drawing = Drawing::new(data, kind, [drawn.metric.clone()], drawn, tables, draw);
+        for (_, kind, draw_metric) in kinds.into_iter().filter(|(is_shown, ..)| *is_shown) {
+            let drawn = Drawn {
+                about: About::of(&data.study),
+                environments: data.study.environments.clone(),
+                sources: sources.clone(),
+                metric: metric.clone(),
+                draw: draw_metric,
+            };
+            let drawing = Drawing::new(data, kind, [&metric], drawn, tables.clone(), draw);
             drawings.push(drawing.of(trials));
         }
     }
     drawings.extend(answers_figures(data));
     drawings
-}
-
-/// What a page of answers compared depends on besides the tables.
-#[derive(Serialize)]
-struct AnswersDrawn {
-    about: About,
-    page: AnswersPage,
-    sources: BTreeSet<Source>,
 }
 
 /// The figures of answers over several participants.
@@ -622,13 +566,14 @@ fn answers_figures(data: &StudyData) -> Vec<Drawing> {
         return Vec::new();
     }
     let pages = zwidth_figures::answers_pages(&likert_figures::list_rated(data));
+    let sources: BTreeSet<_> = data.sessions.iter().map(|s| s.record.source).collect();
     let mut drawings = Vec::new();
-    for (number, page) in likert_figures::number_pages(pages.len()).into_iter().zip(pages) {
+    for (number, page) in likert_figures::numbered(pages) {
         let shown =
             data.answers.iter().filter(|a| page.shows(&a.condition.environment, &a.question));
         let answers = shown.count();
-        let sources = data.sessions.iter().map(|s| s.record.source).collect();
-        let drawn = AnswersDrawn { about: About::of(&data.study), page, sources };
+        let sources = sources.iter().copied().collect();
+        let drawn = Page { about: About::of(&data.study), page, sources };
         let tables = answers_of(&data.layout);
         let drawing = Drawing::new(data, ANSWERS_COMPARED, number, drawn, tables, draw_answers);
         drawings.push(drawing.of(answers));
@@ -636,21 +581,17 @@ fn answers_figures(data: &StudyData) -> Vec<Drawing> {
     drawings
 }
 
-fn draw_answers(drawn: &AnswersDrawn, (contrasts, participants): &AnswersOf) -> Figured {
-    let sources: Vec<Source> = drawn.sources.iter().copied().collect();
+fn draw_answers(drawn: &Page<AnswersPage>, (contrasts, participants): &AnswersOf) -> Figured {
+    let Page { about, page, sources } = drawn;
     let contrasts = contrasts.read()?;
     let participants = participants.read()?;
-    let about = &drawn.about;
-    Ok((answers_compared(about, &drawn.page, &contrasts, &participants, &sources), Vec::new()))
+    Ok((answers_compared(about, page, &contrasts, &participants, sources), Vec::new()))
 }
 
-/// A figure of a metric.
-type Figure = fn(&About, &[Environment], &[Source], &MetricResults) -> zwidth_draw::Figure;
-
-fn draw(figure: Figure, drawn: &Drawn, tables: &Comparison) -> Figured {
-    let results = tables.read(&drawn.metric.parse()?)?;
-    let sources: Vec<Source> = drawn.sources.iter().copied().collect();
-    Ok((figure(&drawn.about, &drawn.environments, &sources, &results), Vec::new()))
+fn draw(drawn: &Drawn, tables: &Comparison) -> Figured {
+    let Drawn { about, environments, sources, metric, draw } = drawn;
+    let results = tables.read(&metric.parse()?)?;
+    Ok((draw(about, environments, sources, &results), Vec::new()))
 }
 
 #[cfg(test)]

@@ -1,16 +1,17 @@
 //! Stage `freemotion`: in a free environment, the plane fit of every trial that has an
 //! acceleration, and the plant of every other trial that has an angle.
 
-use crate::shared::handle::{Derived, Written};
-use crate::shared::making::split;
-use crate::shared::trials::{OfTrials, Recordings, WithProblems, files, name, read_all};
-use rayon::prelude::*;
+use crate::shared::handle::{Derived, write_named};
+use crate::shared::trials::{OfTrials, Recordings, files, read_and_make};
 use std::path::PathBuf;
-use zwidth_freemotion::{FreeMotionError, Parameters};
+use zwidth_freemotion::{
+    FreeMotionError, Parameters, plane_fit, plane_table, plant_fit, plant_table,
+};
 use zwidth_results::{FreePlane, FreePlant};
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, Stage};
-use zwidth_store::{Signal, StoreError, StudyData, Trial, TrialEntry};
+use zwidth_store::{Signal, StudyData, Trial, TrialEntry};
 use zwidth_study::Scene;
+use zwidth_tables::{Table, TableError};
 
 const STAGE: Stage = Stage { name: "freemotion", version: zwidth_freemotion::VERSION };
 
@@ -55,47 +56,39 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
     if let Some(output) = planes(data) {
         let parameters = OfTrials::new(Parameters::of(&data.study), &for_plane);
         let (name, files) = ("plane fits of free motion", files(&for_plane));
-        jobs.push(Job::new(STAGE, name, parameters, files, output.files(), make_planes));
+        jobs.push(Job::new(
+            STAGE,
+            name,
+            parameters,
+            files,
+            output.files(),
+            |trials, files, making| make(trials, files, making, plane_fit, plane_table),
+        ));
     }
     if let Some(output) = plants(data) {
         let parameters = OfTrials::new(Parameters::of(&data.study), &for_plant);
         let (name, files) = ("plant in free motion", files(&for_plant));
-        jobs.push(Job::new(STAGE, name, parameters, files, output.files(), make_plants));
+        jobs.push(Job::new(
+            STAGE,
+            name,
+            parameters,
+            files,
+            output.files(),
+            |trials, files, making| make(trials, files, making, plant_fit, plant_table),
+        ));
     }
     jobs
 }
 
-fn make_planes(
+/// The fits of the trials that can be read and fitted.
+fn make<F: Send>(
     parameters: &OfTrials<Parameters>,
     files: &Recordings,
     making: &Making,
-) -> Result<Made, JobError> {
-    let (fits, problems) = fit_all(parameters, files, zwidth_freemotion::plane_fit)?;
-    let table = zwidth_freemotion::plane_table(&fits)?;
-    Ok(Made { problems, ..Written::begin(making, false).table(table)?.end()? })
-}
-
-fn make_plants(
-    parameters: &OfTrials<Parameters>,
-    files: &Recordings,
-    making: &Making,
-) -> Result<Made, JobError> {
-    let (fits, problems) = fit_all(parameters, files, zwidth_freemotion::plant_fit)?;
-    let table = zwidth_freemotion::plant_table(&fits)?;
-    Ok(Made { problems, ..Written::begin(making, false).table(table)?.end()? })
-}
-
-/// The fits of the trials that can be read and fitted, and what is wrong with the others.
-fn fit_all<F: Send>(
-    parameters: &OfTrials<Parameters>,
-    files: &Recordings,
     fit: fn(&Trial, &Parameters) -> Result<F, FreeMotionError>,
-) -> Result<WithProblems<F>, StoreError> {
-    let (trials, mut problems) = read_all(files, &parameters.trials, Signal::all())?;
-    let fits = trials.par_iter().map(|trial| {
-        fit(trial, &parameters.stage).map_err(|e| format!("{}: {e}", name(&trial.meta)))
-    });
-    let (fits, more) = split(fits.collect());
-    problems.extend(more);
-    Ok((fits, problems))
+    table: fn(&[F]) -> Result<Table, TableError>,
+) -> Result<Made, JobError> {
+    let OfTrials { stage, trials } = parameters;
+    let (fits, problems) = read_and_make(files, trials, |trial| fit(trial, stage))?;
+    Ok(Made { problems, ..write_named(vec![table(&fits)?], making, false)? })
 }

@@ -8,20 +8,20 @@ use crate::replay::replayable::{is_replayable, rendering};
 use crate::shared::conditions::{Repeats, repeats};
 use crate::shared::handle::Derived;
 use crate::shared::making::{derived, write_tables};
-use crate::shared::measured::{measured, model_trial};
+use crate::shared::measured::{measured, model_samples};
 use crate::shared::trials::{OfTrials, Recordings, files, label_trials, name, read_all};
 use serde::{Serialize, Serializer};
-use std::path::{Path, PathBuf};
 use zwidth_device::{TwinParameters, Velocity};
 use zwidth_figures::{LADDER, LadderRows};
 use zwidth_ladder::{Course, Ladder, Loop, Recorded, Settings};
+use zwidth_numerics::series::interpolate;
 use zwidth_replay::{Drive, Rendering, replay_with};
 use zwidth_results::{
     HeldOutModel, LadderChoice, LadderCondition, LadderModel, LadderTerm, ModelPlant, TermEffect,
     TermPair, TermSet,
 };
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, Stage};
-use zwidth_store::{Samples, Signal, StudyData, Trial, TrialEntry};
+use zwidth_store::{Signal, StudyData, Trial, TrialEntry};
 use zwidth_study::{Analysis, Control, Environment, Mode, Perception, ReplayModel, Study};
 use zwidth_tables::TableError;
 
@@ -49,43 +49,11 @@ fn as_text<S: Serializer>(condition: &LadderCondition, into: S) -> Result<S::Ok,
     into.collect_str(condition)
 }
 
-/// The results of a condition's ladder, one table for each kind of row.
-#[derive(Clone)]
-struct LadderTables {
-    models: Derived<LadderModel>,
-    effects: Derived<TermEffect>,
-    interactions: Derived<TermPair>,
-}
-
 /// What a figure is drawn from.
-#[derive(Clone)]
-struct Drawn {
-    models: Derived<LadderModel>,
-    effects: Derived<TermEffect>,
-}
+type Drawn = (Derived<LadderModel>, Derived<TermEffect>);
 
-impl Drawn {
-    fn of(tables: LadderTables) -> Self {
-        Self { models: tables.models, effects: tables.effects }
-    }
-
-    fn read(&self) -> Result<LadderRows, TableError> {
-        Ok(LadderRows { models: self.models.read()?, effects: self.effects.read()? })
-    }
-}
-
-impl Inputs for LadderTables {
-    fn files(&self) -> Vec<PathBuf> {
-        let Self { models, effects, interactions } = self;
-        [models.path(), effects.path(), interactions.path()].map(Path::to_owned).to_vec()
-    }
-}
-
-impl Inputs for Drawn {
-    fn files(&self) -> Vec<PathBuf> {
-        [self.models.files(), self.effects.files()].concat()
-    }
-}
+/// The results of a condition's ladder.
+type LadderTables = (Derived<LadderModel>, Derived<TermEffect>, Derived<TermPair>);
 
 /// A condition of a study, all sessions together.
 struct Condition<'a> {
@@ -146,11 +114,7 @@ fn is_requested(study: &Study) -> bool {
 fn tables_of(data: &StudyData, condition: &Condition) -> LadderTables {
     let [models, effects, interactions] = ["models", "effects", "interactions"]
         .map(|kind| derived(&data.layout, format!("ladder/{}.{kind}.parquet", condition.key())));
-    LadderTables {
-        models: Derived::at(models),
-        effects: Derived::at(effects),
-        interactions: Derived::at(interactions),
-    }
+    (Derived::at(models), Derived::at(effects), Derived::at(interactions))
 }
 
 fn held_out_of(data: &StudyData, environment: &Environment, mode: &Mode) -> Derived<HeldOutModel> {
@@ -196,15 +160,23 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
         jobs.push(job.of_part(&key));
         held_out.push(output);
     }
-    jobs.push(Job::new(STAGE, "ladder of the study", (), held_out, whole.files(), make_study));
+    let name = "ladder of the study";
+    jobs.push(Job::new(STAGE, name, (), held_out, whole.files(), |(), conditions, making| {
+        let models = conditions.iter().map(Derived::read).collect::<Result<Vec<_>, _>>()?;
+        let choices = zwidth_ladder::choices(&models);
+        write_tables(&[zwidth_ladder::held_out_table(&choices)?], making, Vec::new())
+    }));
     jobs
 }
 
 pub(crate) fn figures(data: &StudyData) -> Vec<Drawing> {
     let conditions = if is_requested(&data.study) { conditions(data) } else { Vec::new() };
     // All conditions have the same axes.
-    let beside: Vec<Drawn> =
-        conditions.iter().map(|condition| Drawn::of(tables_of(data, condition))).collect();
+    let mut beside: Vec<Drawn> = Vec::new();
+    for condition in &conditions {
+        let (models, effects, _) = tables_of(data, condition);
+        beside.push((models, effects));
+    }
     let mut drawings = Vec::new();
     for (condition, own) in conditions.iter().zip(&beside) {
         let subject = [condition.environment.id.to_string(), condition.mode.id.to_string()];
@@ -215,10 +187,13 @@ pub(crate) fn figures(data: &StudyData) -> Vec<Drawing> {
     drawings
 }
 
-fn draw(synthetic: &bool, (own, beside): &(Drawn, Vec<Drawn>)) -> Figured {
-    let (models, notes) = own.models.read_with_notes()?;
-    let own = LadderRows { models, effects: own.effects.read()? };
-    let beside = beside.iter().map(Drawn::read).collect::<Result<Vec<_>, _>>()?;
+fn draw(synthetic: &bool, ((models, effects), beside): &(Drawn, Vec<Drawn>)) -> Figured {
+    let (models, notes) = models.read_with_notes()?;
+    let own = LadderRows { models, effects: effects.read()? };
+    let beside = beside.iter().map(|(models, effects)| -> Result<_, TableError> {
+        Ok(LadderRows { models: models.read()?, effects: effects.read()? })
+    });
+    let beside = beside.collect::<Result<Vec<_>, _>>()?;
     Ok((zwidth_figures::ladder(&own, &beside, &notes, *synthetic), Vec::new()))
 }
 
@@ -288,15 +263,12 @@ fn ladder_of(
     };
     // The study's own metrics of a course.
     let measure = |course: &Course| {
-        let mut samples = Samples::default();
-        samples.set(Signal::Time, course.t_s.clone());
-        samples.set(Signal::Theta, course.theta_rad.clone());
-        samples.set(Signal::ThetaDot, course.theta_dot_rad_s.clone());
-        samples.set(Signal::ForceEx, course.force_ex_n.clone());
-        samples.set(Signal::ForceCmd, course.feedback_n.clone());
-        let lever_m = Some(course.lever_m);
+        let Course { t_s, theta_rad, theta_dot_rad_s, force_ex_n, feedback_n, lever_m } = course;
+        let samples = model_samples([t_s, theta_rad, theta_dot_rad_s, force_ex_n, feedback_n]);
+        let lever_m = Some(*lever_m);
         let parameters = zwidth_metrics::Parameters { lever_m, ..laddered.metrics };
-        measured(&model_trial(samples, trial), &parameters)
+        let trial = Trial { meta: trial.meta.clone(), file: trial.file.clone(), samples };
+        measured(&trial, &parameters)
     };
     Ok(zwidth_ladder::ladder(&scene, &settings, &measure, progress)?)
 }
@@ -319,11 +291,11 @@ fn make(
 
 fn make_held_out(
     parameters: &OfTrials<Laddered>,
-    (files, tables): &(Recordings, LadderTables),
+    (files, (models, ..)): &(Recordings, LadderTables),
     making: &Making,
 ) -> Result<Made, JobError> {
     let OfTrials { stage: laddered, trials: labels } = parameters;
-    let choice = zwidth_ladder::chosen(&tables.models.read()?);
+    let choice = zwidth_ladder::chosen(&models.read()?);
     let choice = choice.ok_or("the ladder has no choice")?;
     let looped = looped(&laddered.control)?;
     let mut recordings = Vec::new();
@@ -342,16 +314,6 @@ fn make_held_out(
     let Laddered { condition, perception, .. } = laddered;
     let models = zwidth_ladder::held_out_models(condition, &tried, recordings.len(), perception);
     write_tables(&[zwidth_ladder::held_out_table(&models)?], making, problems)
-}
-
-fn make_study(
-    (): &(),
-    conditions: &Vec<Derived<HeldOutModel>>,
-    making: &Making,
-) -> Result<Made, JobError> {
-    let models = conditions.iter().map(Derived::read).collect::<Result<Vec<_>, _>>()?;
-    let choices = zwidth_ladder::choices(&models);
-    write_tables(&[zwidth_ladder::held_out_table(&choices)?], making, Vec::new())
 }
 
 /// The model that the ladder chose, as replays depend on it; its terms and its fit are read.
@@ -392,30 +354,23 @@ impl Auto {
             scene.plant.mass_kg =
                 zwidth_ladder::plant(TermSet::NONE, zwidth_ladder::Knobs::USUAL).mass_kg;
             let course = zwidth_ladder::predict(&scene, set, &looped, knobs)?;
-            Ok(resample(course, drive.recorded()))
+            // The course at the recording's times.
+            let zwidth_replay::Course { t_s, force_ex_n, .. } = drive.recorded();
+            let [theta_rad, theta_dot_rad_s, feedback_n] =
+                [&course.theta_rad, &course.theta_dot_rad_s, &course.feedback_n].map(|values| {
+                    // The recording's last sample may lie behind the course's last step.
+                    let last = values.last().copied().unwrap_or(f64::NAN);
+                    let at = |t: &f64| interpolate(&course.t_s, values, *t).unwrap_or(last);
+                    t_s.iter().map(at).collect::<Vec<f64>>()
+                });
+            Ok(zwidth_replay::Course {
+                theta_rad,
+                theta_dot_rad_s,
+                feedback_n: Some(feedback_n),
+                force_ex_n: force_ex_n.clone(),
+                t_s: t_s.clone(),
+            })
         };
         Ok(replay_with(trial, rendering, analysis, ModelPlant::Auto, &parameters, &force_driven)?)
-    }
-}
-
-/// A course at the recording's times.
-fn resample(course: Course, recorded: &zwidth_replay::Course) -> zwidth_replay::Course {
-    let t_s = &recorded.t_s;
-    let [theta_rad, theta_dot_rad_s, feedback_n] =
-        [&course.theta_rad, &course.theta_dot_rad_s, &course.feedback_n].map(|values| {
-            // The recording's last sample may lie behind the course's last step.
-            let last = values.last().copied().unwrap_or(f64::NAN);
-            t_s.iter()
-                .map(|t| {
-                    zwidth_numerics::series::interpolate(&course.t_s, values, *t).unwrap_or(last)
-                })
-                .collect::<Vec<f64>>()
-        });
-    zwidth_replay::Course {
-        theta_rad,
-        theta_dot_rad_s,
-        feedback_n: Some(feedback_n),
-        force_ex_n: recorded.force_ex_n.clone(),
-        t_s: t_s.clone(),
     }
 }

@@ -28,9 +28,7 @@ mod tables;
 mod tests;
 mod trade;
 
-pub use compare::{
-    By, answers, asked_in_vain, compared, comparison, is_metric, metric_in_words, spreads, verdicts,
-};
+pub use compare::{By, answers, asked_in_vain, compared, comparison, spreads, verdicts};
 pub use figures::font::font;
 pub use figures::{captions, chosen_in_vain, describe, on_demand};
 pub use ladder::ladders;
@@ -44,6 +42,7 @@ pub use responses::{Responses, responses};
 pub use tables::printed::Printed;
 pub use tables::{printed as printed_tables, write as write_table};
 pub use trade::{Traded, scenes as trade_scenes};
+pub use zwidth_metrics::{in_words as metric_in_words, is_number as is_metric};
 
 use rayon::prelude::*;
 use zwidth_runner::Job;

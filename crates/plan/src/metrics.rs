@@ -14,20 +14,10 @@ use zwidth_metrics::{Parameters, TrialMetrics};
 use zwidth_results::{TrialEvent, TrialRemark};
 use zwidth_runner::{Job, JobError, Made, Making, Stage, strip_root};
 use zwidth_store::{Asked, Layout, OpenTrial, Signal, StoreError, StudyData};
-use zwidth_study::{Condition, TrialMeta};
+use zwidth_study::TrialMeta;
 use zwidth_tables::{Measured, NoteKind, Table, TableError};
 
 const STAGE: Stage = Stage { name: "metrics", version: zwidth_metrics::VERSION };
-
-/// The metrics of a session that need nothing but its trials, `metrics/P01.S01.parquet`.
-fn plain_metrics(layout: &Layout, session: &str) -> PathBuf {
-    derived(layout, format!("metrics/{session}.parquet"))
-}
-
-/// The metrics of a session that need the plant, `metrics/P01.S01.plant.parquet`.
-fn plant_metrics(layout: &Layout, session: &str) -> PathBuf {
-    derived(layout, format!("metrics/{session}.plant.parquet"))
-}
 
 /// What happened in the trials of a session, `metrics/P01.S01.events.parquet`.
 pub(crate) fn events_of(layout: &Layout, trial: &TrialMeta) -> Derived<TrialEvent> {
@@ -80,17 +70,60 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
     let mut jobs = Vec::new();
     let mut sessions = Vec::new();
     for session in by_session(&repeats) {
+        let first = first_trial(session);
+        let key = session_key(first);
+        let name = format!("metrics {} {}", first.participant, first.session);
+        let plain_metrics = derived(&data.layout, format!("metrics/{key}.parquet"));
+        let plant_metrics = derived(&data.layout, format!("metrics/{key}.plant.parquet"));
+        sessions.push(vec![plain_metrics.clone(), plant_metrics.clone()]);
+        // One table for all conditions: a table has a hundred columns, and to write and read one takes
+        // as long as the metrics of a trial or two.
+        let mut plain = Vec::new();
+        let mut with_plant = Vec::new();
+        let mut trials: Vec<Recordings> = Vec::new();
+        for repeats in session {
+            let metrics = Parameters::of(&data.study, repeats.environment, repeats.mode);
+            let asked = Asked::of(&data.study, &repeats.environment.id);
+            plain.push(OfTrials::new(ConditionParameters { metrics, asked }, &repeats.trials));
+            with_plant.push(OfTrials::new(metrics, &repeats.trials));
+            trials.push(files(&repeats.trials));
+        }
+        let events = events_of(&data.layout, first).path().to_owned();
+        let remarks = remarks_of(&data.layout, &key).path().to_owned();
+        let outputs = vec![plain_metrics, events, remarks];
         // The two of a session follow each other: they look at the same trials.
-        jobs.push(session_job(data, session));
-        jobs.push(plant_job(data, session, plant.clone()));
-        let key = session_key(first_trial(session));
-        sessions.push(vec![plain_metrics(&data.layout, &key), plant_metrics(&data.layout, &key)]);
+        let job = Job::new(STAGE, name.clone(), plain, trials.clone(), outputs, make_session);
+        jobs.push(job.of_part(key.clone()));
+        let name = format!("{name} with the plant");
+        let inputs = (trials, plant.clone());
+        let job = Job::new(STAGE, name, with_plant, inputs, vec![plant_metrics], make_with_plant);
+        jobs.push(job.of_part(key));
     }
     let [metrics, conditions] = study_files(&data.layout);
     let whole = vec![metrics.clone()];
-    jobs.push(Job::new(STAGE, "metrics of the study", (), sessions, whole, make_study));
+    jobs.push(Job::new(
+        STAGE,
+        "metrics of the study",
+        (),
+        sessions,
+        whole,
+        |(), sessions, making| Ok(join_sessions(sessions, join_tables, making)),
+    ));
     let (name, parameters) = ("metrics by condition", data.study.conditions());
-    jobs.push(Job::new(STAGE, name, parameters, metrics, vec![conditions], make_by_condition));
+    let outputs = vec![conditions];
+    jobs.push(Job::new(
+        STAGE,
+        name,
+        parameters,
+        metrics,
+        outputs,
+        |conditions, metrics, making| {
+            // The table has a hundred columns: those alone are read.
+            let summarised: Vec<&str> = zwidth_metrics::summarised().collect();
+            let metrics = Measured::read(metrics, &summarised)?;
+            write_tables(&[zwidth_metrics::by_condition(&metrics, conditions)?], making, Vec::new())
+        },
+    ));
     jobs
 }
 
@@ -107,45 +140,6 @@ fn first_trial<'r>(session: &'r [Repeats]) -> &'r TrialMeta {
 /// `P01.S01`, the session of a trial.
 fn session_key(trial: &TrialMeta) -> String {
     format!("{}.{}", trial.participant, trial.session)
-}
-
-/// The trials of each condition of a session.
-fn trials_of(session: &[Repeats]) -> Vec<Recordings> {
-    session.iter().map(|repeats| files(&repeats.trials)).collect()
-}
-
-/// The metrics of a session's trials that need nothing but the trials, and what happened in them.
-fn session_job(data: &StudyData, session: &[Repeats]) -> Job {
-    // One table for all conditions: a table has a hundred columns, and to write and read one takes as
-    // long as the metrics of a trial or two.
-    let conditions = session.iter().map(|repeats| {
-        let metrics = Parameters::of(&data.study, repeats.environment, repeats.mode);
-        let asked = Asked::of(&data.study, &repeats.environment.id);
-        OfTrials::new(ConditionParameters { metrics, asked }, &repeats.trials)
-    });
-    let conditions: Vec<_> = conditions.collect();
-    let first = first_trial(session);
-    let key = session_key(first);
-    let events = events_of(&data.layout, first).path().to_owned();
-    let remarks = remarks_of(&data.layout, &key).path().to_owned();
-    let outputs = vec![plain_metrics(&data.layout, &key), events, remarks];
-    let title = format!("metrics {} {}", first.participant, first.session);
-    Job::new(STAGE, title, conditions, trials_of(session), outputs, make_session).of_part(key)
-}
-
-/// The metrics of a session's trials that need the identified plant.
-fn plant_job(data: &StudyData, session: &[Repeats], plant: Option<[PathBuf; 2]>) -> Job {
-    let conditions = session.iter().map(|repeats| {
-        let metrics = Parameters::of(&data.study, repeats.environment, repeats.mode);
-        OfTrials::new(metrics, &repeats.trials)
-    });
-    let conditions: Vec<_> = conditions.collect();
-    let first = first_trial(session);
-    let key = session_key(first);
-    let outputs = vec![plant_metrics(&data.layout, &key)];
-    let title = format!("metrics {} {} with the plant", first.participant, first.session);
-    let inputs = (trials_of(session), plant);
-    Job::new(STAGE, title, conditions, inputs, outputs, make_with_plant).of_part(key)
 }
 
 /// The job without the plant reports trials that are damaged, or have samples that make no metrics.
@@ -174,19 +168,46 @@ fn make_with_plant(
     write_tables(&[zwidth_metrics::plant_table(&rows)?], making, Vec::new())
 }
 
-/// The metrics of a condition's trials, and the remarks on them.
-type MetricsAndRemarks = (Vec<TrialMetrics>, Vec<TrialRemark>);
-
+/// The metrics of a session's trials, and the remarks on them.
 fn make_session(
     conditions: &Vec<OfTrials<ConditionParameters>>,
     trials: &Vec<Recordings>,
     making: &Making,
 ) -> Result<Made, JobError> {
-    let results = conditions
-        .par_iter()
-        .zip(trials)
-        .map(|(parameters, files)| measure_condition(parameters, files, making));
-    let results: Vec<MetricsAndRemarks> = results.collect::<Result<_, StoreError>>()?;
+    let results = conditions.par_iter().zip(trials).map(|(parameters, files)| {
+        let ConditionParameters { metrics, asked } = &parameters.stage;
+        let signals = [&zwidth_metrics::SIGNALS[..], &zwidth_store::CHECKED].concat();
+        let each = of_each(making.trials, files, &parameters.trials, &signals, |trial| {
+            let row = zwidth_metrics::trial_metrics(trial, metrics);
+            let mut care: Vec<_> =
+                trial.check(asked).into_iter().map(|finding| describe(trial, finding)).collect();
+            care.extend(row.as_ref().ok().and_then(|row| covers_little(row, trial)));
+            (row.map_err(|error| (name(&trial.meta), error.to_string())), care)
+        })?;
+        let mut rows = Vec::new();
+        let mut remarks = Vec::new();
+        for (file, each) in files.iter().zip(each) {
+            let mut own = Vec::new();
+            match each {
+                Ok((row, care)) => {
+                    match row {
+                        Ok(row) => rows.push(row),
+                        Err(left_out) => own.push((NoteKind::LeftOut, left_out)),
+                    }
+                    own.extend(care.into_iter().map(|remark| (NoteKind::Care, remark)));
+                }
+                Err(error) => own.push((NoteKind::LeftOut, (error.place(), error.remark()))),
+            }
+            remarks.extend(own.into_iter().map(|(kind, (what, why))| TrialRemark {
+                path: making.shown(file),
+                kind,
+                what: strip_root(making.root, &what),
+                why: why.into(),
+            }));
+        }
+        Ok((rows, remarks))
+    });
+    let results = results.collect::<Result<Vec<_>, StoreError>>()?;
     let (rows, remarks): (Vec<_>, Vec<_>) = results.into_iter().unzip();
     let rows = rows.concat();
     let mut remarks = remarks.concat();
@@ -210,65 +231,12 @@ fn make_session(
     Ok(Made { care, ..write_tables(&tables, making, problems)? })
 }
 
-fn measure_condition(
-    parameters: &OfTrials<ConditionParameters>,
-    files: &Recordings,
-    making: &Making,
-) -> Result<MetricsAndRemarks, StoreError> {
-    let ConditionParameters { metrics, asked } = &parameters.stage;
-    let signals = [&zwidth_metrics::SIGNALS[..], &zwidth_store::CHECKED].concat();
-    let each = of_each(making.trials, files, &parameters.trials, &signals, |trial| {
-        let row = zwidth_metrics::trial_metrics(trial, metrics);
-        let mut care: Vec<_> =
-            trial.check(asked).into_iter().map(|finding| describe(trial, finding)).collect();
-        care.extend(row.as_ref().ok().and_then(|row| covers_little(row, trial)));
-        (row.map_err(|error| (name(&trial.meta), error.to_string())), care)
-    })?;
-    let mut rows = Vec::new();
-    let mut remarks = Vec::new();
-    for (file, each) in files.iter().zip(each) {
-        let mut own = Vec::new();
-        match each {
-            Ok((row, care)) => {
-                match row {
-                    Ok(row) => rows.push(row),
-                    Err(left_out) => own.push((NoteKind::LeftOut, left_out)),
-                }
-                own.extend(care.into_iter().map(|remark| (NoteKind::Care, remark)));
-            }
-            Err(error) => own.push((NoteKind::LeftOut, (error.place(), error.remark()))),
-        }
-        remarks.extend(own.into_iter().map(|(kind, (what, why))| TrialRemark {
-            path: making.shown(file),
-            kind,
-            what: strip_root(making.root, &what),
-            why: why.into(),
-        }));
-    }
-    Ok((rows, remarks))
-}
-
-fn make_study(_: &(), sessions: &Vec<Vec<PathBuf>>, making: &Making) -> Result<Made, JobError> {
-    Ok(join_sessions(sessions, join_tables, making))
-}
-
 /// The two tables of a session as one.
 fn join_tables(tables: &[PathBuf]) -> Result<Table, JobError> {
     let [plain, plant]: [Table; 2] =
         read_tables(tables)?.try_into().map_err(|_| "a session has two tables")?;
     let plain = zwidth_metrics::join_sessions(vec![plain])?.ok_or("there is no trial")?;
     Ok(zwidth_metrics::join_plant(&plain, &plant)?)
-}
-
-fn make_by_condition(
-    conditions: &Vec<Condition>,
-    metrics: &PathBuf,
-    making: &Making,
-) -> Result<Made, JobError> {
-    // The table has a hundred columns: those alone are read.
-    let summarised: Vec<&str> = zwidth_metrics::summarised().collect();
-    let metrics = Measured::read(metrics, &summarised)?;
-    write_tables(&[zwidth_metrics::by_condition(&metrics, conditions)?], making, Vec::new())
 }
 
 /// A movement that covers less than this share of its recording …

@@ -10,8 +10,8 @@ use zwidth_device::Twin;
 use zwidth_metrics::{Parameters, TrialMetrics};
 use zwidth_results::{MetricShift, SetupSummary};
 use zwidth_runner::JobError;
-use zwidth_store::{Samples, StudyData, Trial, TrialEntry};
-use zwidth_study::{Calibration, ParticipantId, SessionId, Source, Study, TrialMeta};
+use zwidth_store::{StudyData, Trial};
+use zwidth_study::{ParticipantId, SessionId, Source, TrialMeta};
 use zwidth_trade::{Bounds, Rehearsed, Setup, Stops, rehearse, setup_shifts, twin_summary};
 
 /// At most this many trials are simulated again, each a dozen times.
@@ -94,82 +94,58 @@ pub fn rehearsed(
     let mut stops = Vec::new();
     let conditions = conditions(data);
     for repeats in &conditions {
-        let (own_shifts, own_stops) =
-            rehearse_condition(data, repeats, &calibration, twin_of, progress)?;
-        shifts.extend(own_shifts);
-        stops.extend(own_stops);
+        let Some(first) = repeats.trials.first() else {
+            return Err("a condition has trials".into());
+        };
+        let twin = twin_of(&first.meta.participant, &first.meta.session)?;
+        // The metrics of each trial, or why there are none, in words.
+        let metrics_at = |setup: Setup| -> Vec<Result<TrialMetrics, String>> {
+            let study = setup.of(&data.study);
+            let parameters = Parameters::of(&study, repeats.environment, repeats.mode);
+            let rows = repeats.trials.par_iter().map(|entry| {
+                let condition = (repeats.environment, repeats.mode, entry.meta.trial);
+                let samples = rehearse(twin.clone(), setup, &data.study, condition, &calibration);
+                let row = samples.map_err(|e| e.to_string()).and_then(|samples| {
+                    // Simulated, whatever the trial was that it takes the place of.
+                    let meta = TrialMeta { source: Source::Twin, ..entry.meta.clone() };
+                    let trial = Trial { meta, file: entry.said.file.clone(), samples };
+                    zwidth_metrics::trial_metrics(&trial, &parameters).map_err(|e| e.to_string())
+                });
+                progress();
+                row
+            });
+            rows.collect()
+        };
+        let own = metrics_at(Setup::Own);
+        let mut rehearsals = Vec::new();
+        for setup in Setup::others(&data.study) {
+            let changed = metrics_at(setup);
+            let both = own.iter().zip(&changed);
+            // Pairs alone: a trial that safety stopped at one of the setups shifts no metric.
+            let pairs = both
+                .filter_map(|(a, b)| Some((a.as_ref().ok()?.clone(), b.as_ref().ok()?.clone())));
+            let (own, changed_rows): (Vec<_>, Vec<_>) = pairs.unzip();
+            let reasons: Vec<&String> =
+                changed.iter().filter_map(|row| row.as_ref().err()).collect();
+            if let Some(why) = reasons.first() {
+                let trials = reasons.len();
+                let all = changed.len();
+                let why =
+                    format!("{}, {}: {trials} of {all} trials: {why}", repeats.who, setup.words());
+                stops.push(Stops { setup, trials, why });
+            }
+            rehearsals.push(Rehearsed {
+                setup,
+                own: zwidth_metrics::table(&own)?,
+                changed: zwidth_metrics::table(&changed_rows)?,
+            });
+        }
+        let lever_m = data.study.device.lever_m.unwrap_or(0.0);
+        let bounds = Bounds { perception: &data.study.perception, lever_m };
+        shifts.extend(setup_shifts(&repeats.key, &rehearsals, &bounds));
     }
     let summary = twin_summary(&shifts, &stops);
     Ok((!conditions.is_empty()).then_some(OtherSetups { shifts, summary, stops }))
-}
-
-/// A condition of a session at every setup.
-fn rehearse_condition(
-    data: &StudyData,
-    repeats: &Repeats<'_>,
-    calibration: &Calibration,
-    twin_of: &TwinOf<'_>,
-    progress: &(dyn Fn() + Sync),
-) -> Result<(Vec<MetricShift>, Vec<Stops>), JobError> {
-    let Some(first) = repeats.trials.first() else { return Err("a condition has trials".into()) };
-    let twin = twin_of(&first.meta.participant, &first.meta.session)?;
-    let metrics_at = |setup: Setup| -> Vec<Result<TrialMetrics, String>> {
-        let study = setup.of(&data.study);
-        let rows = repeats.trials.par_iter().map(|entry| {
-            let row =
-                rehearse_trial(entry, &twin, setup, &data.study, &study, repeats, calibration);
-            progress();
-            row
-        });
-        rows.collect()
-    };
-    let own = metrics_at(Setup::Own);
-    let mut rehearsals = Vec::new();
-    let mut stops = Vec::new();
-    for setup in Setup::others(&data.study) {
-        let changed = metrics_at(setup);
-        let both = own.iter().zip(&changed);
-        // Pairs alone: a trial that safety stopped at one of the setups shifts no metric.
-        let pairs =
-            both.filter_map(|(a, b)| Some((a.as_ref().ok()?.clone(), b.as_ref().ok()?.clone())));
-        let (own, changed_rows): (Vec<_>, Vec<_>) = pairs.unzip();
-        let reasons: Vec<&String> = changed.iter().filter_map(|row| row.as_ref().err()).collect();
-        if let Some(why) = reasons.first() {
-            let trials = reasons.len();
-            let all = changed.len();
-            let why =
-                format!("{}, {}: {trials} of {all} trials: {why}", repeats.who, setup.words());
-            stops.push(Stops { setup, trials, why });
-        }
-        rehearsals.push(Rehearsed {
-            setup,
-            own: zwidth_metrics::table(&own)?,
-            changed: zwidth_metrics::table(&changed_rows)?,
-        });
-    }
-    let lever_m = data.study.device.lever_m.unwrap_or(0.0);
-    let bounds = Bounds { perception: &data.study.perception, lever_m };
-    Ok((setup_shifts(&repeats.key, &rehearsals, &bounds), stops))
-}
-
-/// The metrics of a trial at a setup, or why there are none, in words.
-fn rehearse_trial(
-    entry: &TrialEntry,
-    twin: &Twin,
-    setup: Setup,
-    own: &Study,
-    with_setup: &Study,
-    Repeats { environment, mode, .. }: &Repeats<'_>,
-    calibration: &Calibration,
-) -> Result<TrialMetrics, String> {
-    let condition = (*environment, *mode, entry.meta.trial);
-    let samples: Samples =
-        rehearse(twin.clone(), setup, own, condition, calibration).map_err(|e| e.to_string())?;
-    // Simulated, whatever the trial was that it takes the place of.
-    let meta = TrialMeta { source: Source::Twin, ..entry.meta.clone() };
-    let trial = Trial { meta, file: entry.said.file.clone(), samples };
-    let parameters = Parameters::of(with_setup, environment, mode);
-    zwidth_metrics::trial_metrics(&trial, &parameters).map_err(|e| e.to_string())
 }
 
 #[cfg(test)]

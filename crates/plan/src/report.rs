@@ -87,14 +87,34 @@ pub(crate) fn gallery(data: &StudyData, figures: &[Drawing]) -> Gallery {
 }
 
 pub(crate) fn jobs(data: &StudyData, figures: &[Drawing]) -> Vec<Job> {
-    let mut jobs = Vec::new();
-    if let Some(statements) = statements(data) {
-        jobs.push(statements_job(data, figures, statements.path().to_owned()));
-    }
-    if has_actuators(data) {
-        jobs.extend(actuator_jobs(data));
-    }
-    jobs
+    let Some(statements) = statements(data) else { return Vec::new() };
+    let Forces { basis, calibration, .. } = forces(data);
+    let planned = || PlannedForces { planned: Setup::of(&data.study), basis };
+    let judged = JudgeParameters {
+        forces: planned(),
+        gallery: gallery(data, figures),
+        level: data.study.analysis.confidence,
+    };
+    let files = Files {
+        calibration: calibration.clone(),
+        metrics: metrics::of_study(data),
+        replays: replay::of_study(data).map(|[replays, _]| replays),
+        answers: likert::answers(data),
+        tally: likert::tally(data),
+    };
+    let measured = (calibration.clone(), metrics::of_study(data));
+    let compared = of_actuators(data, &["pros_cons"]);
+    let weighed: &[&str] = if is_weighed(data) { &["modes", "weight"] } else { &["modes"] };
+    let weighed = of_actuators(data, weighed);
+    // The text and not its name: with another scene built in, the job is made again.
+    let model = (Setup::of(&data.study), MODEL);
+    let design = of_actuators(data, &["model", "device", "components"]);
+    vec![
+        Job::new(STAGE, "thesis' statements", judged, files, statements.files(), make_statements),
+        Job::new(STAGE, "pros and cons", planned(), measured, compared, make_pros_cons),
+        Job::new(STAGE, "modes and weights", planned(), calibration, weighed, make_forces),
+        Job::new(STAGE, MODEL_JOB, model, (), design, make_planned),
+    ]
 }
 
 /// What the verdicts on the thesis' statements depend on besides files.
@@ -117,29 +137,9 @@ struct Files {
 
 impl Inputs for Files {
     fn files(&self) -> Vec<PathBuf> {
-        let mut files =
-            [&self.calibration, &self.metrics, &self.replays].map(Inputs::files).concat();
-        files.extend(self.answers.files());
-        files.extend(self.tally.files());
-        files
+        let paths = [&self.calibration, &self.metrics, &self.replays].map(Inputs::files).concat();
+        [paths, self.answers.files(), self.tally.files()].concat()
     }
-}
-
-fn statements_job(data: &StudyData, figures: &[Drawing], output: PathBuf) -> Job {
-    let Forces { basis, calibration, .. } = forces(data);
-    let parameters = JudgeParameters {
-        forces: PlannedForces { planned: Setup::of(&data.study), basis },
-        gallery: gallery(data, figures),
-        level: data.study.analysis.confidence,
-    };
-    let files = Files {
-        calibration,
-        metrics: metrics::of_study(data),
-        replays: replay::of_study(data).map(|[replays, _]| replays),
-        answers: likert::answers(data),
-        tally: likert::tally(data),
-    };
-    Job::new(STAGE, "thesis' statements", parameters, files, vec![output], make_statements)
 }
 
 fn make_statements(
@@ -175,39 +175,6 @@ fn make_statements(
     let table = notes(metrics.as_ref()).into_iter().fold(table, Table::with_note);
     let table = table.with_note(HOW_JUDGED).with_note(basis.footnote());
     write_tables(&[table], making, Vec::new())
-}
-
-fn actuator_jobs(data: &StudyData) -> [Job; 3] {
-    let Forces { basis, calibration, .. } = forces(data);
-    let planned = || Setup::of(&data.study);
-    let weighed: &[&str] = if is_weighed(data) { &["modes", "weight"] } else { &["modes"] };
-    [
-        Job::new(
-            STAGE,
-            "pros and cons",
-            PlannedForces { planned: planned(), basis },
-            (calibration.clone(), metrics::of_study(data)),
-            of_actuators(data, &["pros_cons"]),
-            make_pros_cons,
-        ),
-        Job::new(
-            STAGE,
-            "modes and weights",
-            PlannedForces { planned: planned(), basis },
-            calibration,
-            of_actuators(data, weighed),
-            make_forces,
-        ),
-        Job::new(
-            STAGE,
-            MODEL_JOB,
-            // The text and not its name: with another scene built in, the job is made again.
-            (planned(), MODEL),
-            (),
-            of_actuators(data, &["model", "device", "components"]),
-            make_planned,
-        ),
-    ]
 }
 
 fn make_pros_cons(

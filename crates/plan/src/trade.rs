@@ -3,19 +3,18 @@
 
 use crate::figures::drawing::{Drawing, Figured};
 use crate::replay::rendered;
-use crate::shared::conditions::{Repeats, spread};
-use crate::shared::handle::{Derived, Written};
-use crate::shared::making::{derived, join_sessions, split, write_tables};
-use crate::shared::measured::measured;
-use crate::shared::trials::{OfTrials, Recordings, files as trial_files, name, read_all};
+use crate::shared::conditions::{Repeats, spread, trial_sources};
+use crate::shared::handle::{Derived, write_named};
+use crate::shared::making::{derived, join_sessions, write_tables};
+use crate::shared::measured::{measured, model_samples};
+use crate::shared::trials::{OfTrials, Recordings, files as trial_files, read_and_make};
 use rayon::prelude::*;
 use serde::Serialize;
-use std::collections::BTreeSet;
 use std::path::PathBuf;
 use zwidth_figures::{LESS, WORK_PRECISION};
 use zwidth_results::{MetricShift, Row, TradeChoice, TradeSetting};
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, Stage};
-use zwidth_store::{Layout, Samples, Signal, StudyData, Trial, TrialFile};
+use zwidth_store::{Layout, Signal, StudyData, Trial, TrialFile};
 use zwidth_study::{Calibration, Kind, Measured, Perception, Source, Status, TrialMeta};
 use zwidth_tables::Table;
 use zwidth_trade::{
@@ -39,12 +38,8 @@ impl Traded {
     /// The study's own metrics of a run, as if it had been recorded; empty if they cannot be
     /// computed.
     pub fn measure(&self, course: &Course) -> Vec<Measured> {
-        let mut samples = Samples::default();
-        samples.set(Signal::Time, course.t_s.clone());
-        samples.set(Signal::Theta, course.theta_rad.clone());
-        samples.set(Signal::ThetaDot, course.theta_dot_rad_s.clone());
-        samples.set(Signal::ForceEx, course.force_ex_n.clone());
-        samples.set(Signal::ForceCmd, course.feedback_n.clone());
+        let Course { t_s, theta_rad, theta_dot_rad_s, force_ex_n, feedback_n } = course;
+        let samples = model_samples([t_s, theta_rad, theta_dot_rad_s, force_ex_n, feedback_n]);
         let trial = model_meta().map(|meta| Trial { meta, file: TrialFile::new(), samples });
         trial.map_or_else(Vec::new, |trial| measured(&trial, &self.metrics))
     }
@@ -107,35 +102,22 @@ pub fn scenes(data: &StudyData) -> Vec<Traded> {
     scenes
 }
 
-/// The results on the scenes, one table for each kind of row.
-#[derive(Clone)]
-struct OfScenes {
-    settings: Derived<TradeSetting>,
-    choices: Derived<TradeChoice>,
-}
+/// The results on the scenes: settings and choices.
+type OfScenes = (Derived<TradeSetting>, Derived<TradeChoice>);
 
-impl OfScenes {
-    fn of(layout: &Layout) -> Self {
-        let folder = layout.derived();
-        Self { settings: Derived::within(&folder), choices: Derived::within(&folder) }
-    }
-}
-
-impl Inputs for OfScenes {
-    fn files(&self) -> Vec<PathBuf> {
-        [self.settings.files(), self.choices.files()].concat()
-    }
+fn tables_of(layout: &Layout) -> OfScenes {
+    (Derived::within(&layout.derived()), Derived::within(&layout.derived()))
 }
 
 /// The derived tables, if there are scenes. The effect of fewer recorded data has thousands of rows:
 /// it is drawn, and read from its Parquet file.
 pub(crate) fn tables(data: &StudyData) -> Vec<PathBuf> {
-    if scenes(data).is_empty() { Vec::new() } else { OfScenes::of(&data.layout).files() }
+    if scenes(data).is_empty() { Vec::new() } else { tables_of(&data.layout).files() }
 }
 
 /// What is recommended for each scene, where there are any.
 pub(crate) fn recommended(data: &StudyData) -> Option<Derived<TradeChoice>> {
-    (!scenes(data).is_empty()).then(|| OfScenes::of(&data.layout).choices)
+    (!scenes(data).is_empty()).then(|| tables_of(&data.layout).1)
 }
 
 /// The conditions that were rendered and recorded with angle and force: of the metrics of others it
@@ -185,7 +167,7 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
     let mut jobs = Vec::new();
     let parameters = OfStudy { scenes: scenes(data), perception: data.study.perception.clone() };
     if !parameters.scenes.is_empty() {
-        let outputs = OfScenes::of(&data.layout).files();
+        let outputs = tables_of(&data.layout).files();
         let name = "trade of the study's conditions";
         jobs.push(Job::new(STAGE, name, parameters, (), outputs, make));
     }
@@ -211,7 +193,17 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
     if !sessions.is_empty() {
         let output = Derived::<MetricShift>::within(&data.layout.derived()).files();
         let name = "less of the study's recordings";
-        jobs.push(Job::new(STAGE, name, share, sessions, output, join_data));
+        jobs.push(Job::new(STAGE, name, share, sessions, output, |share, sessions, making| {
+            let note = share.as_ref().map(|Share { taken, of }| {
+                format!("Of {of} trials, those of participants evenly spread over the list were taken: {taken} trials.")
+            });
+            let join = move |conditions: &[Derived<MetricShift>]| -> Result<Table, JobError> {
+                let shifts = conditions.iter().map(Derived::read).collect::<Result<Vec<_>, _>>()?;
+                let joined = recordings_table(&shifts.concat())?;
+                Ok(note.iter().fold(joined, Table::with_note))
+            };
+            Ok(join_sessions(sessions, join, making))
+        }));
     }
     jobs
 }
@@ -229,20 +221,16 @@ fn make_data(
     files: &Recordings,
     making: &Making,
 ) -> Result<Made, JobError> {
-    let (trials, mut problems) = read_all(files, &parameters.trials, Signal::all())?;
     let OfData { condition, metrics, perception } = &parameters.stage;
     // Of each trial a row of the whole, then one of each way to take less, or none at all: all
     // tables below have the same trials.
-    let rows = trials.par_iter().map(|trial| {
+    let (rows, problems) = read_and_make(files, &parameters.trials, |trial| {
         let less =
             Less::ALL.map(|less| zwidth_metrics::trial_metrics(&lessened(trial, less), metrics));
         std::iter::once(zwidth_metrics::trial_metrics(trial, metrics))
             .chain(less)
             .collect::<Result<Vec<_>, _>>()
-            .map_err(|e| format!("{}: {e}", name(&trial.meta)))
-    });
-    let (rows, more) = split(rows.collect());
-    problems.extend(more);
+    })?;
     let table = |k: usize| {
         zwidth_metrics::table(&rows.iter().map(|row: &Vec<_>| row[k].clone()).collect::<Vec<_>>())
     };
@@ -254,25 +242,6 @@ fn make_data(
     write_tables(&[recordings_table(&shifts)?], making, problems)
 }
 
-fn join_data(
-    share: &Option<Share>,
-    sessions: &Vec<Vec<Derived<MetricShift>>>,
-    making: &Making,
-) -> Result<Made, JobError> {
-    let note = share.as_ref().map(|Share { taken, of }| {
-        format!("Of {of} trials, those of participants evenly spread over the list were taken: {taken} trials.")
-    });
-    Ok(join_sessions(
-        sessions,
-        move |conditions| {
-            let shifts = conditions.iter().map(Derived::read).collect::<Result<Vec<_>, _>>()?;
-            let joined = recordings_table(&shifts.concat())?;
-            Ok(note.iter().fold(joined, Table::with_note))
-        },
-        making,
-    ))
-}
-
 fn make(parameters: &OfStudy, (): &(), making: &Making) -> Result<Made, JobError> {
     let OfStudy { scenes, perception } = parameters;
     let trades = scenes.par_iter().map(|traded| {
@@ -280,15 +249,14 @@ fn make(parameters: &OfStudy, (): &(), making: &Making) -> Result<Made, JobError
     });
     let trades: Vec<Trade> = trades.collect::<Result<_, _>>()?;
     let choices: Vec<TradeChoice> = trades.iter().map(choice).collect();
-    Written::begin(making, false)
-        .table(settings_table(TradeSetting::TITLE, &settings(&trades))?)?
-        .table(choices_table(TradeChoice::TITLE, &choices)?)?
-        .end()
+    let settings = settings_table(TradeSetting::TITLE, &settings(&trades))?;
+    let choices = choices_table(TradeChoice::TITLE, &choices)?;
+    write_named(vec![settings, choices], making, false)
 }
 
 /// One figure per scene, and one of fewer recorded data.
 pub(crate) fn figures(data: &StudyData) -> Vec<Drawing> {
-    let tables = OfScenes::of(&data.layout);
+    let tables = tables_of(&data.layout);
     let mut drawings = Vec::new();
     for Traded { scene, .. } in scenes(data) {
         // Dots part the words of a figure's id.
@@ -299,10 +267,9 @@ pub(crate) fn figures(data: &StudyData) -> Vec<Drawing> {
     let (conditions, share) = lessened_conditions(data);
     if !conditions.is_empty() {
         let table = Derived::within(&data.layout.derived());
-        let sources: BTreeSet<Source> = data.counting().map(|t| t.meta.source).collect();
-        let sources: Vec<Source> = sources.into_iter().collect();
         let all = data.counting().filter(|t| t.rows <= LONGEST).count();
         let trials = share.map_or(all, |share| share.taken);
+        let sources = trial_sources(data);
         drawings.push(Drawing::new(data, LESS, [""; 0], sources, table, draw_less).of(trials));
     }
     drawings
@@ -314,8 +281,8 @@ fn draw_less(sources: &Vec<Source>, table: &Derived<MetricShift>) -> Figured {
     Ok((zwidth_figures::less(MetricShift::TITLE, &notes, parts, sources)?, Vec::new()))
 }
 
-fn draw(scene: &String, tables: &OfScenes) -> Figured {
-    let settings = tables.settings.read()?;
-    let choices = tables.choices.read()?;
+fn draw(scene: &String, (settings, choices): &OfScenes) -> Figured {
+    let settings = settings.read()?;
+    let choices = choices.read()?;
     Ok((zwidth_figures::work_precision_of(scene, &settings, &choices), Vec::new()))
 }

@@ -1,9 +1,9 @@
 //! What the stage `average` finds: means of repeats against time, and of force against position.
 //! Beside these columns are the mean, SD and band of each signal.
 
-use crate::row::rows;
+use crate::row::{of_condition, rows};
 use crate::value::{named, words};
-use zwidth_study::{Alignment, EnvironmentId, ModeId, ParticipantId, SessionId, Source};
+use zwidth_study::{Alignment, Source};
 
 named!(Alignment);
 
@@ -23,14 +23,7 @@ words! {
 rows! {
     /// The first columns of a mean against time: a point of its grid.
     AveragePoint = "average", "Mean of the repeats against time" {
-        /// participant's code
-        participant: ParticipantId,
-        /// session
-        session: SessionId,
-        /// what was rendered
-        environment: EnvironmentId,
-        /// how it was rendered
-        mode: ModeId,
+        ..of_condition,
         /// recorded, twin or imported
         source: Source,
         /// what the repeats were aligned at: onset or landmarks
@@ -53,14 +46,7 @@ rows! {
 
     /// The first columns of a mean of force against position: an angle of a branch.
     LoopPoint = "loop", "Mean of force against position, by branch" {
-        /// participant's code
-        participant: ParticipantId,
-        /// session
-        session: SessionId,
-        /// what was rendered
-        environment: EnvironmentId,
-        /// how it was rendered
-        mode: ModeId,
+        ..of_condition,
         /// recorded, twin or imported
         source: Source,
         /// repeats averaged

@@ -111,14 +111,7 @@ impl CurveModel {
 
     /// Whether rising and falling commands have a curve each.
     pub fn has_hysteresis(self) -> bool {
-        match self {
-            Self::Line | Self::Hinge | Self::Saturation | Self::PowerLaw | Self::Spline => false,
-            Self::LineUpDown
-            | Self::HingeUpDown
-            | Self::SaturationUpDown
-            | Self::PowerLawUpDown
-            | Self::SplineUpDown => true,
-        }
+        !matches!(self, Self::Line | Self::Hinge | Self::Saturation | Self::PowerLaw | Self::Spline)
     }
 }
 

@@ -3,7 +3,7 @@
 
 use crate::column::UNIT_OF_ROW;
 use crate::note::NoteKind;
-use crate::row::rows;
+use crate::row::{of_metric, rows};
 use crate::sentence::Sentence;
 use crate::value::{named, texts, words};
 use std::fmt;
@@ -206,12 +206,7 @@ rows! {
 
     /// A condition's mean over the units of analysis.
     Mean = "means", "Means by condition" {
-        /// what is compared
-        metric: MetricId,
-        /// unit of the metric
-        unit: Arc<str>,
-        /// what was rendered
-        environment: EnvironmentId,
+        ..of_metric,
         /// how it was rendered
         mode: ModeId,
         /// what n counts
@@ -234,12 +229,7 @@ rows! {
 
     /// The difference of two modes in one environment, tested.
     ModeDifference = "contrasts", "Modes compared" {
-        /// what is compared
-        metric: MetricId,
-        /// unit of the metric
-        unit: Arc<str>,
-        /// what was rendered
-        environment: EnvironmentId,
+        ..of_metric,
         /// the modes compared: the one minus the other
         contrast: Contrast,
         /// what n counts
@@ -316,12 +306,7 @@ rows! {
 
     /// The difference of two modes as a paper prints it.
     PrintedDifference = "comparison", "Modes compared in every metric" {
-        /// what is compared
-        metric: MetricId,
-        /// unit of the metric
-        unit: Arc<str>,
-        /// what was rendered
-        environment: EnvironmentId,
+        ..of_metric,
         /// the modes compared: the one minus the other
         contrast: Contrast,
         /// what n counts
@@ -400,12 +385,7 @@ rows! {
 
     /// The difference of two modes by the mixed model of its environment.
     Model = "models", "Mixed model (for comparison)" {
-        /// what is compared
-        metric: MetricId,
-        /// unit of the metric
-        unit: Arc<str>,
-        /// what was rendered
-        environment: EnvironmentId,
+        ..of_metric,
         /// the modes compared: the one minus the other
         contrast: Contrast,
         /// participants
@@ -444,12 +424,7 @@ rows! {
 
     /// One participant's own difference between two modes.
     PersonDifference = "participants", "Participants compared" {
-        /// what is compared
-        metric: MetricId,
-        /// unit of the metric
-        unit: Arc<str>,
-        /// what was rendered
-        environment: EnvironmentId,
+        ..of_metric,
         /// the modes compared: the one minus the other
         contrast: Contrast,
         /// who
@@ -472,12 +447,7 @@ rows! {
 
     /// How participants changed from one session to a later one in a condition.
     SessionChange = "sessions", "Sessions compared" {
-        /// what is compared
-        metric: MetricId,
-        /// unit of the metric
-        unit: Arc<str>,
-        /// what was rendered
-        environment: EnvironmentId,
+        ..of_metric,
         /// how it was rendered
         mode: ModeId,
         /// the sessions compared: the later minus the earlier
@@ -534,12 +504,7 @@ rows! {
 
     /// How a metric changes from one repeat of a condition to the next.
     Learning = "learning", "Learning per repeat" {
-        /// what is compared
-        metric: MetricId,
-        /// unit of the metric
-        unit: Arc<str>,
-        /// what was rendered
-        environment: EnvironmentId,
+        ..of_metric,
         /// how it was rendered
         mode: ModeId,
         /// what n counts
@@ -564,12 +529,7 @@ rows! {
 
     /// The mean at a repeat of a condition, over participants.
     RepeatMean = "repeats", "By repeat" {
-        /// what is compared
-        metric: MetricId,
-        /// unit of the metric
-        unit: Arc<str>,
-        /// what was rendered
-        environment: EnvironmentId,
+        ..of_metric,
         /// how it was rendered
         mode: ModeId,
         /// repeat of the condition
@@ -606,12 +566,7 @@ rows! {
 
     /// A difference of two modes' means in redrawn orders: each row is a hundredth of them.
     RedrawnDifference = "redrawn", "Differences in redrawn orders" {
-        /// what is compared
-        metric: MetricId,
-        /// unit of the metric
-        unit: Arc<str>,
-        /// what was rendered
-        environment: EnvironmentId,
+        ..of_metric,
         /// the modes compared: the one minus the other
         contrast: Contrast,
         /// difference of the modes' means in redrawn orders: each row is a hundredth of them

@@ -1,8 +1,42 @@
 //! What the stage `freemotion` finds: the device itself, from each trial in which nothing was
 //! rendered.
 
-use crate::row::rows;
-use zwidth_study::{EnvironmentId, ModeId, ParticipantId, SessionId, Source};
+use crate::row::{of_trial, one_row, rows};
+
+/// The columns of every fit: which trial, and what any of them estimates.
+macro_rules! of_fit {
+    ($head:tt $($fields:tt)*) => {
+        one_row! {
+            $head
+            ..of_trial,
+            /// offset c: estimate
+            offset_nm: f64 = "N·m",
+            /// offset c: standard error (Newey-West, a tenth of the recording)
+            offset_std_error_nm: f64 = "N·m",
+            /// offset c: lower end of the interval within this recording
+            offset_ci_low_nm: f64 = "N·m",
+            /// offset c: upper end of the interval within this recording
+            offset_ci_high_nm: f64 = "N·m",
+            /// inertia I: estimate
+            inertia_kg_m2: f64 = "kg·m²",
+            /// inertia I: standard error (Newey-West, a tenth of the recording)
+            inertia_std_error_kg_m2: f64 = "kg·m²",
+            /// inertia I: lower end of the interval within this recording
+            inertia_ci_low_kg_m2: f64 = "kg·m²",
+            /// inertia I: upper end of the interval within this recording
+            inertia_ci_high_kg_m2: f64 = "kg·m²",
+            /// damping b: estimate
+            damping_nm_s_per_rad: f64 = "N·m·s/rad",
+            /// damping b: standard error (Newey-West, a tenth of the recording)
+            damping_std_error_nm_s_per_rad: f64 = "N·m·s/rad",
+            /// damping b: lower end of the interval within this recording
+            damping_ci_low_nm_s_per_rad: f64 = "N·m·s/rad",
+            /// damping b: upper end of the interval within this recording
+            damping_ci_high_nm_s_per_rad: f64 = "N·m·s/rad",
+            $($fields)*
+        }
+    };
+}
 
 rows! {
     /// The plane through a trial with an acceleration: torque = c + I·acceleration + b·velocity.
@@ -10,44 +44,7 @@ rows! {
         "free_motion",
         "Plane fits of free motion: torque = c + I·acceleration + b·velocity"
     {
-        /// participant's code
-        participant: ParticipantId,
-        /// session
-        session: SessionId,
-        /// number within the session
-        trial: u32,
-        /// repeat of the condition
-        repeat: u32,
-        /// what was rendered
-        environment: EnvironmentId,
-        /// how it was rendered
-        mode: ModeId,
-        /// recorded, twin or imported
-        source: Source,
-        /// offset c: estimate
-        offset_nm: f64 = "N·m",
-        /// offset c: standard error (Newey-West, a tenth of the recording)
-        offset_std_error_nm: f64 = "N·m",
-        /// offset c: lower end of the interval within this recording
-        offset_ci_low_nm: f64 = "N·m",
-        /// offset c: upper end of the interval within this recording
-        offset_ci_high_nm: f64 = "N·m",
-        /// inertia I: estimate
-        inertia_kg_m2: f64 = "kg·m²",
-        /// inertia I: standard error (Newey-West, a tenth of the recording)
-        inertia_std_error_kg_m2: f64 = "kg·m²",
-        /// inertia I: lower end of the interval within this recording
-        inertia_ci_low_kg_m2: f64 = "kg·m²",
-        /// inertia I: upper end of the interval within this recording
-        inertia_ci_high_kg_m2: f64 = "kg·m²",
-        /// damping b: estimate
-        damping_nm_s_per_rad: f64 = "N·m·s/rad",
-        /// damping b: standard error (Newey-West, a tenth of the recording)
-        damping_std_error_nm_s_per_rad: f64 = "N·m·s/rad",
-        /// damping b: lower end of the interval within this recording
-        damping_ci_low_nm_s_per_rad: f64 = "N·m·s/rad",
-        /// damping b: upper end of the interval within this recording
-        damping_ci_high_nm_s_per_rad: f64 = "N·m·s/rad",
+        ..of_fit,
         /// R² of the plane
         r2: Option<f64>,
         /// RMS of the residuals
@@ -65,44 +62,7 @@ rows! {
         "plant",
         "The plant in free motion: torque = c + I·acceleration + b·velocity + friction·direction + stiffness·angle"
     {
-        /// participant's code
-        participant: ParticipantId,
-        /// session
-        session: SessionId,
-        /// number within the session
-        trial: u32,
-        /// repeat of the condition
-        repeat: u32,
-        /// what was rendered
-        environment: EnvironmentId,
-        /// how it was rendered
-        mode: ModeId,
-        /// recorded, twin or imported
-        source: Source,
-        /// offset c: estimate
-        offset_nm: f64 = "N·m",
-        /// offset c: standard error (Newey-West, a tenth of the recording)
-        offset_std_error_nm: f64 = "N·m",
-        /// offset c: lower end of the interval within this recording
-        offset_ci_low_nm: f64 = "N·m",
-        /// offset c: upper end of the interval within this recording
-        offset_ci_high_nm: f64 = "N·m",
-        /// inertia I: estimate
-        inertia_kg_m2: f64 = "kg·m²",
-        /// inertia I: standard error (Newey-West, a tenth of the recording)
-        inertia_std_error_kg_m2: f64 = "kg·m²",
-        /// inertia I: lower end of the interval within this recording
-        inertia_ci_low_kg_m2: f64 = "kg·m²",
-        /// inertia I: upper end of the interval within this recording
-        inertia_ci_high_kg_m2: f64 = "kg·m²",
-        /// damping b: estimate
-        damping_nm_s_per_rad: f64 = "N·m·s/rad",
-        /// damping b: standard error (Newey-West, a tenth of the recording)
-        damping_std_error_nm_s_per_rad: f64 = "N·m·s/rad",
-        /// damping b: lower end of the interval within this recording
-        damping_ci_low_nm_s_per_rad: f64 = "N·m·s/rad",
-        /// damping b: upper end of the interval within this recording
-        damping_ci_high_nm_s_per_rad: f64 = "N·m·s/rad",
+        ..of_fit,
         /// dry friction: estimate
         friction_nm: f64 = "N·m",
         /// dry friction: standard error (Newey-West, a tenth of the recording)

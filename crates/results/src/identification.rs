@@ -1,13 +1,13 @@
 //! What the stage `identify` finds: the plant that fits recorded trials best, and how well it is
 //! known. The numbers of a row are in the unit that the row names, if it has one.
 
-use crate::row::rows;
+use crate::row::{of_trial, rows};
 use crate::value::{texts, words};
 use std::convert::Infallible;
 use std::fmt;
 use std::str::FromStr;
 use std::sync::Arc;
-use zwidth_study::{EnvironmentId, IdError, ModeId, ParticipantId, SessionId, Source};
+use zwidth_study::{EnvironmentId, IdError, ModeId};
 
 words! {
     /// A parameter of the plant.
@@ -207,20 +207,7 @@ rows! {
         "identify.trials",
         "Errors of the plant, by eye and fitted, one row per trial"
     {
-        /// participant's code
-        participant: ParticipantId,
-        /// session
-        session: SessionId,
-        /// number within the session
-        trial: u32,
-        /// repeat of the condition
-        repeat: u32,
-        /// what was rendered
-        environment: EnvironmentId,
-        /// how it was rendered
-        mode: ModeId,
-        /// recorded, twin or imported
-        source: Source,
+        ..of_trial,
         /// fitted, or held out and only judged
         part: FitPart,
         /// root mean square error of the angle, by eye

@@ -3,7 +3,7 @@
 
 use crate::row::rows;
 use crate::sentence::Sentence;
-use crate::value::{texts, words};
+use crate::value::{NoSuchText, texts, words, written};
 use std::fmt;
 use std::str::FromStr;
 use std::sync::Arc;
@@ -41,11 +41,6 @@ impl LadderTerm {
         }
     }
 }
-
-/// A text that is no result of a ladder.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("'{0}' is no {1} of a ladder: another version wrote it; make it again")]
-pub struct NoLadderText(String, &'static str);
 
 /// A set of terms; those of a set are in a model, the others cost nothing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
@@ -132,16 +127,16 @@ impl fmt::Display for TermSet {
 }
 
 impl FromStr for TermSet {
-    type Err = NoLadderText;
+    type Err = NoSuchText;
 
-    fn from_str(text: &str) -> Result<Self, NoLadderText> {
+    fn from_str(text: &str) -> Result<Self, NoSuchText> {
         if text == RIGID {
             return Ok(Self::NONE);
         }
         let set = text.split(' ').try_fold(Self::NONE, |set, word| {
             LadderTerm::from_word(word).map(|term| set.with(term))
         });
-        set.ok_or_else(|| NoLadderText(text.to_owned(), "set of terms"))
+        set.ok_or_else(|| NoSuchText(text.to_owned(), "set of terms of a ladder"))
     }
 }
 
@@ -205,14 +200,13 @@ impl fmt::Display for TriedModel {
 }
 
 impl FromStr for TriedModel {
-    type Err = NoLadderText;
+    type Err = NoSuchText;
 
-    fn from_str(text: &str) -> Result<Self, NoLadderText> {
+    fn from_str(text: &str) -> Result<Self, NoSuchText> {
         let without = text.strip_prefix(WITHOUT).and_then(LadderTerm::from_word);
         let others = [Self::Choice, Self::Fullest].into_iter();
-        let mut all = without.map(Self::Without).into_iter().chain(others);
-        let model = all.find(|model| model.to_string() == text);
-        model.ok_or_else(|| NoLadderText(text.to_owned(), "model"))
+        let all = without.map(Self::Without).into_iter().chain(others);
+        written(text, "model of a ladder", all)
     }
 }
 
@@ -241,13 +235,12 @@ impl fmt::Display for BorneOut {
 }
 
 impl FromStr for BorneOut {
-    type Err = NoLadderText;
+    type Err = NoSuchText;
 
-    fn from_str(text: &str) -> Result<Self, NoLadderText> {
+    fn from_str(text: &str) -> Result<Self, NoSuchText> {
         let without = LadderTerm::ALL.iter().copied().map(Self::BetterWithout);
-        let mut all = without.chain([Self::Confirmed, Self::FullestIsBetter]);
-        let verdict = all.find(|verdict| verdict.to_string() == text);
-        verdict.ok_or_else(|| NoLadderText(text.to_owned(), "verdict"))
+        let all = without.chain([Self::Confirmed, Self::FullestIsBetter]);
+        written(text, "verdict of a ladder", all)
     }
 }
 

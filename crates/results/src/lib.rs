@@ -117,4 +117,4 @@ pub use sentence::Sentence;
 pub use stability::*;
 pub use trade::*;
 pub use trial::*;
-pub use value::Value;
+pub use value::{NoSuchText, Value};

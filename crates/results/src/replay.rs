@@ -1,7 +1,7 @@
 //! What the stage `replay` finds: recorded trials through the model, and how far it departs.
 
 use crate::column::UNIT_OF_ROW;
-use crate::row::rows;
+use crate::row::{of_trial, rows};
 use crate::sentence::Sentence;
 use crate::value::words;
 use std::sync::Arc;
@@ -188,20 +188,7 @@ rows! {
     /// A trial through a model in one causality. Null where it does not apply, and for a model that
     /// diverged: the outcome says which.
     ReplayedTrial = "replay", "Replay: recorded trials through the model" {
-        /// participant's code
-        participant: ParticipantId,
-        /// session
-        session: SessionId,
-        /// number within the session
-        trial: u32,
-        /// repeat of the condition
-        repeat: u32,
-        /// what was rendered
-        environment: EnvironmentId,
-        /// how it was rendered
-        mode: ModeId,
-        /// recorded, twin or imported
-        source: Source,
+        ..of_trial,
         /// what went into the model and what came out
         causality: Causality,
         /// whose plant: by_eye, the thesis'; fitted, this study's

@@ -119,17 +119,30 @@ pub(crate) fn values<'a, V: Value + PartialEq + 'a>(
 
 /// Declares the rows of derived tables: name and title of the table, and a field for each column
 /// with its meaning, its type and its unit (none for a pure number or a word). A column that only
-/// some studies have is `or absent`: where it is not there, all its values are null.
+/// some studies have is `or absent`: where it is not there, all its values are null. The first
+/// columns may be those of a group: `..of_trial`.
 macro_rules! rows {
     ($(
-        $(#[doc = $about:literal])+
-        $row:ident = $name:literal, $title:literal {
-            $(
-                $(#[doc = $meaning:literal])+
-                $field:ident $(or $absent:ident)?: $kind:ty $(= $unit:expr)?,
-            )+
-        }
+        $(# $about:tt)+
+        $row:ident = $name:literal, $title:literal { $($fields:tt)+ }
     )*) => {$(
+        $crate::row::one_row! { { $(# $about)+ $row = $name, $title } $($fields)+ }
+    )*};
+}
+pub(crate) use rows;
+
+/// Declares one of them: what it is, then its fields.
+macro_rules! one_row {
+    ($head:tt ..$group:ident, $($fields:tt)*) => {
+        $group! { $head $($fields)* }
+    };
+    (
+        { $(#[doc = $about:literal])+ $row:ident = $name:literal, $title:literal }
+        $(
+            $(#[doc = $meaning:literal])+
+            $field:ident $(or $absent:ident)?: $kind:ty $(= $unit:expr)?,
+        )+
+    ) => {
         $(#[doc = $about])+
         #[derive(Debug, Clone, PartialEq)]
         pub struct $row {
@@ -167,9 +180,70 @@ macro_rules! rows {
                 (0..rows).map(|row| Ok(Self { $($field: $field.at(row)?),+ })).collect()
             }
         }
-    )*};
+    };
 }
-pub(crate) use rows;
+pub(crate) use one_row;
+
+/// The columns that say which trial a row is about.
+macro_rules! of_trial {
+    ($head:tt $($fields:tt)*) => {
+        $crate::row::one_row! {
+            $head
+            /// participant's code
+            participant: zwidth_study::ParticipantId,
+            /// session
+            session: zwidth_study::SessionId,
+            /// number within the session
+            trial: u32,
+            /// repeat of the condition
+            repeat: u32,
+            /// what was rendered
+            environment: zwidth_study::EnvironmentId,
+            /// how it was rendered
+            mode: zwidth_study::ModeId,
+            /// recorded, twin or imported
+            source: zwidth_study::Source,
+            $($fields)*
+        }
+    };
+}
+pub(crate) use of_trial;
+
+/// The columns that say which participant's condition a row is about.
+macro_rules! of_condition {
+    ($head:tt $($fields:tt)*) => {
+        $crate::row::one_row! {
+            $head
+            /// participant's code
+            participant: zwidth_study::ParticipantId,
+            /// session
+            session: zwidth_study::SessionId,
+            /// what was rendered
+            environment: zwidth_study::EnvironmentId,
+            /// how it was rendered
+            mode: zwidth_study::ModeId,
+            $($fields)*
+        }
+    };
+}
+pub(crate) use of_condition;
+
+/// The columns that say which metric a row is about, and where.
+macro_rules! of_metric {
+    ($head:tt $($fields:tt)*) => {
+        $crate::row::one_row! {
+            $head
+            /// what is compared
+            metric: zwidth_study::MetricId,
+            /// unit of the metric
+            unit: std::sync::Arc<str>,
+            /// what was rendered
+            environment: zwidth_study::EnvironmentId,
+            $($fields)*
+        }
+    };
+}
+pub(crate) use of_metric;
 
 /// The unit that a declaration names; that of a pure number where it names none.
 pub(crate) fn unit(named: Option<&'static str>) -> &'static str {

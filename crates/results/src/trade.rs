@@ -3,7 +3,7 @@
 //! metrics.
 
 use crate::row::rows;
-use crate::value::{texts, words};
+use crate::value::{NoSuchText, texts, words, written};
 use std::fmt;
 use std::str::FromStr;
 use std::sync::Arc;
@@ -78,23 +78,16 @@ impl fmt::Display for WhyNot {
     }
 }
 
-/// A text that is no reason of a trade.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("'{0}' is no reason of a trade: another version wrote it; make it again")]
-pub struct NoReason(String);
-
 impl FromStr for WhyNot {
-    type Err = NoReason;
+    type Err = NoSuchText;
 
-    fn from_str(text: &str) -> Result<Self, NoReason> {
+    fn from_str(text: &str) -> Result<Self, NoSuchText> {
         let [before, behind] = NEIGHBOURS;
         let number = text.strip_prefix(before).and_then(|rest| rest.strip_suffix(behind));
         let neighbours = number.and_then(|number| number.parse().ok()).map(Self::Neighbours);
         let of_gates =
             Gate::ALL.iter().flat_map(|gate| [Self::Breaks(*gate), Self::FinerBreaks(*gate)]);
-        let mut all = neighbours.into_iter().chain(of_gates);
-        // Read back by writing: a number in another form, such as `+1`, is no reason.
-        all.find(|why| why.to_string() == text).ok_or_else(|| NoReason(text.to_owned()))
+        written(text, "reason of a trade", neighbours.into_iter().chain(of_gates))
     }
 }
 

@@ -1,7 +1,7 @@
 //! Which trial a row is about, what happened in it, and the remarks on it.
 
 use crate::note::NoteKind;
-use crate::row::rows;
+use crate::row::{of_condition, of_trial, rows};
 use crate::sentence::Sentence;
 use crate::value::{named, words};
 use zwidth_study::{EnvironmentId, Kind, ModeId, ParticipantId, SessionId, Source, Status};
@@ -38,64 +38,24 @@ words! {
 rows! {
     /// The first columns of every table with a row for each trial.
     TrialKey = "trials", "Trials" {
-        /// participant's code
-        participant: ParticipantId,
-        /// session
-        session: SessionId,
-        /// number within the session
-        trial: u32,
-        /// repeat of the condition
-        repeat: u32,
-        /// what was rendered
-        environment: EnvironmentId,
-        /// how it was rendered
-        mode: ModeId,
-        /// recorded, twin or imported
-        source: Source,
+        ..of_trial,
     }
 
     /// What the repeats of a condition share: a participant in a session.
     ConditionKey = "conditions", "Conditions" {
-        /// participant's code
-        participant: ParticipantId,
-        /// session
-        session: SessionId,
-        /// what was rendered
-        environment: EnvironmentId,
-        /// how it was rendered
-        mode: ModeId,
+        ..of_condition,
     }
 
     /// The first columns of the table with a row for each condition.
     ConditionTrials = "conditions", "Metrics by condition: mean and SD of each participant's repeats" {
-        /// participant's code
-        participant: ParticipantId,
-        /// session
-        session: SessionId,
-        /// what was rendered
-        environment: EnvironmentId,
-        /// how it was rendered
-        mode: ModeId,
+        ..of_condition,
         /// trials
         n: usize,
     }
 
     /// Something that happened in a trial, and when.
     TrialEvent = "events", "What happened in each trial, one row per event" {
-        /// participant's code
-        participant: ParticipantId,
-        /// session
-        session: SessionId,
-        /// number within the session
-        trial: u32,
-        /// repeat of the condition
-        repeat: u32,
-        /// what was rendered
-        environment: EnvironmentId,
-        /// how it was rendered
-        mode: ModeId,
-        /// recorded, twin or imported
-        source: Source,
+        ..of_trial,
         /// onset, contact, reversal, let_go or end
         event: EventKind,
         /// when, as the trial's samples count time

@@ -23,61 +23,46 @@ pub trait Value: Sized {
     fn of(scalar: Scalar) -> Option<Self>;
 }
 
-impl Value for f64 {
-    const KIND: Type = Type::Float;
+/// A value that a table holds as it is.
+macro_rules! scalars {
+    ($($name:ty = $kind:ident),*) => {$(
+        impl Value for $name {
+            const KIND: Type = Type::$kind;
 
-    fn scalar(&self) -> Scalar {
-        Scalar::Float(*self)
-    }
+            fn scalar(&self) -> Scalar {
+                Scalar::$kind(Self::clone(self))
+            }
 
-    fn of(scalar: Scalar) -> Option<Self> {
-        match scalar {
-            Scalar::Float(number) => Some(number),
-            _ => None,
+            fn of(scalar: Scalar) -> Option<Self> {
+                match scalar {
+                    Scalar::$kind(value) => Some(value),
+                    _ => None,
+                }
+            }
         }
-    }
+    )*};
 }
 
-impl Value for i64 {
-    const KIND: Type = Type::Integer;
+scalars!(f64 = Float, i64 = Integer, bool = Flag, Arc<str> = Text);
 
-    fn scalar(&self) -> Scalar {
-        Scalar::Integer(*self)
-    }
+/// A count: none of things in memory, and none of work, is larger than a whole number of a table.
+macro_rules! counts {
+    ($($name:ty),*) => {$(
+        impl Value for $name {
+            const KIND: Type = Type::Integer;
 
-    fn of(scalar: Scalar) -> Option<Self> {
-        match scalar {
-            Scalar::Integer(number) => Some(number),
-            _ => None,
+            fn scalar(&self) -> Scalar {
+                Scalar::Integer(i64::try_from(*self).unwrap_or(i64::MAX))
+            }
+
+            fn of(scalar: Scalar) -> Option<Self> {
+                Self::try_from(i64::of(scalar)?).ok()
+            }
         }
-    }
+    )*};
 }
 
-impl Value for u64 {
-    const KIND: Type = Type::Integer;
-
-    fn scalar(&self) -> Scalar {
-        // No count of work is larger.
-        Scalar::Integer(i64::try_from(*self).unwrap_or(i64::MAX))
-    }
-
-    fn of(scalar: Scalar) -> Option<Self> {
-        Self::try_from(i64::of(scalar)?).ok()
-    }
-}
-
-impl Value for usize {
-    const KIND: Type = Type::Integer;
-
-    fn scalar(&self) -> Scalar {
-        // No number of things in memory is larger.
-        Scalar::Integer(i64::try_from(*self).unwrap_or(i64::MAX))
-    }
-
-    fn of(scalar: Scalar) -> Option<Self> {
-        Self::try_from(i64::of(scalar)?).ok()
-    }
-}
+counts!(u64, usize);
 
 impl Value for u32 {
     const KIND: Type = Type::Integer;
@@ -88,36 +73,6 @@ impl Value for u32 {
 
     fn of(scalar: Scalar) -> Option<Self> {
         Self::try_from(i64::of(scalar)?).ok()
-    }
-}
-
-impl Value for bool {
-    const KIND: Type = Type::Flag;
-
-    fn scalar(&self) -> Scalar {
-        Scalar::Flag(*self)
-    }
-
-    fn of(scalar: Scalar) -> Option<Self> {
-        match scalar {
-            Scalar::Flag(flag) => Some(flag),
-            _ => None,
-        }
-    }
-}
-
-impl Value for Arc<str> {
-    const KIND: Type = Type::Text;
-
-    fn scalar(&self) -> Scalar {
-        Scalar::Text(self.clone())
-    }
-
-    fn of(scalar: Scalar) -> Option<Self> {
-        match scalar {
-            Scalar::Text(text) => Some(text),
-            _ => None,
-        }
     }
 }
 
@@ -171,6 +126,22 @@ impl<V: Value> Value for Option<V> {
             scalar => V::of(scalar).map(Some),
         }
     }
+}
+
+/// A text that stands for no value.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("'{0}' is no {1}: another version wrote it; make it again")]
+pub struct NoSuchText(pub(crate) String, pub(crate) &'static str);
+
+/// The one of these values that a text stands for. They are read back by writing: a number in
+/// another form, such as `+1`, stands for none.
+pub(crate) fn written<V: std::fmt::Display>(
+    text: &str,
+    what: &'static str,
+    values: impl IntoIterator<Item = V>,
+) -> Result<V, NoSuchText> {
+    let found = values.into_iter().find(|value| value.to_string() == text);
+    found.ok_or_else(|| NoSuchText(text.to_owned(), what))
 }
 
 /// A value whose column holds the text that stands for it.

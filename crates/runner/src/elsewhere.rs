@@ -30,7 +30,7 @@ pub fn due<'j>(
 ) -> Result<BTreeMap<&'j str, Vec<&'j Job>>, StoreError> {
     let (records, _) = Records::read(results)?;
     let root = results.root();
-    let hashes = Hashes::new(known);
+    let hashes = Hashes::seen(known, Default::default());
     let current = up_to_date(jobs, |job| job.part.is_some(), root, &records, &hashes);
     let ready = ready(jobs, |job| job.part.clone(), &current);
     let mut due: BTreeMap<&str, Vec<&Job>> = BTreeMap::new();

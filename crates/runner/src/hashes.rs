@@ -55,31 +55,9 @@ impl<P: Into<Arc<Path>>, H: AsRef<str>> FromIterator<(P, H)> for HashesRead {
     }
 }
 
-/// The content of a file, by its hash: a third of the memory of a hash as text.
-#[derive(Clone, Copy)]
-enum FileState {
-    Hash(blake3::Hash),
-    Missing,
-    ToBeMade,
-}
-
-impl FileState {
-    fn of(text: &str) -> Self {
-        match blake3::Hash::from_hex(text) {
-            Ok(hash) => Self::Hash(hash),
-            Err(_) if text == TO_BE_MADE => Self::ToBeMade,
-            Err(_) => Self::Missing,
-        }
-    }
-
-    fn text(self) -> String {
-        match self {
-            Self::Hash(hash) => hash.to_hex().to_string(),
-            Self::Missing => String::new(),
-            Self::ToBeMade => TO_BE_MADE.to_owned(),
-        }
-    }
-}
+/// The content of a file, by its hash: a third of the memory of a hash as text. Of a file without one,
+/// what stands in its place: nothing if it is missing, or [`TO_BE_MADE`].
+type FileState = Result<blake3::Hash, &'static str>;
 
 /// Hashes of files, each computed once a run; a missing file's is empty.
 #[derive(Default)]
@@ -91,12 +69,8 @@ pub(crate) struct Hashes {
 }
 
 impl Hashes {
-    /// Begins with the hashes of files that were read already.
-    pub(crate) fn new(read_before: &HashesRead) -> Self {
-        Self::seen(read_before, Arc::default())
-    }
-
-    /// The same, with what other files were when they were last read.
+    /// Begins with the hashes of files that were read already, and with what other files were when they
+    /// were last read.
     pub(crate) fn seen(read_before: &HashesRead, seen: Arc<Seen>) -> Self {
         Self { read_before: read_before.clone(), since: Mutex::default(), seen }
     }
@@ -108,10 +82,9 @@ impl Hashes {
     fn hash(&self, path: &Path) -> String {
         // `since` first: the file may have been written after it was read.
         let since = self.lock().get(path.as_os_str()).copied();
-        let state = since
-            .or_else(|| self.read_before.0.get(path.as_os_str()).copied().map(FileState::Hash));
+        let state = since.or_else(|| self.read_before.0.get(path.as_os_str()).copied().map(Ok));
         if let Some(state) = state {
-            return state.text();
+            return state.map_or_else(str::to_owned, |hash| hash.to_hex().to_string());
         }
         // Not locked meanwhile: others go on, and at worst two threads find the same hash.
         let hash = self.seen.blake3(path).unwrap_or_default();
@@ -120,7 +93,9 @@ impl Hashes {
     }
 
     pub(crate) fn set(&self, path: &Path, hash: &str) {
-        self.lock().insert(path.as_os_str().into(), FileState::of(hash));
+        let state = blake3::Hash::from_hex(hash)
+            .map_err(|_| if hash == TO_BE_MADE { TO_BE_MADE } else { "" });
+        self.lock().insert(path.as_os_str().into(), state);
     }
 
     /// The hash of what was just written.

@@ -72,9 +72,15 @@ impl Inputs for PathBuf {
     }
 }
 
-impl Inputs for Arc<Path> {
+impl Inputs for Path {
     fn files(&self) -> Vec<PathBuf> {
         vec![self.to_path_buf()]
+    }
+}
+
+impl<I: Inputs + ?Sized> Inputs for Arc<I> {
+    fn files(&self) -> Vec<PathBuf> {
+        (**self).files()
     }
 }
 
@@ -277,33 +283,6 @@ impl Job {
     pub fn is_called(&self, name: &str) -> bool {
         let mut stems = self.outputs.iter().filter_map(|output| output.file_stem());
         self.stage.name == name || self.name == name || stems.any(|stem| stem == name)
-    }
-}
-
-#[cfg(test)]
-impl Job {
-    /// The same, made by a function that holds what a test looks at.
-    pub(crate) fn made_by(
-        self,
-        make: impl Fn(&Making) -> Result<Made, JobError> + Send + Sync + 'static,
-    ) -> Self {
-        struct Other<F>(Box<dyn Work>, F);
-
-        impl<F: Fn(&Making) -> Result<Made, JobError> + Send + Sync> Work for Other<F> {
-            fn parameters(&self) -> Result<String, String> {
-                self.0.parameters()
-            }
-
-            fn files(&self) -> Vec<PathBuf> {
-                self.0.files()
-            }
-
-            fn make(&self, making: &Making) -> Result<Made, JobError> {
-                (self.1)(making)
-            }
-        }
-
-        Self { work: Box::new(Other(self.work, make)), ..self }
     }
 }
 

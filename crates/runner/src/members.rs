@@ -97,31 +97,24 @@ impl<'b> At<'b> {
         }
         let sign = match *before {
             Before::Brace if self.rest().first() == Some(&b'}') => self.sign(b"}")?,
-            Before::Brace => return self.named_value(place, before, from),
+            // A member follows as if after a comma.
+            Before::Brace => Some(b','),
             Before::Member => self.sign(b",}")?,
             Before::Object | Before::Nothing => None,
         };
         match sign {
             Some(b'}') => {
                 *before = Before::Nothing;
-                Ok(None)
+                return Ok(None);
             }
-            Some(_) => self.named_value(place, before, from),
-            None => Ok(None),
+            Some(_) => {}
+            None => return Ok(None),
         }
-    }
-
-    /// A name, a colon and a value; if the block does not have all of it, back to `place`.
-    fn named_value(
-        &mut self,
-        place: usize,
-        before: &mut Before,
-        from: u64,
-    ) -> Result<Option<Member<'b>>, String> {
         let name = self.value::<String>()?;
         let colon = if name.is_some() { self.sign(b":")? } else { None };
         let value = if colon.is_some() { self.value::<&RawValue>()? } else { None };
         let (Some(name), Some(value)) = (name, value) else {
+            // The block does not have all of it.
             self.next = place;
             return Ok(None);
         };

@@ -2,7 +2,7 @@
 //! their files if these are elsewhere.
 
 use crate::manifest::folder;
-use crate::survey::{Offer, Share, Survey, content, survey};
+use crate::survey::{Share, Survey, content, survey};
 use crate::{HashesRead, Job, Results, Shard};
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -51,14 +51,22 @@ pub fn merge<'r, 'j>(
     let mut jobs = BTreeSet::new();
     let mut copied = 0;
     for offer in &survey.accepted {
-        if !offer.is_own {
-            copied += copy_files(offer, own, &|| progress(steps))?;
-        }
         let records = &offer.manifest.records;
-        survey
-            .records
-            .0
-            .extend(records.0.iter().map(|(name, record)| (name.clone(), record.clone())));
+        for (path, hash) in records.outputs().filter(|_| !offer.is_own) {
+            // Hashed again: minutes may lie between the survey and the copy.
+            let bytes = match content(offer.results, &path) {
+                Ok(bytes) if hex_blake3(&bytes) == hash => Ok(bytes),
+                Ok(_) => Err("it has changed since the merge began".to_owned()),
+                Err(why) => Err(why),
+            };
+            let bytes = bytes.map_err(|what| {
+                StoreError::new(&offer.results.root().join(&path), what, "merge again")
+            })?;
+            own.write(&own.root().join(&path), &bytes)?;
+            copied += 1;
+            progress(steps);
+        }
+        survey.records.0.extend(records.0.clone());
         shards.insert(offer.manifest.shard);
         jobs.extend(records.0.keys().cloned());
     }
@@ -71,26 +79,6 @@ pub fn merge<'r, 'j>(
     }
     own.remove_empty(&folder(own.layout()));
     Ok(Merged { survey, shards, jobs: jobs.len(), copied, shares })
-}
-
-/// Copies the files of a shard, and says how many they are.
-fn copy_files(offer: &Offer, own: &Results, progress: &dyn Fn()) -> Result<usize, StoreError> {
-    let outputs: Vec<(String, String)> = offer.manifest.records.outputs().collect();
-    for (path, hash) in &outputs {
-        // Hashed again: minutes may lie between the survey and the copy.
-        let bytes = content(offer.results, path).and_then(|bytes| {
-            let is_same = hex_blake3(&bytes) == *hash;
-            is_same
-                .then_some(bytes)
-                .ok_or_else(|| "it has changed since the merge began".to_owned())
-        });
-        let bytes = bytes.map_err(|what| {
-            StoreError::new(&offer.results.root().join(path), what, "merge again")
-        })?;
-        own.write(&own.root().join(path), &bytes)?;
-        progress();
-    }
-    Ok(outputs.len())
 }
 
 #[cfg(test)]

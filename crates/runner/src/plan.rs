@@ -73,10 +73,3 @@ pub(crate) fn with_needs(jobs: &[Job], chosen: impl Fn(&Job) -> bool + Sync) -> 
     }
     keep
 }
-
-/// All jobs, or those that are called so ([`Job::is_called`]) and those whose
-/// outputs they need.
-pub(crate) fn named(jobs: &[Job], only: Option<&str>) -> Vec<bool> {
-    let Some(name) = only else { return vec![true; jobs.len()] };
-    with_needs(jobs, |job| job.is_called(name))
-}

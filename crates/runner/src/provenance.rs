@@ -63,19 +63,14 @@ pub fn origins(bytes: &[u8]) -> Vec<String> {
 fn leading_origin(bytes: &[u8]) -> Option<String> {
     let mut end = PREFIX.len();
     for is_part in [u8::is_ascii_lowercase, u8::is_ascii_digit] {
-        end += run_of(bytes.get(end..)?, is_part)?;
-        (bytes.get(end) == Some(&b':')).then_some(())?;
+        let part = bytes.get(end..)?.iter().take_while(|byte| is_part(byte)).count();
+        end += part;
+        (part > 0 && bytes.get(end) == Some(&b':')).then_some(())?;
         end += 1;
     }
     let digest = bytes.get(end..end + DIGITS)?;
     digest.iter().all(u8::is_ascii_hexdigit).then_some(())?;
     String::from_utf8(bytes[..end + DIGITS].to_vec()).ok()
-}
-
-/// How many bytes of this kind stand first; `None` if there is none.
-fn run_of(bytes: &[u8], is_part: impl Fn(&u8) -> bool) -> Option<usize> {
-    let n = bytes.iter().take_while(|b| is_part(b)).count();
-    (n > 0).then_some(n)
 }
 
 #[cfg(test)]

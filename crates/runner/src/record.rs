@@ -2,7 +2,6 @@
 
 use crate::Job;
 use crate::hashes::Hashes;
-use crate::provenance::origin;
 use crate::results::{Results, relative};
 use serde::de::{Error, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
@@ -61,12 +60,6 @@ impl Record {
         outputs
             .chain(inputs)
             .find_map(|(path, why)| Some(format!("it names {path:?}, and {}", why?)))
-    }
-
-    /// The same with its origin.
-    pub(crate) fn with_origin(mut self, name: &str) -> Self {
-        self.origin = origin(name, &self);
-        self
     }
 }
 

@@ -168,11 +168,23 @@ impl Records {
 
 /// The records of a file that are believed, and why the others are ignored.
 fn read_records(file: &Arc<Content>, layout: &Layout) -> Result<(Records, Vec<String>), String> {
+    // A record as it is kept, or why it is ignored.
+    let read = |Member { name, value, from }: &Member| -> Result<Result<Kept, String>, String> {
+        let record: Record = serde_json::from_str(value)
+            .map_err(|error| format!("the record of {name:?}: {}", in_words(&error)))?;
+        if let Some(why) = record.names_elsewhere(layout) {
+            return Ok(Err(why));
+        }
+        // Only then is its text copied when records are saved; anything else is written anew.
+        let is_as_written = serde_json::to_string(&record).is_ok_and(|text| text == *value);
+        Ok(Ok(match is_as_written {
+            true => Kept::There(file.clone(), *from, value.len()),
+            false => Kept::here(record),
+        }))
+    };
     let mut all = BTreeMap::new();
-    let mut ignored = Vec::new();
     members(file, |members| {
-        let read: Vec<_> =
-            members.par_iter().map(|member| read_record(member, file, layout)).collect();
+        let read: Vec<_> = members.par_iter().map(read).collect();
         for (Member { name, .. }, read) in members.into_iter().zip(read) {
             match (all.entry(name), read?) {
                 (Entry::Occupied(twice), _) => {
@@ -184,6 +196,7 @@ fn read_records(file: &Arc<Content>, layout: &Layout) -> Result<(Records, Vec<St
         Ok(())
     })?;
     let mut records = BTreeMap::new();
+    let mut ignored = Vec::new();
     for (name, kept) in all {
         match kept {
             Ok(kept) => _ = records.insert(name, kept),
@@ -191,25 +204,6 @@ fn read_records(file: &Arc<Content>, layout: &Layout) -> Result<(Records, Vec<St
         }
     }
     Ok((Records(records), ignored))
-}
-
-/// A record as it is kept, or why it is ignored.
-fn read_record(
-    Member { name, value, from }: &Member,
-    file: &Arc<Content>,
-    layout: &Layout,
-) -> Result<Result<Kept, String>, String> {
-    let record: Record = serde_json::from_str(value)
-        .map_err(|error| format!("the record of {name:?}: {}", in_words(&error)))?;
-    if let Some(why) = record.names_elsewhere(layout) {
-        return Ok(Err(why));
-    }
-    // Only then is its text copied when records are saved; anything else is written anew.
-    let is_as_written = serde_json::to_string(&record).is_ok_and(|text| text == *value);
-    Ok(Ok(match is_as_written {
-        true => Kept::There(file.clone(), *from, value.len()),
-        false => Kept::here(record),
-    }))
 }
 
 impl PartialEq for Records {

@@ -265,7 +265,17 @@ impl<'a> Results<'a> {
                 Some(Entry::Folder) => {}
                 // Below what is not there nothing can be a link.
                 None => break,
-                Some(kind) => return Err(in_the_way(&at, kind)),
+                Some(Entry::Link) => {
+                    return Err(StoreError::new(
+                        &at,
+                        "it is a link, and results are written into folders of the study's own alone",
+                        "put a folder in its place; if the results are to lie on another disk, name that with --root",
+                    ));
+                }
+                Some(_) => {
+                    let remedy = "move what lies here elsewhere";
+                    return Err(StoreError::new(&at, "a folder belongs here", remedy));
+                }
             }
         }
         Ok(())
@@ -274,17 +284,6 @@ impl<'a> Results<'a> {
 
 const DEFECT: &str = "this is a defect of zwidth; please report it";
 const BY_HAND: &str = "remove it when nobody needs it";
-
-fn in_the_way(folder: &Path, kind: Entry) -> StoreError {
-    match kind {
-        Entry::Link => StoreError::new(
-            folder,
-            "it is a link, and results are written into folders of the study's own alone",
-            "put a folder in its place; if the results are to lie on another disk, name that with --root",
-        ),
-        _ => StoreError::new(folder, "a folder belongs here", "move what lies here elsewhere"),
-    }
-}
 
 /// Whether a path leads down from where it begins, on any system.
 ///

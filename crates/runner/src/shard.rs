@@ -117,19 +117,6 @@ pub(crate) fn ready<S: Clone + PartialEq>(
     ready
 }
 
-/// The jobs that a shard can make now.
-pub(crate) fn share(
-    jobs: &[Job],
-    shard: Shard,
-    root: &Path,
-    records: &Records,
-    hashes: &Hashes,
-) -> Vec<bool> {
-    let up_to_date = up_to_date(jobs, |job| shard.takes(job), root, records, hashes);
-    let ready = ready(jobs, |job| shard.takes(job).then_some(shard), &up_to_date);
-    ready.into_iter().map(|shard| shard.is_some()).collect()
-}
-
 /// Which jobs have up-to-date results by the study's own records, of those chosen and those whose
 /// outputs they need.
 pub(crate) fn up_to_date(

@@ -98,13 +98,18 @@ pub fn survey<'r>(
     let mut offers = Vec::new();
     let mut refused = Vec::new();
     let mut counts = BTreeSet::new();
+    let planned: BTreeSet<&str> = jobs.iter().map(|job| job.name.as_str()).collect();
     let roots = std::iter::once((own, true)).chain(others.iter().map(|results| (results, false)));
     for (results, is_own) in roots {
         for ManifestFile { path, shard, blake3, manifest } in Manifest::all(results)? {
             counts.insert(shard.of());
             match manifest {
                 Ok(manifest) => {
-                    let refused = unplanned(jobs, &manifest);
+                    let records = &manifest.records;
+                    let other = records.iter().find(|(name, _)| !planned.contains(name));
+                    let refused = other.map(|(other, _)| {
+                        format!("it was made from other inputs: the study has no job {other:?} now")
+                    });
                     offers.push(Offer { results, is_own, path, blake3, manifest, refused });
                 }
                 Err(error) => refused.push(error),
@@ -155,14 +160,6 @@ pub fn survey<'r>(
     }));
     offers.retain(|offer| offer.refused.is_none());
     Ok(Survey { records, accepted: offers, refused, remarks, counts, available, up_to_date, steps })
-}
-
-/// A job of a manifest that the study does not have.
-fn unplanned(jobs: &[Job], manifest: &Manifest) -> Option<String> {
-    let planned: BTreeSet<&str> = jobs.iter().map(|job| job.name.as_str()).collect();
-    let mut names = manifest.records.iter().map(|(name, _)| name);
-    let other = names.find(|name| !planned.contains(name))?;
-    Some(format!("it was made from other inputs: the study has no job {other:?} now"))
 }
 
 /// Why a shard's results of a job are not those that a run would make now.

@@ -5,11 +5,11 @@
 //! Methods 1:30, model 2 (sessions are a sample: A) and 3 (these sessions: C); the names in
 //! brackets are those of Shrout & Fleiss (1979), Psychol. Bull. 86:420.
 
-use crate::anova::{ROUNDING, check_table, two_way};
+use crate::anova::two_way;
 use crate::error::{all_finite, check_level};
 use crate::f_distribution::quantile;
 use crate::interval::{Estimate, t_interval};
-use crate::tested::Unestimable;
+use crate::tested::{Unestimable, not_constant};
 use zwidth_numerics::moments::Moments;
 
 /// Limits of agreement hold about 95 % of differences, as Bland & Altman (1999) have them.
@@ -57,13 +57,9 @@ pub struct Agreement {
 /// sessions without any scatter, `level` outside (0, 1).
 pub fn agreement(table: &[Vec<f64>], level: f64) -> Result<Agreement, Unestimable> {
     check_level(level)?;
-    check_table(table, "participants", "sessions")?;
+    let sums = two_way(table, ["participants", "sessions", "differences of sessions"])?;
     let n = table.len() as f64;
     let k = table[0].len() as f64;
-    let sums = two_way(table);
-    if sums.error <= ROUNDING * sums.total || sums.total <= 0.0 {
-        return Err(Unestimable::Constant { units: "differences of sessions" });
-    }
     let rows = sums.rows / (n - 1.0);
     let columns = sums.columns / (k - 1.0);
     let error = sums.error / ((n - 1.0) * (k - 1.0));
@@ -166,9 +162,7 @@ pub fn bland_altman(differences: &[f64], level: f64) -> Result<BlandAltman, Unes
         return Err(Unestimable::TooFew { units: "participants", found: n, needed: 2 });
     };
     // Not by the SD: of equal values it may be rounding instead of 0.
-    if differences.iter().all(|d| d.total_cmp(&differences[0]).is_eq()) {
-        return Err(Unestimable::Constant { units: "differences" });
-    }
+    not_constant("differences", differences.iter().all(|d| d.total_cmp(&differences[0]).is_eq()))?;
     let count = n as f64;
     let limit_error = sd * (1.0 / count + LIMIT * LIMIT / (2.0 * (count - 1.0))).sqrt();
     let [bias, lower, upper] = [

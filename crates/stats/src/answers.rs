@@ -4,7 +4,7 @@
 
 use crate::error::{StatsError, all_finite, same_length};
 use crate::separation::{self, Pattern};
-use crate::tested::Unestimable;
+use crate::tested::{Unestimable, at_least};
 use std::collections::BTreeMap;
 use zwidth_numerics::{NumericsError, lsq};
 
@@ -21,8 +21,8 @@ pub struct Scale {
     pub unused: Vec<u8>,
 }
 
-/// A column of the fixed effects: one value per answer. The model has its thresholds for an
-/// intercept, so no column may be constant.
+/// A column of the fixed effects: one value per row. A model of answers has its thresholds for an
+/// intercept, so there no column may be constant.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Column {
     /// Its name in messages: `mode passive`.
@@ -88,13 +88,7 @@ impl Answers {
         let ones = vec![1.0; rows];
         let mut all: Vec<&[f64]> = vec![&ones];
         all.extend(self.columns.iter().map(|c| c.values.as_slice()));
-        if rows <= all.len() {
-            return Err(Unestimable::TooFew {
-                units: "answers",
-                found: rows,
-                needed: all.len() + 1,
-            });
-        }
+        at_least("answers", rows, all.len() + 1)?;
         // Whatever is fitted, the fit tests the rank of the columns.
         match lsq::fit(&all, &ones) {
             Err(NumericsError::RankDeficient { column }) => {

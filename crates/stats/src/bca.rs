@@ -9,6 +9,7 @@ use crate::bootstrap::{percentile_interval, resample};
 use crate::error::{all_finite, check_level};
 use crate::null::SAME;
 use crate::rounded::rounded;
+use crate::tested::{at_least, not_constant};
 use statrs::distribution::{ContinuousCDF, Normal};
 use zwidth_numerics::order::{quantile, sorted};
 
@@ -76,9 +77,7 @@ pub fn interval<B: Sync>(
     statistic: impl Fn(&[&B]) -> f64 + Sync,
 ) -> Result<Bootstrapped, Unestimable> {
     let all: Vec<&B> = blocks.iter().collect();
-    if all.len() < 2 {
-        return Err(Unestimable::TooFew { units: "blocks", found: all.len(), needed: 2 });
-    }
+    at_least("blocks", all.len(), 2)?;
     let jackknife: Vec<f64> = (0..all.len())
         .map(|left_out| {
             let rest = all.iter().enumerate().filter(|(i, _)| *i != left_out);
@@ -106,12 +105,10 @@ pub fn of_resamples(
         return Err(Unestimable::TooFew { units: "resamples", found: 0, needed: 1 });
     };
     let sorted = sorted(resampled.iter().copied());
-    if sorted.first() >= sorted.last() {
-        return Err(Unestimable::Constant { units: "resampled statistics" });
-    }
-    let corrected = correction(estimate, &sorted, jackknife).and_then(|(bias, acceleration)| {
-        let shares = shares(bias, acceleration, level)?;
-        Ok((Kind::Corrected { bias, acceleration }, shares))
+    not_constant("resampled statistics", sorted.first() >= sorted.last())?;
+    let corrected = bias(estimate, &sorted).ok_or(Uncorrected::OneSided).and_then(|bias| {
+        let acceleration = acceleration(jackknife)?;
+        Ok((Kind::Corrected { bias, acceleration }, shares(bias, acceleration, level)?))
     });
     let (kind, (ci_low, ci_high)) = match corrected {
         Ok((kind, (low, high))) => {
@@ -120,12 +117,6 @@ pub fn of_resamples(
         Err(why) => (Kind::Percentile(why), plain),
     };
     Ok(Bootstrapped { estimate, ci_low, ci_high, kind })
-}
-
-/// z₀ and a.
-fn correction(estimate: f64, sorted: &[f64], jackknife: &[f64]) -> Result<(f64, f64), Uncorrected> {
-    let bias = bias(estimate, sorted).ok_or(Uncorrected::OneSided)?;
-    Ok((bias, acceleration(jackknife)?))
 }
 
 /// The bias z₀; `None` where all resamples lie on one side of the estimate.

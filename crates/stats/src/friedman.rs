@@ -4,6 +4,7 @@ use crate::Unestimable;
 use crate::bootstrap::index_below;
 use crate::error::{all_finite, same_length};
 use crate::null::{Null, Sampling, doubled_midranks, sampled_p};
+use crate::tested::{at_least, not_constant};
 use rand_chacha::ChaCha8Rng;
 use std::collections::BTreeMap;
 
@@ -47,9 +48,7 @@ pub fn test(rows: &[&[f64]], sampling: Sampling) -> Result<Friedman, Unestimable
     // The denominator of W; the ties of each row make it smaller.
     let largest =
         rows.len() as u64 * ranks.iter().map(|row| spread(row, modes as u64 + 1)).sum::<u64>();
-    if largest == 0 {
-        return Err(Unestimable::Constant { units: "values within each participant" });
-    }
+    not_constant("values within each participant", largest == 0)?;
     let concordance = observed as f64 / largest as f64;
     let (p_value, null) = match exact_p(&ranks, centre, observed) {
         Some(p) => (p, Null::Exact),
@@ -67,9 +66,7 @@ fn check(rows: &[&[f64]]) -> Result<usize, Unestimable> {
     let Some(first) = rows.first() else {
         return Err(Unestimable::TooFew { units: "participants", found: 0, needed: 1 });
     };
-    if first.len() < 2 {
-        return Err(Unestimable::TooFew { units: "modes", found: first.len(), needed: 2 });
-    }
+    at_least("modes", first.len(), 2)?;
     for row in rows {
         all_finite(row)?;
         same_length("a participant's row", first.len(), row.len())?;

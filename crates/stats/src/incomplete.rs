@@ -15,7 +15,7 @@ use crate::agreement::{Agreement, Correlation, LIMIT, averaged};
 use crate::bootstrap::stream;
 use crate::error::{StatsError, all_finite, check_level};
 use crate::null::Sampling;
-use crate::tested::Unestimable;
+use crate::tested::{Unestimable, at_least, not_constant};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use zwidth_numerics::dense::{Matrix, add_scaled, dot};
@@ -63,9 +63,7 @@ pub fn incomplete_agreement(
     sampling: Sampling,
 ) -> Result<IncompleteAgreement, Unestimable> {
     check_level(level)?;
-    if sampling.draws < FEWEST {
-        return Err(Unestimable::TooFew { units: "draws", found: sampling.draws, needed: FEWEST });
-    }
+    at_least("draws", sampling.draws, FEWEST)?;
     let study = Study::new(table)?;
     let fit = study.fit()?;
     // Values can be drawn with variances of 0 or more only.
@@ -121,7 +119,10 @@ fn basic(estimate: f64, truth: f64, drawn: Vec<f64>, k: f64, level: f64) -> Corr
         // between two draws would move every interval that is stored.
         let place = (share * (drawn.len() + 1) as f64).round() as usize;
         let quantile = drawn[place.clamp(1, drawn.len()) - 1];
-        from_log_ratio(log_ratio(estimate, k) - (quantile - log_ratio(truth, k)), k)
+        let end = log_ratio(estimate, k) - (quantile - log_ratio(truth, k));
+        // The ρ of this T(ρ).
+        let ratio = libm::exp(end);
+        (ratio - 1.0) / (ratio + k - 1.0)
     });
     Correlation { estimate, ci_low, ci_high }
 }
@@ -129,12 +130,6 @@ fn basic(estimate: f64, truth: f64, drawn: Vec<f64>, k: f64, level: f64) -> Corr
 /// T(ρ) of [`incomplete_agreement`].
 fn log_ratio(rho: f64, k: f64) -> f64 {
     libm::log((1.0 + (k - 1.0) * rho) / (1.0 - rho))
-}
-
-/// The ρ of a T(ρ).
-fn from_log_ratio(t: f64, k: f64) -> f64 {
-    let ratio = libm::exp(t);
-    (ratio - 1.0) / (ratio + k - 1.0)
 }
 
 /// A value with the places of its participant and its session.
@@ -182,11 +177,8 @@ impl Study {
             (0..expected).filter(|&j| table.iter().any(|row| row[j].is_some())).collect();
         let rows: Vec<&Vec<Option<f64>>> =
             table.iter().filter(|row| row.iter().any(Option::is_some)).collect();
-        for (units, found) in [("participants", rows.len()), ("sessions", kept.len())] {
-            if found < 2 {
-                return Err(Unestimable::TooFew { units, found, needed: 2 });
-            }
-        }
+        at_least("participants", rows.len(), 2)?;
+        at_least("sessions", kept.len(), 2)?;
         let mut values = Vec::new();
         for (participant, row) in rows.iter().enumerate() {
             for (session, &j) in kept.iter().enumerate() {
@@ -253,9 +245,7 @@ impl Study {
         let theta = ratios(&minimum.point);
         let error = totals.criterion(theta).2;
         let all = error * (1.0 + theta[0].max(0.0) + theta[1].max(0.0));
-        if error.is_nan() || error <= NO_ERROR * all {
-            return Err(Unestimable::Constant { units: "differences of sessions" });
-        }
+        not_constant("differences of sessions", error.is_nan() || error <= NO_ERROR * all)?;
         if minimum.slope() > NEARLY_FLAT {
             return Err(Unestimable::NotConverged { what, slope: minimum.slope() });
         }

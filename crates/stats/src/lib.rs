@@ -5,7 +5,7 @@
 
 pub mod agreement;
 pub mod aicc;
-pub mod anova;
+mod anova;
 mod answers;
 pub mod autocorrelation;
 pub mod band;

@@ -1,5 +1,6 @@
 //! The slope of a straight line, over strata that each have their own level.
 
+use crate::tested::{at_least, not_constant};
 use crate::welch::tested;
 use crate::{Tested, Unestimable, error::check_level};
 
@@ -24,18 +25,12 @@ pub fn common_slope(strata: &[Vec<[f64; 2]>], level: f64) -> Result<Tested, Unes
     // A level per stratum with points, and the slope.
     let used = strata.iter().filter(|stratum| !stratum.is_empty()).count() + 1;
     let [xx, xy, yy] = within(strata);
-    if points <= used {
-        return Err(Unestimable::TooFew { units: "trials", found: points, needed: used + 1 });
-    }
-    if xx <= 0.0 {
-        return Err(Unestimable::Constant { units: "repeats" });
-    }
+    at_least("trials", points, used + 1)?;
+    not_constant("repeats", xx <= 0.0)?;
     let (slope, df) = (xy / xx, (points - used) as f64);
     let left = yy - slope * xy;
     // What rounding leaves of yy is no scatter.
-    if left <= yy * points as f64 * f64::EPSILON {
-        return Err(Unestimable::Constant { units: "distances from the line" });
-    }
+    not_constant("distances from the line", left <= yy * points as f64 * f64::EPSILON)?;
     Ok(tested(slope, (left / df / xx).sqrt(), df, level)?)
 }
 

@@ -8,6 +8,8 @@
 use crate::error::{StatsError, all_finite};
 use crate::interval::t_interval;
 use crate::student_t::two_sided_p;
+use crate::tested::not_constant;
+use crate::welch::tested;
 use crate::{Tested, Unestimable};
 use zwidth_numerics::moments::Moments;
 
@@ -73,20 +75,9 @@ pub fn mean_difference(differences: &[f64], level: f64) -> Result<Tested, Unesti
     // Differences that cancel leave the rounding of their sum.
     let mean = if moments.mean.abs() <= ROUNDING * largest { 0.0 } else { moments.mean };
     let std_error = sd / (n as f64).sqrt();
-    if std_error <= ROUNDINGS * f64::EPSILON * mean.abs() {
-        return Err(Unestimable::Constant { units: "differences" });
-    }
-    let interval = t_interval(mean, std_error, (n - 1) as f64, level)?;
-    let statistic = mean / std_error;
-    Ok(Tested {
-        estimate: mean,
-        std_error,
-        ci_low: interval.ci_low,
-        ci_high: interval.ci_high,
-        statistic,
-        df: interval.df,
-        p_value: two_sided_p(statistic, interval.df)?,
-    })
+    not_constant("differences", std_error <= ROUNDINGS * f64::EPSILON * mean.abs())?;
+    all_finite(&[mean, std_error])?;
+    Ok(tested(mean, std_error, (n - 1) as f64, level)?)
 }
 
 /// The differences that are not zero: there must be one at least.

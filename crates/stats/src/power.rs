@@ -11,7 +11,7 @@ use crate::error::{StatsError, all_finite, check_level};
 use crate::lmm::trials::{Trials, fit_trials};
 use crate::rounded::rounded;
 use crate::student_t::two_sided_p;
-use crate::tested::Unestimable;
+use crate::tested::{Unestimable, at_least, not_constant};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::Rng;
 use rayon::prelude::*;
@@ -194,9 +194,7 @@ pub fn smallest_difference(
     let [interaction, residual] = [plan.interaction_sd, plan.residual_sd].map(|sd| sd * sd);
     let contrast_sd = (2.0 * (interaction + residual / plan.repeats as f64)).sqrt();
     let mut high = contrast_sd / (plan.participants as f64).sqrt();
-    if high <= 0.0 {
-        return Err(Unestimable::Constant { units: "planned values" });
-    }
+    not_constant("planned values", high <= 0.0)?;
     let mut low = 0.0;
     while at(high, HALVINGS)?.estimate < target {
         (low, high) = (high, 2.0 * high);
@@ -229,9 +227,7 @@ fn check(plan: &Plan, simulation: &Simulation) -> Result<(), Unestimable> {
         ("trials of a mode", plan.repeats, 1),
         ("simulated studies", simulation.studies, 1),
     ] {
-        if found < needed {
-            return Err(Unestimable::TooFew { units, found, needed });
-        }
+        at_least(units, found, needed)?;
     }
     Ok(())
 }

@@ -5,7 +5,7 @@
 //! between all pairs of modes have one variance (sphericity); ε says how far this holds, and
 //! degrees of freedom multiplied by ε make the test nearly valid anyway.
 
-use crate::anova::{ROUNDING, check_table, two_way};
+use crate::anova::two_way;
 use crate::f_distribution::upper_p;
 use crate::tested::{FTest, Unestimable};
 use zwidth_numerics::dense::Matrix;
@@ -32,13 +32,9 @@ pub struct RmAnova {
 /// Fewer than two participants or modes, rows of different lengths, a value that is not finite,
 /// modes that differ alike in all participants.
 pub fn rm_anova(table: &[Vec<f64>]) -> Result<RmAnova, Unestimable> {
-    check_table(table, "participants", "modes")?;
+    let sums = two_way(table, ["participants", "modes", "differences of modes"])?;
     let n = table.len() as f64;
     let k = table[0].len() as f64;
-    let sums = two_way(table);
-    if sums.error <= ROUNDING * sums.total || sums.total <= 0.0 {
-        return Err(Unestimable::Constant { units: "differences of modes" });
-    }
     let df_num = k - 1.0;
     let df_den = (n - 1.0) * (k - 1.0);
     let statistic = sums.columns / df_num / (sums.error / df_den);

@@ -6,51 +6,6 @@
 //! equality where f is a sum of functions of one input each. I. M. Sobol', Math. Comput. Simul. 55
 //! (2001) 271–280; A. Saltelli et al., Comput. Phys. Commun. 181 (2010) 259–270.
 
-use zwidth_numerics::moments::Moments;
-
-/// Indices of an output, one number per input.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Indices {
-    /// S_i.
-    pub first: Vec<f64>,
-    /// S_Ti.
-    pub total: Vec<f64>,
-}
-
-/// The indices by Jansen's estimators, from two independent sets of as many points, A and B:
-/// S_Ti = Σ (f(A) − f(A_Bi))² / (2 n V) and S_i = 1 − Σ (f(B) − f(A_Bi))² / (2 n V), where A_Bi is
-/// A with input i from B, and V the variance of f over both sets. The two halves of Sobol' points
-/// of twice as many coordinates serve as sets. `None` for fewer than two points, sets that differ
-/// in size, or an output that does not vary.
-///
-/// M. J. W. Jansen, Comput. Phys. Commun. 117 (1999) 35–43; Saltelli 2010, Table 2.
-pub fn jansen(f: impl Fn(&[f64]) -> f64, a: &[Vec<f64>], b: &[Vec<f64>]) -> Option<Indices> {
-    let inputs = a.first()?.len();
-    let alike = a.len() == b.len() && a.iter().chain(b).all(|x| x.len() == inputs);
-    (a.len() >= 2 && alike).then_some(())?;
-    let [at_a, at_b] = [a, b].map(|points| points.iter().map(|x| f(x)).collect::<Vec<f64>>());
-    let spread =
-        2.0 * a.len() as f64 * Moments::of(&[at_a.as_slice(), &at_b].concat()).mean_square();
-    (spread > 0.0).then_some(())?;
-    let mut indices = Indices { first: Vec::new(), total: Vec::new() };
-    for i in 0..inputs {
-        let mut at_ab = Vec::with_capacity(a.len());
-        for (a, b) in a.iter().zip(b) {
-            let mut x = a.clone();
-            x[i] = b[i];
-            at_ab.push(f(&x));
-        }
-        indices.first.push(1.0 - squares(&at_b, &at_ab) / spread);
-        indices.total.push(squares(&at_a, &at_ab) / spread);
-    }
-    Some(indices)
-}
-
-/// Σ (x − y)².
-fn squares(x: &[f64], y: &[f64]) -> f64 {
-    x.iter().zip(y).map(|(x, y)| (x - y) * (x - y)).sum()
-}
-
 /// Parts of the variance that switches make, each on or off with equal chance and independent, from
 /// every one of their 2^k settings: nothing is estimated.
 ///
@@ -142,57 +97,11 @@ fn transform(values: &mut [f64]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::f64::consts::PI;
-    use zwidth_numerics::sobol::sobol_points;
-
-    /// A and B: the halves of Sobol' points.
-    fn sets(inputs: usize, n: usize) -> (Vec<Vec<f64>>, Vec<Vec<f64>>) {
-        let points = sobol_points(2 * inputs, n).unwrap();
-        points.into_iter().map(|x| (x[..inputs].to_vec(), x[inputs..].to_vec())).unzip()
-    }
+    use zwidth_numerics::moments::Moments;
 
     fn close(found: &[f64], expect: &[f64], by: f64) {
         let off = found.iter().zip(expect).map(|(f, e)| (f - e).abs()).fold(0.0, f64::max);
         assert!(off < by, "{found:?} instead of {expect:?}");
-    }
-
-    /// sin x₁ + 7 sin² x₂ + 0.1 x₃⁴ sin x₁ over [−π, π]³ (Ishigami & Homma 1990): V = a²/8 +
-    /// bπ⁴/5 + b²π⁸/18 + 1/2.
-    #[test]
-    fn the_indices_of_ishigamis_function_are_those_in_closed_form() {
-        let (a, b) = (7.0, 0.1);
-        let f = |u: &[f64]| {
-            let x: Vec<f64> = u.iter().map(|u| PI * (2.0 * u - 1.0)).collect();
-            x[0].sin() + a * x[1].sin().powi(2) + b * x[2].powi(4) * x[0].sin()
-        };
-        let v1 = 0.5 * (1.0 + b * PI.powi(4) / 5.0).powi(2);
-        let v2 = a * a / 8.0;
-        let v13 = b * b * PI.powi(8) * (1.0 / 18.0 - 1.0 / 50.0);
-        let v = v1 + v2 + v13;
-        let (points, others) = sets(3, 1 << 13);
-        let found = jansen(f, &points, &others).unwrap();
-        close(&found.first, &[v1 / v, v2 / v, 0.0], 0.01);
-        close(&found.total, &[(v1 + v13) / v, v2 / v, v13 / v], 0.01);
-    }
-
-    /// Σ c_i x_i: V_i = c_i²/12, and no input does anything together with another.
-    #[test]
-    fn an_additive_function_has_total_effects_that_are_its_first_and_add_up_to_one() {
-        let c = [1.0, 2.0, 4.0];
-        let f = |x: &[f64]| x.iter().zip(c).map(|(x, c)| c * x).sum();
-        let (a, b) = sets(3, 1 << 12);
-        let found = jansen(f, &a, &b).unwrap();
-        let expect = c.map(|c| c * c / 21.0);
-        close(&found.total, &expect, 2e-3);
-        close(&found.first, &expect, 5e-3);
-    }
-
-    #[test]
-    fn an_output_that_does_not_vary_and_sets_that_differ_have_no_indices() {
-        let (a, b) = sets(2, 8);
-        assert_eq!(jansen(|_| 1.0, &a, &b), None);
-        assert_eq!(jansen(|x| x[0], &a, &b[1..]), None);
-        assert_eq!(jansen(|x| x[0], &[], &[]), None);
     }
 
     fn settings(k: usize, f: impl Fn(&dyn Fn(usize) -> f64) -> f64) -> SwitchVariance {

@@ -6,7 +6,7 @@
 //! weight, however many repeats there are.
 
 use crate::error::check_level;
-use crate::tested::{Tested, Unestimable};
+use crate::tested::{Tested, Unestimable, at_least, not_constant};
 use crate::welch;
 use zwidth_numerics::moments::Moments;
 
@@ -45,9 +45,7 @@ pub fn superiority<T: Ord>(
     check_level(level)?;
     let shares: Vec<Option<f64>> = participants.iter().map(share).collect();
     let present: Vec<f64> = shares.iter().copied().flatten().collect();
-    if present.is_empty() {
-        return Err(Unestimable::TooFew { units: "participants", found: 0, needed: 1 });
-    }
+    at_least("participants", present.len(), 1)?;
     let moments = Moments::of(&present);
     let probability = moments.mean;
     let sd_of_delta = moments.sd().map(|sd| 2.0 * sd);
@@ -74,9 +72,7 @@ fn share<T: Ord>(repeats: &Repeats<T>) -> Option<f64> {
 fn tested(n: usize, estimate: f64, sd: Option<f64>, level: f64) -> Result<Tested, Unestimable> {
     let sd = sd.ok_or(Unestimable::TooFew { units: "participants", found: n, needed: 2 })?;
     // Shares are fractions of few pairs: what is left of equal ones is rounding.
-    if sd <= 1e-14 {
-        return Err(Unestimable::Constant { units: "participants' shares" });
-    }
+    not_constant("participants' shares", sd <= 1e-14)?;
     let tested = welch::tested(estimate, sd / (n as f64).sqrt(), n as f64 - 1.0, level)?;
     Ok(Tested { ci_low: tested.ci_low.max(-1.0), ci_high: tested.ci_high.min(1.0), ..tested })
 }

@@ -40,6 +40,20 @@ fn needed_words(needed: usize) -> String {
     format!("{needed} {} needed", if needed == 1 { "is" } else { "are" })
 }
 
+/// Refuses fewer units than a statistic takes.
+pub(crate) fn at_least(
+    units: &'static str,
+    found: usize,
+    needed: usize,
+) -> Result<(), Unestimable> {
+    if found < needed { Err(Unestimable::TooFew { units, found, needed }) } else { Ok(()) }
+}
+
+/// Refuses values that do not vary.
+pub(crate) fn not_constant(units: &'static str, are_constant: bool) -> Result<(), Unestimable> {
+    if are_constant { Err(Unestimable::Constant { units }) } else { Ok(()) }
+}
+
 /// Why data that are as they should be have no such statistic. Each is an answer for a table, in
 /// words, where another program would print NaN.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

@@ -2,6 +2,7 @@
 
 use crate::error::{StatsError, check_level};
 use crate::student_t::{critical_value, two_sided_p};
+use crate::tested::{at_least, not_constant};
 use crate::{Tested, Unestimable};
 
 /// Size, mean and sample standard deviation of a group.
@@ -47,19 +48,14 @@ pub fn mean(strata: &[Group], level: f64) -> Result<Tested, Unestimable> {
 fn combined(terms: &[(f64, Group)], level: f64) -> Result<Tested, Unestimable> {
     check_level(level)?;
     let fewest = terms.iter().map(|(_, group)| group.n).min().unwrap_or(0);
-    if fewest < 2 {
-        let units = "repeats of a condition";
-        return Err(Unestimable::TooFew { units, found: fewest, needed: 2 });
-    }
+    at_least("repeats of a condition", fewest, 2)?;
     let estimate: f64 = terms.iter().map(|(weight, group)| weight * group.mean).sum();
     let shares: Vec<f64> = terms
         .iter()
         .map(|(weight, group)| weight * weight * group.sd * group.sd / group.n as f64)
         .collect();
     let variance: f64 = shares.iter().sum();
-    if variance <= 0.0 {
-        return Err(Unestimable::Constant { units: "repeats of a condition" });
-    }
+    not_constant("repeats of a condition", variance <= 0.0)?;
     let groups = shares.iter().zip(terms);
     let spent = groups.map(|(share, (_, group))| share * share / (group.n - 1) as f64);
     let df = variance * variance / spent.sum::<f64>();

@@ -10,8 +10,10 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 #![allow(clippy::print_stdout, reason = "a test says what it counted")]
 
+mod shared;
+
 use serde_json::Value;
-use std::path::Path;
+use shared::{note, setting};
 use std::process::Command;
 use zwidth_stats::agreement::agreement;
 use zwidth_stats::null::Sampling;
@@ -51,18 +53,6 @@ fn every_number_is_that_of_scipy_statsmodels_and_pingouin() {
     );
     println!("{words}");
     note("r-3", &words);
-}
-
-/// Writes what was counted where tables of it are asked for.
-fn note(place: &str, words: &str) {
-    if let Ok(folder) = std::env::var("ZWIDTH_TRIED") {
-        let file = Path::new(&folder).join(format!("{place}.md"));
-        std::fs::write(file, format!("* {words}\n")).unwrap();
-    }
-}
-
-fn setting(name: &str, default: &str) -> String {
-    std::env::var(name).unwrap_or_else(|_| default.to_owned())
 }
 
 const PACKAGES: &str = "what tests/interop/requirements.txt lists";

@@ -13,7 +13,10 @@
 //! or without its packages ordinal and jsonlite, the test fails. `ZWIDTH_R_CASES` sets how many
 //! studies are drawn (50), `ZWIDTH_R_SEED` the first one's seed; the others' follow.
 
+mod shared;
+
 use serde_json::Value;
+use shared::{note, setting};
 use std::path::Path;
 use std::process::Command;
 use zwidth_stats::Unestimable;
@@ -136,14 +139,6 @@ impl Tally {
              than parameters, {one_participant} models of one participant; {ends} ends of profiles by \
              the integral itself."
         )
-    }
-}
-
-/// Writes what was counted where tables of it are asked for.
-fn note(place: &str, words: &str) {
-    if let Ok(folder) = std::env::var("ZWIDTH_TRIED") {
-        let file = Path::new(&folder).join(format!("{place}.md"));
-        std::fs::write(file, format!("* {words}\n")).unwrap();
     }
 }
 
@@ -331,10 +326,6 @@ fn close(what: &str, ours: &[f64], theirs: &[f64], allowed: impl Fn(f64) -> f64)
     for (a, b) in ours.iter().zip(theirs) {
         assert!((a - b).abs() < allowed(*b), "{what}: {a} against {b}");
     }
-}
-
-fn setting(name: &str, default: &str) -> String {
-    std::env::var(name).unwrap_or_else(|_| default.to_owned())
 }
 
 fn cases() -> Vec<Case> {

@@ -10,7 +10,10 @@
     reason = "what reads R's JSON is part of the test"
 )]
 
+mod shared;
+
 use serde_json::Value;
+use shared::{note, setting};
 use std::path::Path;
 use std::process::Command;
 use zwidth_stats::Unestimable;
@@ -25,10 +28,6 @@ fn r(script: &str, arguments: &[String]) -> Vec<Value> {
     let why = String::from_utf8_lossy(&ran.stderr);
     assert!(ran.status.success(), "R needs lme4, lmerTest, pbkrtest, nlme, jsonlite: {why}");
     serde_json::from_slice(&ran.stdout).unwrap()
-}
-
-fn setting(name: &str, default: &str) -> String {
-    std::env::var(name).unwrap_or_else(|_| default.to_owned())
 }
 
 /// The number in a field; R's one-element vectors are numbers.
@@ -216,14 +215,6 @@ fn mixed_models_agree_with_lme4_lmertest_and_pbkrtest() {
     println!("{words}");
     assert!(differences.is_empty(), "{}\n{}", differences.len(), differences.join("\n"));
     note("r-1", &words);
-}
-
-/// Writes what was counted where tables of it are asked for.
-fn note(place: &str, words: &str) {
-    if let Ok(folder) = std::env::var("ZWIDTH_TRIED") {
-        let file = Path::new(&folder).join(format!("{place}.md"));
-        std::fs::write(file, format!("* {words}\n")).unwrap();
-    }
 }
 
 /// Criterion, and of one coefficient its standard error and Kenward–Roger degrees of freedom, as

@@ -48,6 +48,11 @@ impl StoreError {
         }
     }
 
+    /// An error that nothing but a defect of this program explains.
+    pub(crate) fn defect(path: &Path, error: &impl fmt::Display) -> Self {
+        Self::new(path, error.to_string(), "this is a defect of zwidth, please report it")
+    }
+
     /// The same error, in a column.
     #[must_use]
     pub fn column(mut self, column: impl Into<String>) -> Self {

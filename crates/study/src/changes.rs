@@ -63,11 +63,8 @@ pub fn study_changes(then: &Study, now: &Study) -> Vec<StudyChange> {
     }
     if changes.is_empty() && then != now {
         // Values are compared as the file writes them: to nine decimals.
-        changes.push(change(
-            "study.toml",
-            "one number".to_owned(),
-            "another by less than a billionth".to_owned(),
-        ));
+        let now = "another by less than a billionth".to_owned();
+        changes.push(change("study.toml", "one number".to_owned(), now));
     }
     changes.sort_by(|a, b| a.key.cmp(&b.key));
     changes
@@ -167,16 +164,12 @@ fn flatten(path: &str, value: &Value, values: &mut BTreeMap<String, String>) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{StudyId, template};
-
-    fn text() -> String {
-        template(&StudyId::new("demo").unwrap())
-    }
+    use crate::tests::{demo, text, with};
 
     fn changes(from: &str, to: &str) -> Vec<StudyChange> {
         assert!(text().contains(from), "the template lost '{from}'");
         let now = text().replacen(from, to, 1);
-        study_changes(&Study::from_toml(&text()).unwrap(), &Study::from_toml(&now).unwrap())
+        study_changes(&demo(), &Study::from_toml(&now).unwrap())
     }
 
     #[track_caller]
@@ -187,6 +180,14 @@ mod tests {
             .map(|c| (c.key.as_str(), c.then.as_str(), c.now.as_str(), c.affects))
             .collect();
         assert_eq!(found, expect);
+    }
+
+    /// One value by another, where the key first stands in the template.
+    #[track_caller]
+    fn check_value(key: &str, then: &str, now: &str, affects: Affects) {
+        let name = key.rsplit('.').next().unwrap();
+        let [from, to] = [then, now].map(|value| format!("{name} = {value}"));
+        check(&from, &to, &[(key, then, now, affects)]);
     }
 
     #[test]
@@ -202,9 +203,7 @@ mod tests {
 
     #[test]
     fn what_is_compared_affects_nothing_that_is_recorded() {
-        let with = |compare: &str| {
-            Study::from_toml(&format!("{}\n[compare]\n{compare}\n", text())).unwrap()
-        };
+        let with = |compare: &str| with("[compare]", compare).unwrap();
         for (then, now, key) in [
             ("", "contrasts = [[\"active\", \"passive\"]]", "compare.contrasts"),
             ("", "metrics = []", "compare.metrics"),
@@ -229,28 +228,22 @@ mod tests {
     #[test]
     fn titles_labels_figures_masses_and_numbers_of_the_analysis_affect_nothing() {
         use Affects::Nothing;
+        for (key, then, now) in [
+            ("study.title", "\"Coupling a motor and a brake: demo\"", "\"T\""),
+            ("environments.spring.label", "\"Spring\"", "\"Feder\""),
+            ("modes.active.label", "\"Active\"", "\"Motor\""),
+            ("masses.motor_g", "88.0", "90.0"),
+            ("masses.brake_g", "27.0", "28.0"),
+            ("resistances.motor_ohm", "30.4", "31.0"),
+            ("analysis.onset_deg_s", "10.0", "12.0"),
+            ("analysis.offset_deg_s", "5.0", "4.0"),
+            ("analysis.slope_from_deg", "0.0", "1.5"),
+            ("analysis.grid_points", "401", "201"),
+            ("analysis.confidence", "0.95", "0.99"),
+        ] {
+            check_value(key, then, now, Nothing);
+        }
         for (from, to, key, then, now) in [
-            (
-                "title = \"Coupling a motor and a brake: demo\"",
-                "title = \"T\"",
-                "study.title",
-                "\"Coupling a motor and a brake: demo\"",
-                "\"T\"",
-            ),
-            (
-                "label = \"Spring\"",
-                "label = \"Feder\"",
-                "environments.spring.label",
-                "\"Spring\"",
-                "\"Feder\"",
-            ),
-            (
-                "label = \"Active\"",
-                "label = \"Motor\"",
-                "modes.active.label",
-                "\"Active\"",
-                "\"Motor\"",
-            ),
             (
                 "# [figures]\n# alignment = \"onset\"",
                 "[figures]\nalignment = \"landmarks\"",
@@ -258,20 +251,6 @@ mod tests {
                 "absent",
                 "\"landmarks\"",
             ),
-            ("motor_g = 88.0", "motor_g = 90.0", "masses.motor_g", "88.0", "90.0"),
-            ("brake_g = 27.0", "brake_g = 28.0", "masses.brake_g", "27.0", "28.0"),
-            ("motor_ohm = 30.4", "motor_ohm = 31.0", "resistances.motor_ohm", "30.4", "31.0"),
-            ("onset_deg_s = 10.0", "onset_deg_s = 12.0", "analysis.onset_deg_s", "10.0", "12.0"),
-            ("offset_deg_s = 5.0", "offset_deg_s = 4.0", "analysis.offset_deg_s", "5.0", "4.0"),
-            (
-                "slope_from_deg = 0.0",
-                "slope_from_deg = 1.5",
-                "analysis.slope_from_deg",
-                "0.0",
-                "1.5",
-            ),
-            ("grid_points = 401", "grid_points = 201", "analysis.grid_points", "401", "201"),
-            ("confidence = 0.95", "confidence = 0.99", "analysis.confidence", "0.95", "0.99"),
             (
                 "id = \"felt_wall\"",
                 "id = \"felt_wall\"\ngroup = \"g\"",
@@ -294,102 +273,35 @@ mod tests {
     #[test]
     fn device_control_scene_design_modes_and_wording_affect_the_recording() {
         use Affects::Recording;
-        for (from, to, key, then, now) in [
-            ("repeats = 6", "repeats = 5", "design.repeats", "6", "5"),
-            ("familiarisation = 3", "familiarisation = 2", "design.familiarisation", "3", "2"),
-            ("trial_limit_s = 4.0", "trial_limit_s = 6.0", "design.trial_limit_s", "4.0", "6.0"),
-            ("pause_s = 5.0", "pause_s = 0.0", "design.pause_s", "5.0", "0.0"),
-            (
-                "order = \"williams\"",
-                "order = \"constrained\"",
-                "design.order",
-                "\"williams\"",
-                "\"constrained\"",
-            ),
-            ("blinded = false", "blinded = true", "design.blinded", "false", "true"),
-            (
-                "name = \"motor and brake on a capstan lever\"",
-                "name = \"d\"",
-                "device.name",
-                "\"motor and brake on a capstan lever\"",
-                "\"d\"",
-            ),
-            ("lever_m = 0.045", "lever_m = 0.05", "device.lever_m", "0.045", "0.05"),
-            (
-                "theta_min_deg = -45.0",
-                "theta_min_deg = -44.0",
-                "device.theta_min_deg",
-                "-45.0",
-                "-44.0",
-            ),
-            (
-                "theta_max_deg = 45.0",
-                "theta_max_deg = 44.0",
-                "device.theta_max_deg",
-                "45.0",
-                "44.0",
-            ),
-            (
-                "force_rate_hz = 80.0",
-                "force_rate_hz = 10.0",
-                "device.force_rate_hz",
-                "80.0",
-                "10.0",
-            ),
-            ("rate_hz = 1000.0", "rate_hz = 120.0", "control.rate_hz", "1000.0", "120.0"),
-            ("let_go_n = 2.0", "let_go_n = 1.0", "control.let_go_n", "2.0", "1.0"),
-            ("force_limit_n = 10.0", "force_limit_n = 8.0", "control.force_limit_n", "10.0", "8.0"),
-            (
-                "velocity_cutoff_hz = 40.0",
-                "velocity_cutoff_hz = 20.0",
-                "control.velocity_cutoff_hz",
-                "40.0",
-                "20.0",
-            ),
-            (
-                "stiffness_n_per_rad = 4.0",
-                "stiffness_n_per_rad = 5.0",
-                "environments.spring.stiffness_n_per_rad",
-                "4.0",
-                "5.0",
-            ),
-            (
-                "rest_deg = -45.0",
-                "rest_deg = -40.0",
-                "environments.spring.rest_deg",
-                "-45.0",
-                "-40.0",
-            ),
-            (
-                "wall_deg = 26.6",
-                "wall_deg = 26.5",
-                "environments.spring_wall.wall_deg",
-                "26.6",
-                "26.5",
-            ),
-            (
-                "question = \"felt_spring\"",
-                "",
-                "environments.spring.question",
-                "\"felt_spring\"",
-                "absent",
-            ),
-            (
-                "motor_max_v = 16.0",
-                "motor_max_v = 12.0",
-                "modes.active.motor_max_v",
-                "16.0",
-                "12.0",
-            ),
-            ("brake_max_v = 8.0", "brake_max_v = 6.0", "modes.passive.brake_max_v", "8.0", "6.0"),
+        for (key, then, now) in [
+            ("design.repeats", "6", "5"),
+            ("design.familiarisation", "3", "2"),
+            ("design.trial_limit_s", "4.0", "6.0"),
+            ("design.pause_s", "5.0", "0.0"),
+            ("design.order", "\"williams\"", "\"constrained\""),
+            ("design.blinded", "false", "true"),
+            ("device.name", "\"motor and brake on a capstan lever\"", "\"d\""),
+            ("device.lever_m", "0.045", "0.05"),
+            ("device.theta_min_deg", "-45.0", "-44.0"),
+            ("device.theta_max_deg", "45.0", "44.0"),
+            ("device.force_rate_hz", "80.0", "10.0"),
+            ("control.rate_hz", "1000.0", "120.0"),
+            ("control.let_go_n", "2.0", "1.0"),
+            ("control.force_limit_n", "10.0", "8.0"),
+            ("control.velocity_cutoff_hz", "40.0", "20.0"),
+            ("environments.spring.stiffness_n_per_rad", "4.0", "5.0"),
+            ("environments.spring.rest_deg", "-45.0", "-40.0"),
+            ("environments.spring_wall.wall_deg", "26.6", "26.5"),
+            ("modes.active.motor_max_v", "16.0", "12.0"),
+            ("modes.passive.brake_max_v", "8.0", "6.0"),
         ] {
-            check(from, to, &[(key, then, now, Recording)]);
+            check_value(key, then, now, Recording);
         }
+        let question = ("environments.spring.question", "\"felt_spring\"", "absent", Recording);
+        check("question = \"felt_spring\"", "", &[question]);
         let [worded] = changes("linear stiffness.\"", "spring.\"").try_into().unwrap();
-        assert_eq!(
-            (worded.key.as_str(), worded.affects),
-            ("questions.felt_spring.text", Recording)
-        );
+        assert_eq!(worded.key, "questions.felt_spring.text");
+        assert_eq!(worded.affects, Recording);
         let words = changes(
             "velocity = \"second_order\"\nvelocity_cutoff_hz = 40.0",
             "velocity = \"difference\"",
@@ -414,10 +326,9 @@ mod tests {
             &format!("{passive}\n{active}"),
             &[("modes", "active, passive, hybrid", "passive, active, hybrid", Recording)],
         );
-        let then = Study::from_toml(&text()).unwrap();
-        let mut now = then.clone();
+        let mut now = demo();
         now.questions.reverse();
-        assert_eq!(study_changes(&then, &now)[0].affects, Nothing);
+        assert_eq!(study_changes(&demo(), &now)[0].affects, Nothing);
     }
 
     #[test]
@@ -427,19 +338,13 @@ mod tests {
             "kind = \"free\"",
         );
         let keys: Vec<_> = found.iter().map(|c| c.key.as_str()).collect();
-        assert_eq!(
-            keys,
-            [
-                "environments.spring.kind",
-                "environments.spring.rest_deg",
-                "environments.spring.stiffness_n_per_rad"
-            ]
-        );
+        let names = ["kind", "rest_deg", "stiffness_n_per_rad"];
+        assert_eq!(keys, names.map(|name| format!("environments.spring.{name}")));
     }
 
     #[test]
     fn the_same_scene_in_another_coordinate_changes_the_figures_alone() {
-        let then = Study::from_toml(&text()).unwrap();
+        let then = demo();
         let now =
             Study { coordinate: crate::Coordinate::Linear { lever_m: 0.045 }, ..then.clone() };
         for (then, now) in [(&then, &now), (&now, &then)] {
@@ -450,7 +355,7 @@ mod tests {
 
     #[test]
     fn a_change_too_small_to_be_written_is_told_and_affects_the_recording() {
-        let then = Study::from_toml(&text()).unwrap();
+        let then = demo();
         let mut now = then.clone();
         now.device.theta_max_rad = now.device.theta_max_rad.map(f64::next_up);
         let [found] = study_changes(&then, &now).try_into().unwrap();

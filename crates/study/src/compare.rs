@@ -1,5 +1,6 @@
 //! What a study compares: contrasts of modes, metrics, what difference would matter.
 
+use crate::words::words;
 use crate::{IdError, MetricId, ModeId};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -72,31 +73,27 @@ pub enum Bound {
     Weber(f64),
 }
 
-/// Which values of a metric are better.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Better {
-    /// Those nearer to zero, such as those of an error.
-    Lower,
-    /// The higher ones.
-    Higher,
-    /// Neither: a difference is only a difference.
-    Neither,
-}
-
-impl Better {
-    /// The word as it stands in files.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::Lower => "lower",
-            Self::Higher => "higher",
-            Self::Neither => "neither",
-        }
+words! {
+    /// Which values of a metric are better.
+    Better {
+        /// Those nearer to zero, such as those of an error.
+        Lower = "lower",
+        /// The higher ones.
+        Higher = "higher",
+        /// Neither: a difference is only a difference.
+        Neither = "neither",
     }
 
-    /// The value of a word from a file, if it is one.
-    pub fn from_word(word: &str) -> Option<Self> {
-        [Self::Lower, Self::Higher, Self::Neither].into_iter().find(|b| b.as_str() == word)
+    /// A size of a difference between two modes without unit.
+    EffectSize {
+        /// In standard deviations of people within a mode, without bias where people are few.
+        GAv = "g_av",
+        /// In those of people's differences, without bias.
+        GZ = "g_z",
+        /// As `g_av`, as the sample has it.
+        DAv = "d_av",
+        /// As `g_z`, as the sample has it.
+        DZ = "d_z",
     }
 }
 
@@ -109,32 +106,6 @@ pub enum Families {
     Metric,
     /// Those of one environment.
     Environment,
-}
-
-/// A size of a difference between two modes without unit.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum EffectSize {
-    /// In standard deviations of people within a mode, without bias where people are few.
-    GAv,
-    /// In those of people's differences, without bias.
-    GZ,
-    /// As `g_av`, as the sample has it.
-    DAv,
-    /// As `g_z`, as the sample has it.
-    DZ,
-}
-
-impl EffectSize {
-    /// Its name in files and tables.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::GAv => "g_av",
-            Self::GZ => "g_z",
-            Self::DAv => "d_av",
-            Self::DZ => "d_z",
-        }
-    }
 }
 
 impl Compare {

@@ -1,5 +1,6 @@
 //! Events: what happened to a session after, or besides, its samples. They are append-only.
 
+use crate::words::words;
 use crate::{ActuatorId, AnswerValue, ModeId, QuestionId};
 use serde::{Deserialize, Serialize};
 
@@ -94,32 +95,17 @@ pub enum Event {
     },
 }
 
-/// A moment of a trial that others may want to know of.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Moment {
-    /// Its first sample.
-    Start,
-    /// Its first sample past the wall.
-    Contact,
-    /// Its last sample.
-    End,
-    /// An answer to one of its questions.
-    Answer,
-}
-
-impl Moment {
-    /// All of them, in a trial's order.
-    pub const ALL: [Self; 4] = [Self::Start, Self::Contact, Self::End, Self::Answer];
-
-    /// Its name.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::Start => "start",
-            Self::Contact => "contact",
-            Self::End => "end",
-            Self::Answer => "answer",
-        }
+words! {
+    /// A moment of a trial that others may want to know of; all of them in a trial's order.
+    Moment {
+        /// Its first sample.
+        Start = "start",
+        /// Its first sample past the wall.
+        Contact = "contact",
+        /// Its last sample.
+        End = "end",
+        /// An answer to one of its questions.
+        Answer = "answer",
     }
 }
 

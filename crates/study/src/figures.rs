@@ -1,36 +1,18 @@
 //! What a study chooses for its figures.
 
-use serde::{Deserialize, Serialize};
+use crate::words::words;
 use std::collections::BTreeMap;
 
-/// How repeats are made to meet before they are averaged against time (`zwidth_average` defines both).
-/// Force against position is averaged at the angle.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Alignment {
-    /// At movement onset: t is each repeat's own time since then.
-    Onset,
-    /// By landmarks: each repeat's time is warped, piecewise linearly, so that its landmarks
-    /// (start, wall contact, reversal, return, end) meet their mean times. What repeats do at
-    /// different times is then not smeared.
-    Landmarks,
-}
-
-impl Alignment {
-    /// Both.
-    pub const ALL: [Self; 2] = [Self::Onset, Self::Landmarks];
-
-    /// The word in files, tables and names.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::Onset => "onset",
-            Self::Landmarks => "landmarks",
-        }
-    }
-
-    /// That of a word.
-    pub fn from_word(word: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|alignment| alignment.as_str() == word)
+words! {
+    /// How repeats are made to meet before they are averaged against time (`zwidth_average` defines
+    /// both). Force against position is averaged at the angle.
+    Alignment {
+        /// At movement onset: t is each repeat's own time since then.
+        Onset = "onset",
+        /// By landmarks: each repeat's time is warped, piecewise linearly, so that its landmarks
+        /// (start, wall contact, reversal, return, end) meet their mean times. What repeats do at
+        /// different times is then not smeared.
+        Landmarks = "landmarks",
     }
 }
 

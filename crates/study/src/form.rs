@@ -96,60 +96,48 @@ impl Study {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::template;
-
-    fn study(changes: &[(&str, &str)]) -> Study {
-        let mut text = template(&"demo".parse().unwrap());
-        for (from, to) in changes {
-            assert!(text.contains(from), "the template lost '{from}'");
-            text = text.replacen(from, to, 1);
-        }
-        Study::from_toml(&text).unwrap()
-    }
+    use crate::tests::{check_round_trip, demo, text};
 
     const GRIP: &str = "[[channels]]\nid = \"grip_n\"\nunit = \"N\"\n\
                         description = \"force of the grip\"\n";
 
     #[test]
     fn a_version_that_is_not_read_is_named_with_the_one_that_is() {
-        let text = template(&"demo".parse().unwrap()).replace("schema = 2", "schema = 1");
-        let error = Study::from_toml(&text).unwrap_err()[0].to_string();
+        let other = text().replace("schema = 2", "schema = 1");
+        let error = Study::from_toml(&other).unwrap_err()[0].to_string();
         assert!(error.contains("version 1 is unknown; this software reads version 2"), "{error}");
     }
 
     #[test]
     fn in_version_2_an_answer_has_a_column_only_where_there_is_one_question() {
-        let several = study(&[]);
+        let several = demo();
         assert!(several.questions.len() > 1 && !several.trial_form().likert);
         let one = Study { questions: several.questions[..1].to_vec(), ..several };
         assert!(one.trial_form().likert);
-        let seven = study(&[("[[questions]]", "[[questions]]\npoints = 7")]);
+        let seven = text().replacen("[[questions]]", "[[questions]]\npoints = 7", 1);
+        let seven = Study::from_toml(&seven).unwrap();
         let one = Study { questions: seven.questions[..1].to_vec(), ..seven };
         assert!(!one.trial_form().likert);
     }
 
     #[test]
     fn channels_are_read_written_and_part_of_the_form() {
-        let text = template(&"demo".parse().unwrap());
-        let text = format!("{text}\n{GRIP}");
-        let study = Study::from_toml(&text).unwrap();
+        let study = Study::from_toml(&format!("{}\n{GRIP}", text())).unwrap();
         assert_eq!(study.trial_form().channels[0].id.as_str(), "grip_n");
-        assert_eq!(Study::from_toml(&study.to_toml().unwrap()).unwrap(), study);
+        check_round_trip(&study);
     }
 
     #[test]
     fn a_channel_that_is_none_is_refused_with_its_key() {
-        let text = template(&"demo".parse().unwrap());
+        let text = text();
         let refused = |text: String| Study::from_toml(&text).unwrap_err()[0].to_string();
         let with = |from: &str, to: &str| format!("{text}\n{}", GRIP.replace(from, to));
         assert!(refused(with("grip_n", "t_s")).contains("a column of every trial file"));
         assert!(refused(with("grip_n", "Grip")).contains("lower case"));
         assert!(refused(with("\"N\"", "\"\"")).contains("channels[0].unit"));
         let current = refused(with("\"grip_n\"", "\"current_motor_a\""));
-        assert!(
-            current.contains("channels[0].unit") && current.contains("unit = \"A\""),
-            "{current}"
-        );
+        assert!(current.contains("channels[0].unit"), "{current}");
+        assert!(current.contains("unit = \"A\""), "{current}");
         assert!(refused(format!("{text}\n{GRIP}\n{GRIP}")).contains("stands twice"));
         let many: String = (0..9).map(|i| GRIP.replace("grip_n", &format!("g{i}"))).collect();
         assert!(refused(format!("{text}\n{many}")).contains("at most 8"));

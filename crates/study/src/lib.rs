@@ -33,6 +33,7 @@ mod session;
 mod setup;
 mod template;
 mod trial;
+mod words;
 
 pub use answer::{AnswerValue, NoAnswer};
 pub use calibration::{Basis, Calibration, CalibrationError, Characteristic};
@@ -80,4 +81,40 @@ pub struct StudyError {
     pub key: String,
     /// What is wrong, with the value and the remedy.
     pub problem: String,
+}
+
+#[cfg(test)]
+mod tests {
+    //! What the tests of several files share.
+
+    use crate::{Study, StudyError, template};
+
+    /// The template's text.
+    pub(crate) fn text() -> String {
+        template(&"demo".parse().unwrap())
+    }
+
+    /// The template's study.
+    pub(crate) fn demo() -> Study {
+        Study::from_toml(&text()).unwrap()
+    }
+
+    /// The template's study with a section more, and these lines in it.
+    pub(crate) fn with(section: &str, lines: &str) -> Result<Study, Vec<StudyError>> {
+        Study::from_toml(&format!("{}\n{section}\n{lines}\n", text()))
+    }
+
+    #[track_caller]
+    pub(crate) fn check_round_trip(study: &Study) {
+        assert_eq!(Study::from_toml(&study.to_toml().unwrap()).unwrap(), *study);
+    }
+
+    /// A text is refused with one error: for this key, in these words, and not on its first line.
+    #[track_caller]
+    pub(crate) fn check_refused(read: Result<Study, Vec<StudyError>>, key: &str, words: &str) {
+        let errors = read.unwrap_err();
+        assert_eq!(errors.len(), 1, "{errors:?}");
+        assert_eq!(errors[0].key, key, "{}", errors[0]);
+        assert!(errors[0].problem.contains(words) && errors[0].line > 1, "{}", errors[0]);
+    }
 }

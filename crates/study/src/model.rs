@@ -72,20 +72,25 @@ impl Study {
     }
 }
 
-/// Trials and their order.
-#[derive(Debug, Clone, PartialEq)]
+/// Trials and their order: `[design]` of `study.toml`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, expecting = "struct DesignTable")]
 pub struct Design {
     /// Repeats of each condition in a session.
     pub repeats: u32,
     /// Familiarisation trials before a session.
+    #[serde(default)]
     pub familiarisation: u32,
     /// Longest a trial may take, s.
     pub trial_limit_s: f64,
     /// Shortest pause between trials, s.
+    #[serde(default)]
     pub pause_s: f64,
     /// How the order of the modes is drawn.
+    #[serde(default)]
     pub order: OrderScheme,
     /// Whether the modes are sealed until the session is unsealed ([`crate::Seal`]).
+    #[serde(default)]
     pub blinded: bool,
 }
 
@@ -138,7 +143,8 @@ pub struct Masses {
 }
 
 /// Resistances of the actuators' windings; `None` if they are not known.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, expecting = "struct ResistancesTable")]
 pub struct Resistances {
     /// The motor's, Ω.
     pub motor_ohm: Option<f64>,
@@ -169,8 +175,9 @@ impl Environment {
     }
 }
 
-/// One mode of the study.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+/// One mode of the study: an entry of `[[modes]]` in `study.toml`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, expecting = "struct ModeTable")]
 pub struct Mode {
     /// Its id.
     pub id: ModeId,

@@ -328,10 +328,10 @@ fn shuffle<T>(rng: &mut ChaCha8Rng, values: &mut [T]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{StudyId, template};
+    use crate::tests::demo;
 
     fn study(scheme: OrderScheme, modes: usize, repeats: u32) -> Study {
-        let mut study = Study::from_toml(&template(&StudyId::new("demo").unwrap())).unwrap();
+        let mut study = demo();
         let mode = |i: usize| crate::Mode {
             id: format!("m{i}").parse().unwrap(),
             ..study.modes[0].clone()
@@ -357,11 +357,8 @@ mod tests {
             assert_eq!(rows.len(), each * n);
             for condition in 0..n {
                 for position in 0..n {
-                    assert_eq!(
-                        rows.iter().filter(|r| r[position] == condition).count(),
-                        each,
-                        "{n}"
-                    );
+                    let here = rows.iter().filter(|r| r[position] == condition).count();
+                    assert_eq!(here, each, "{n}");
                 }
                 for next in (0..n).filter(|next| *next != condition) {
                     let pairs =
@@ -478,12 +475,8 @@ mod tests {
 
     #[test]
     fn another_seed_participant_or_session_gives_another_order() {
-        let study = study(OrderScheme::Williams, 3, 6);
         for scheme in [OrderScheme::Williams, OrderScheme::Constrained] {
-            let study = Study {
-                design: crate::Design { order: scheme, ..study.design.clone() },
-                ..study.clone()
-            };
+            let study = study(scheme, 3, 6);
             assert_ne!(draw(&study, 1, 1, 1), draw(&study, 1, 1, 2));
             assert_ne!(draw(&study, 1, 1, 1), draw(&study, 2, 1, 1));
             assert_ne!(draw(&study, 1, 1, 1), draw(&study, 1, 2, 1));
@@ -495,21 +488,14 @@ mod tests {
     /// separate ChaCha8.
     #[test]
     fn the_order_of_a_seed_is_fixed() {
-        let study = study(OrderScheme::Williams, 3, 2);
-        let drawn = draw(&study, 1, 1, 1);
-        assert_eq!(
-            [0, 1].map(|e| modes_in(&study, &drawn, e)),
-            [[2, 0, 1, 1, 0, 2], [0, 1, 2, 1, 0, 2]]
-        );
-        let study = Study {
-            design: crate::Design { order: OrderScheme::Constrained, ..study.design.clone() },
-            ..study
-        };
-        let drawn = draw(&study, 1, 1, 1);
-        assert_eq!(
-            [0, 1].map(|e| modes_in(&study, &drawn, e)),
-            [[2, 2, 1, 0, 1, 0], [0, 2, 1, 1, 0, 2]]
-        );
+        for (scheme, expect) in [
+            (OrderScheme::Williams, [[2, 0, 1, 1, 0, 2], [0, 1, 2, 1, 0, 2]]),
+            (OrderScheme::Constrained, [[2, 2, 1, 0, 1, 0], [0, 2, 1, 1, 0, 2]]),
+        ] {
+            let study = study(scheme, 3, 2);
+            let drawn = draw(&study, 1, 1, 1);
+            assert_eq!([0, 1].map(|e| modes_in(&study, &drawn, e)), expect);
+        }
     }
 
     #[test]

@@ -220,26 +220,21 @@ mod tests {
         let felt = Perception::default();
         let off = |value, right, unit| felt.off(Some(value), Some(right), unit, 0.05).unwrap();
         assert!((off(4.4, 4.0, "N/rad") - 0.1 / 0.08).abs() < 1e-9);
-        assert!(
-            (off(0.1, 0.0, "N") - 2.0).abs() < 1e-12 && (off(10.7, 10.0, "N") - 1.0).abs() < 1e-9
-        );
+        assert!((off(0.1, 0.0, "N") - 2.0).abs() < 1e-12);
+        assert!((off(10.7, 10.0, "N") - 1.0).abs() < 1e-9);
         let floor_j = 0.05 * 0.05 * 2_f64.to_radians();
         assert!((off(floor_j, 0.0, "J") - 1.0).abs() < 1e-12);
         assert!(off(1.0, 1.0, "N/rad").abs() < 1e-300 && off(0.1, 0.0, "N/rad").is_infinite());
         assert_eq!(felt.off(None, Some(1.0), "rad", 0.05), Some(f64::INFINITY));
-        assert_eq!(
-            (felt.off(None, None, "m", 0.05), felt.bound(1.0, "s", 0.05)),
-            (Some(0.0), None)
-        );
+        assert_eq!(felt.off(None, None, "m", 0.05), Some(0.0));
+        assert_eq!(felt.bound(1.0, "s", 0.05), None);
     }
 
     #[test]
     fn a_bound_names_whose_finding_it_is_unless_the_study_chose_it() {
         let own = Perception { compliance_share: 0.1, ..Perception::default() };
-        assert_eq!(
-            Perception::default().source("N/rad").unwrap(),
-            "8 % of the stiffness (Tan, Pang & Durlach 1992)"
-        );
+        let usual = Perception::default().source("N/rad").unwrap();
+        assert_eq!(usual, "8 % of the stiffness (Tan, Pang & Durlach 1992)");
         assert_eq!(own.source("N/rad").unwrap(), "10 % of the stiffness (study.toml)");
         assert_eq!(own.source("rad").unwrap(), "2° (of the wrist, Tan et al. 1994)");
         for unit in ["rad", "m", "N", "J", "N/rad", "N·s/rad", "s", "1"] {

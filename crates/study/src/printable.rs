@@ -57,15 +57,11 @@ mod tests {
     #[test]
     fn what_steers_a_terminal_or_turns_a_line_is_escaped() {
         assert_eq!(printable("a\nok: b\r\t"), r"a\nok: b\r\t");
-        assert_eq!(
-            printable("\u{1b}[2J\u{7}\u{0}\u{7f}\u{9b}1m"),
-            r"\u{1b}[2J\u{7}\u{0}\u{7f}\u{9b}1m"
-        );
+        let steered = printable("\u{1b}[2J\u{7}\u{0}\u{7f}\u{9b}1m");
+        assert_eq!(steered, r"\u{1b}[2J\u{7}\u{0}\u{7f}\u{9b}1m");
         assert_eq!(printable("x\u{202e}vsc\u{2066}\u{2069}"), r"x\u{202e}vsc\u{2066}\u{2069}");
-        assert_eq!(
-            printable("\u{feff}\u{200b}\u{200f}\u{61c}\u{2028}"),
-            r"\u{feff}\u{200b}\u{200f}\u{61c}\u{2028}"
-        );
+        let unseen = printable("\u{feff}\u{200b}\u{200f}\u{61c}\u{2028}");
+        assert_eq!(unseen, r"\u{feff}\u{200b}\u{200f}\u{61c}\u{2028}");
         assert_eq!(printable(r"\n"), r"\n");
         assert_eq!(printable_lines("a\n\u{1b}b\n"), "a\n\\u{1b}b\n");
     }

@@ -17,26 +17,21 @@ pub enum ReplayModel {
 #[cfg(test)]
 mod tests {
     use super::ReplayModel;
-    use crate::{Study, StudyId, template};
-
-    fn with(replay: &str) -> Result<Study, String> {
-        let text = template(&StudyId::new("demo").unwrap());
-        Study::from_toml(&format!("{text}\n[replay]\n{replay}\n")).map_err(|e| e[0].to_string())
-    }
+    use crate::tests::{check_round_trip, demo, with};
 
     #[test]
     fn a_study_replays_by_eye_unless_it_says_auto() {
-        let study = Study::from_toml(&template(&StudyId::new("demo").unwrap())).unwrap();
+        let study = demo();
         assert_eq!(study.replay, ReplayModel::ByEye);
         assert!(!study.to_toml().unwrap().contains("[replay]"));
-        let auto = with("model = \"auto\"").unwrap();
+        let auto = with("[replay]", "model = \"auto\"").unwrap();
         assert_eq!(auto.replay, ReplayModel::Auto);
-        assert_eq!(Study::from_toml(&auto.to_toml().unwrap()).unwrap(), auto);
+        check_round_trip(&auto);
     }
 
     #[test]
     fn another_word_is_an_error_that_lists_those_there_are() {
-        let error = with("model = \"best\"").unwrap_err();
+        let error = with("[replay]", "model = \"best\"").unwrap_err()[0].to_string();
         assert!(error.contains("by_eye") && error.contains("auto"), "{error}");
     }
 }

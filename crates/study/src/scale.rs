@@ -52,36 +52,26 @@ impl AnswerScale {
     /// an answer for each threshold of a longer model.
     pub const MOST_CATEGORIES: u8 = 11;
 
-    /// Its name in prose, and its answers in words, from 1 on.
-    const fn about(&self) -> Option<(&'static str, &'static [&'static str])> {
-        match self {
-            Self::FivePoint => Some((
-                "five-point scale",
-                &["strongly disagree", "disagree", "neutral", "agree", "strongly agree"],
-            )),
-            Self::Numbers(_) | Self::Modes(_) => None,
-        }
-    }
+    /// The answers of [`AnswerScale::FivePoint`] in words, from 1 on.
+    const AGREEMENT: [&str; 5] =
+        ["strongly disagree", "disagree", "neutral", "agree", "strongly agree"];
 
     /// Its name in prose: `five-point scale`, `scale from -3 to 3`.
     pub fn name(&self) -> String {
-        match (self.about(), self) {
-            (Some((name, _)), _) => name.to_owned(),
-            (None, Self::Modes(labels)) => {
-                format!("{} or “{}”", labels.join(", "), Self::DO_NOT_KNOW)
-            }
-            (None, _) => format!("scale from {}", self.range()),
+        match self {
+            Self::FivePoint => "five-point scale".to_owned(),
+            Self::Numbers(_) => format!("scale from {}", self.range()),
+            Self::Modes(labels) => format!("{} or “{}”", labels.join(", "), Self::DO_NOT_KNOW),
         }
     }
 
     /// How many answers there are.
     pub fn points(&self) -> u8 {
         match self {
+            Self::FivePoint => Self::AGREEMENT.len() as u8,
             Self::Numbers(scale) => scale.points,
             // No study with more modes than that may ask for them.
             Self::Modes(labels) => u8::try_from(labels.len() + 1).unwrap_or(Self::MOST_POINTS),
-            // A test holds it below `MOST_POINTS`.
-            named => named.about().map_or(0, |(_, words)| words.len() as u8),
         }
     }
 
@@ -183,12 +173,12 @@ impl AnswerScale {
     pub fn word(&self, answer: impl Into<AnswerValue>) -> Option<&str> {
         let place = usize::from(self.place(answer)?) - 1;
         match self {
+            Self::FivePoint => Self::AGREEMENT.get(place).copied(),
             Self::Numbers(scale) => scale.word(place),
             Self::Modes(labels) => match place.checked_sub(1) {
                 None => Some(Self::DO_NOT_KNOW),
                 Some(mode) => labels.get(mode).map(String::as_str),
             },
-            named => named.about().and_then(|(_, words)| words.get(place).copied()),
         }
     }
 
@@ -312,9 +302,8 @@ mod tests {
         for given in ["0", "0.001", "47.273", "99.999", "100"] {
             assert!(has(numbers(101, 0, 1, &[]), given), "{given}");
         }
-        assert!(
-            !has(numbers(101, 0, 1, &[]), "-0.001") && !has(numbers(101, 0, 1, &[]), "100.001")
-        );
+        assert!(!has(numbers(101, 0, 1, &[]), "-0.001"));
+        assert!(!has(numbers(101, 0, 1, &[]), "100.001"));
         assert!(has(numbers(12, -3, 1, &[]), "-2.5"));
         let modes = AnswerScale::Modes((0..20).map(|mode| mode.to_string()).collect());
         for whole in [AnswerScale::FivePoint, numbers(11, 0, 1, &[]), numbers(21, 0, 5, &[]), modes]

@@ -1,6 +1,7 @@
 //! What an environment may render: the one list of kinds.
 
-use serde::{Deserialize, Serialize};
+use crate::words::words;
+use serde::Serialize;
 
 /// A virtual spring: resisting force `K (θ − θ_rest)` (thesis (8), with a rest angle).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -35,20 +36,20 @@ pub enum Scene {
     },
 }
 
-/// A kind of scene, as `study.toml` names it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum SceneKind {
-    /// [`Scene::None`].
-    None,
-    /// [`Scene::Free`].
-    Free,
-    /// [`Scene::Spring`].
-    Spring,
-    /// [`Scene::Wall`].
-    Wall,
-    /// [`Scene::SpringWall`].
-    SpringWall,
+words! {
+    /// A kind of scene, as `study.toml` names it; the one without a scene first.
+    SceneKind {
+        /// [`Scene::None`].
+        None = "none",
+        /// [`Scene::Free`].
+        Free = "free",
+        /// [`Scene::Spring`].
+        Spring = "spring",
+        /// [`Scene::Wall`].
+        Wall = "wall",
+        /// [`Scene::SpringWall`].
+        SpringWall = "spring_wall",
+    }
 }
 
 /// What a scene takes: a number of `study.toml`.
@@ -103,20 +104,6 @@ impl ForceLaw {
 }
 
 impl SceneKind {
-    /// Every kind, the one without a scene last.
-    pub const ALL: [Self; 5] = [Self::Free, Self::Spring, Self::Wall, Self::SpringWall, Self::None];
-
-    /// Its word in `study.toml`.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::None => "none",
-            Self::Free => "free",
-            Self::Spring => "spring",
-            Self::Wall => "wall",
-            Self::SpringWall => "spring_wall",
-        }
-    }
-
     /// The numbers that it takes.
     pub(crate) fn quantities(self) -> &'static [SceneNumber] {
         match self {
@@ -210,13 +197,6 @@ mod tests {
         for scene in scenes() {
             let again = scene.kind().scene(|q| scene.value(q).unwrap());
             assert_eq!(again, scene);
-        }
-    }
-
-    #[test]
-    fn every_kind_has_one_word_in_files_and_in_code() {
-        for kind in SceneKind::ALL {
-            assert_eq!(serde_json::to_string(&kind).unwrap(), format!("\"{}\"", kind.as_str()));
         }
     }
 

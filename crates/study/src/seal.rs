@@ -11,7 +11,7 @@
 //! This protects against accident, not against a person with access to the disk: the voltages of a
 //! recording reveal its mode.
 
-use crate::{Event, Kind, ModeId, PlannedTrial, SealedTrial};
+use crate::{Event, ModeId, PlannedTrial, SealedTrial};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -108,11 +108,11 @@ impl Seal {
     /// the place among the trials of the same kind and environment.
     #[must_use]
     pub fn masked(&self, trials: &[PlannedTrial]) -> Vec<PlannedTrial> {
-        let mut places = Counter::default();
+        let mut places = BTreeMap::new();
         // Counted without the mode: a repeat of the mode would tell which codes are alike.
         let masked = trials.iter().map(|t| PlannedTrial {
             mode: self.code(t.trial),
-            repeat: places.next((t.kind, t.environment.clone(), None)),
+            repeat: count(&mut places, (t.kind, t.environment.clone())),
             ..t.clone()
         });
         masked.collect()
@@ -126,7 +126,7 @@ impl Seal {
     pub fn opened(&self, trials: &[PlannedTrial]) -> Result<Vec<PlannedTrial>, SealError> {
         let modes: BTreeMap<u32, &ModeId> =
             self.order.iter().map(|(trial, mode)| (*trial, mode)).collect();
-        let mut repeats = Counter::default();
+        let mut repeats = BTreeMap::new();
         let mut opened = Vec::with_capacity(trials.len());
         for t in trials {
             // By its code too: the seal of another session has an order for the same numbers.
@@ -134,7 +134,7 @@ impl Seal {
                 return Err(SealError::OtherTrial { trial: t.trial, code: t.mode.clone() });
             };
             let mode = (*mode).clone();
-            let repeat = repeats.next((t.kind, t.environment.clone(), Some(mode.clone())));
+            let repeat = count(&mut repeats, (t.kind, t.environment.clone(), mode.clone()));
             opened.push(PlannedTrial { mode, repeat, ..t.clone() });
         }
         Ok(opened)
@@ -183,26 +183,22 @@ impl From<&Seal> for File {
     }
 }
 
-/// Counts from 1 how often something came.
-#[derive(Default)]
-struct Counter(BTreeMap<(Kind, crate::EnvironmentId, Option<ModeId>), u32>);
-
-impl Counter {
-    fn next(&mut self, what: (Kind, crate::EnvironmentId, Option<ModeId>)) -> u32 {
-        let count = self.0.entry(what).or_default();
-        *count += 1;
-        *count
-    }
+/// Counts how often something came, this time included.
+fn count<T: Ord>(counts: &mut BTreeMap<T, u32>, what: T) -> u32 {
+    let count = counts.entry(what).or_default();
+    *count += 1;
+    *count
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{OrderScheme, Study, StudyId, order, template};
+    use crate::tests::demo;
+    use crate::{OrderScheme, order};
     use std::collections::BTreeSet;
 
     fn planned(scheme: OrderScheme) -> Vec<PlannedTrial> {
-        let mut study = Study::from_toml(&template(&StudyId::new("demo").unwrap())).unwrap();
+        let mut study = demo();
         study.design.order = scheme;
         order::draw(&study, 1, 1, 7)
     }

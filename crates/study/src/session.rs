@@ -196,10 +196,8 @@ mod tests {
             checks: vec![check],
             ..record()
         };
-        assert_eq!(
-            serde_json::from_str::<SessionRecord>(&whole.to_json().unwrap()).unwrap(),
-            whole
-        );
+        let again: SessionRecord = serde_json::from_str(&whole.to_json().unwrap()).unwrap();
+        assert_eq!(again, whole);
     }
 
     #[test]

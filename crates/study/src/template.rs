@@ -15,9 +15,8 @@ pub fn template_of_imports(id: &StudyId) -> String {
 
 /// The kinds of environment as a list; the last one is "none".
 fn kinds() -> String {
-    let mut words = SceneKind::ALL.map(|kind| format!("\"{}\"", kind.as_str())).to_vec();
-    let last = words.pop().unwrap_or_default();
-    format!("{} or {last}", words.join(", "))
+    let [none, kinds @ ..] = SceneKind::ALL.map(|kind| format!("\"{}\"", kind.as_str()));
+    format!("{} or {none}", kinds.join(", "))
 }
 
 const IMPORTED: &str = r#"# A study of recordings that another program made. Edit the words below before the first import:

@@ -1,28 +1,8 @@
 //! The facts about a trial besides its samples.
 
+use crate::words::words;
 use crate::{Condition, EnvironmentId, ModeId, ParticipantId, SessionId};
 use serde::{Deserialize, Serialize};
-
-macro_rules! words {
-    ($($(#[$doc:meta])* $name:ident { $($(#[$vdoc:meta])* $variant:ident = $word:literal,)* })*) => {$(
-        $(#[$doc])*
-        #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-        #[serde(rename_all = "snake_case")]
-        pub enum $name { $($(#[$vdoc])* $variant,)* }
-
-        impl $name {
-            /// The word as it is written in files.
-            pub fn as_str(self) -> &'static str {
-                match self { $(Self::$variant => $word,)* }
-            }
-
-            /// The value of a word from a file, if it is one.
-            pub fn from_word(word: &str) -> Option<Self> {
-                match word { $($word => Some(Self::$variant),)* _ => None }
-            }
-        }
-    )*};
-}
 
 words! {
     /// Whether a trial belongs to the experiment.
@@ -102,18 +82,5 @@ impl TrialMeta {
     /// Whether another trial is of the same session.
     pub fn is_of_session_of(&self, other: &Self) -> bool {
         (&self.participant, &self.session) == (&other.participant, &other.session)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn words_read_back_as_the_values_they_stand_for() {
-        for kind in [Kind::Trial, Kind::Familiarisation] {
-            assert_eq!(Kind::from_word(kind.as_str()), Some(kind));
-        }
-        assert_eq!(Source::from_word("made_up"), None);
     }
 }

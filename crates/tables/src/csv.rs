@@ -15,7 +15,10 @@ use std::io::Write;
 /// wide forms, after spaces or not) gets an apostrophe in front, by which spreadsheets know text;
 /// numbers are never touched.
 pub fn csv(table: &Table) -> String {
-    names(table) + &rows(table)
+    let mut text = String::new();
+    let names = table.fields().map(|field| quoted(&field.name));
+    line(&mut text, names.chain(mark(table, "synthetic")));
+    text + &rows(table)
 }
 
 fn mark(table: &Table, text: &'static str) -> Option<Cow<'static, str>> {
@@ -36,14 +39,6 @@ pub fn write_csv(
         out.write_all(text.as_bytes())?;
     }
     Ok(())
-}
-
-/// The line of names.
-fn names(table: &Table) -> String {
-    let mut text = String::new();
-    let names = table.fields().map(|field| quoted(&field.name));
-    line(&mut text, names.chain(mark(table, "synthetic")));
-    text
 }
 
 /// The lines of the rows.
@@ -131,9 +126,8 @@ mod tests {
 
     #[test]
     fn a_text_that_a_spreadsheet_would_run_begins_with_an_apostrophe_and_a_number_does_not() {
-        let texts = ["=1+1", "+x", "-x", "@a", "\t=1", " =1", "＝1", "'=1", "a=b"]
-            .map(|t| Some(t.to_owned()));
-        let column = Column::text("x", "", texts);
+        let texts = ["=1+1", "+x", "-x", "@a", "\t=1", " =1", "＝1", "'=1", "a=b"];
+        let column = Column::text("x", "", texts.map(Some));
         let text = csv(&Table::new("t", "", vec![column]).unwrap());
         let expect = ["'=1+1", "'+x", "'-x", "'@a", "'\t=1", "' =1", "'＝1", "'=1", "a=b"];
         assert_eq!(text.lines().skip(1).collect::<Vec<_>>(), expect);
@@ -144,22 +138,12 @@ mod tests {
     #[test]
     fn numbers_read_back_as_the_same_bits_and_zero_has_no_sign() {
         let values = [0.1 + 0.2, 1e-321, -1.797e308, 1.0 / 3.0, 123_456_789.0];
-        let table =
-            Table::new("t", "", vec![Column::float("x", "1", "", values.map(Some))]).unwrap();
-        let text = csv(&table);
+        let column = Column::float("x", "1", "", values.map(Some));
+        let text = csv(&Table::new("t", "", vec![column]).unwrap());
         let read: Vec<f64> = text.lines().skip(1).map(|l| l.parse().unwrap()).collect();
-        assert_eq!(read.map_bits(), values.to_vec().map_bits());
+        let bits = |values: &[f64]| values.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
+        assert_eq!(bits(&read), bits(&values));
         let zero = Table::new("t", "", vec![Column::float("x", "1", "", [Some(-0.0)])]).unwrap();
         assert_eq!(csv(&zero), "x\r\n0.0\r\n");
-    }
-
-    trait MapBits {
-        fn map_bits(&self) -> Vec<u64>;
-    }
-
-    impl MapBits for Vec<f64> {
-        fn map_bits(&self) -> Vec<u64> {
-            self.iter().map(|v| v.to_bits()).collect()
-        }
     }
 }

@@ -35,11 +35,10 @@ pub fn for_people(table: &Table, coordinate: Coordinate) -> Result<Table, TableE
         Values::Float(values) => values.iter().flatten().all(|v| v.abs() < SMALL_TORQUE_NM),
         _ => true,
     });
-    let columns = columns.iter().map(|c| converted(c.clone(), coordinate, torques_small)).collect();
+    let columns = columns.into_iter().map(|c| converted(c, coordinate, torques_small)).collect();
     let shown = Table::new(table.name(), &in_coordinate(table.title(), coordinate), columns)?;
-    Ok(table
-        .notes_by_kind()
-        .fold(shown, |t, (kind, note)| t.with_note_of(kind, in_coordinate(note, coordinate))))
+    let notes = table.notes_by_kind();
+    Ok(shown.with_notes(notes.map(|(kind, note)| (kind, in_coordinate(note, coordinate)))))
 }
 
 /// Words about an angle as those of a slide's displacement, in a linear study.
@@ -58,23 +57,20 @@ fn rows_converted(table: &Table, coordinate: Coordinate) -> Vec<Column> {
     let Some(units) = table.texts("unit").ok().filter(|_| columns.iter().any(is_of_rows)) else {
         return columns;
     };
-    let conversions: Vec<Option<Conversion>> = units
-        .iter()
-        .map(|unit| unit.as_deref().and_then(|unit| unit::for_people(unit, coordinate)))
-        .collect();
-    for column in &mut columns {
-        let of_rows = is_of_rows(column);
-        match &mut column.values {
-            Values::Float(values) if of_rows => {
+    let conversions: Vec<Option<Conversion>> =
+        units.iter().map(|unit| unit::for_people(unit.as_deref()?, coordinate)).collect();
+    for Column { field, values } in &mut columns {
+        match values {
+            Values::Float(values) if field.unit == UNIT_OF_ROW => {
                 for (value, conversion) in values.iter_mut().zip(&conversions) {
-                    let factor = conversion.as_ref().map_or(1.0, |conversion| conversion.factor);
+                    let factor = conversion.as_ref().map_or(1.0, |(_, factor)| *factor);
                     *value = value.map(|value| value * factor);
                 }
             }
-            Values::Text(texts) if column.field.name == "unit" => {
+            Values::Text(texts) if field.name == "unit" => {
                 for (text, conversion) in texts.iter_mut().zip(&conversions) {
-                    if let Some(conversion) = conversion {
-                        *text = Some(conversion.unit.clone().into());
+                    if let Some((unit, _)) = conversion {
+                        *text = Some(unit.clone().into());
                     }
                 }
             }
@@ -85,26 +81,20 @@ fn rows_converted(table: &Table, coordinate: Coordinate) -> Vec<Column> {
 }
 
 fn converted(column: Column, coordinate: Coordinate, torques_small: bool) -> Column {
-    let Values::Float(values) = column.values else {
-        return column;
+    let conversion = match column.field.unit == TORQUE && torques_small {
+        true => Some(unit::small_torque()),
+        false => unit::for_people(&column.field.unit, coordinate),
     };
-    let conversion = if column.field.unit == TORQUE && torques_small {
-        Some(unit::small_torque())
-    } else {
-        unit::for_people(&column.field.unit, coordinate)
-    };
-    let Some(conversion) = conversion else {
-        return Column { field: column.field, values: Values::Float(values) };
-    };
-    let values = values.into_iter().map(|v| v.map(|v| v * conversion.factor)).collect();
+    let Some((unit, factor)) = conversion else { return column };
+    let Values::Float(values) = column.values else { return column };
+    let values = values.into_iter().map(|v| v.map(|v| v * factor)).collect();
     let field = column.field;
     let (stem, suffix) = unit::stem(&field.name, &field.unit);
-    let linear = field.unit.starts_with("rad") && conversion.unit.starts_with("mm");
+    let linear = field.unit.starts_with("rad") && unit.starts_with("mm");
     let stem = if linear { theta_to_x(stem) } else { stem.to_owned() };
     // The lists of both units are made alike: `_per_s` stays `_per_s`, and does not become `_s`.
-    let suffix =
-        suffix.map(|i| unit::suffixes(&conversion.unit).swap_remove(i)).unwrap_or_default();
-    let field = Field { name: (stem + &suffix).into(), unit: conversion.unit.into(), ..field };
+    let suffix = suffix.map(|i| unit::suffixes(&unit).swap_remove(i)).unwrap_or_default();
+    let field = Field { name: (stem + &suffix).into(), unit: unit.into(), ..field };
     Column { field, values: Values::Float(values) }
 }
 
@@ -127,12 +117,8 @@ mod tests {
         expect: (&str, &str, f64),
     ) {
         let (name, unit, value) = column;
-        let table = Table::new(
-            "t",
-            "T",
-            vec![Column::float(name, unit, "what it is", [Some(value), None])],
-        )
-        .unwrap();
+        let column = Column::float(name, unit, "what it is", [Some(value), None]);
+        let table = Table::new("t", "T", vec![column]).unwrap();
         let shown = for_people(&table.with_note("a note"), coordinate).unwrap();
         let field = shown.fields().next().unwrap();
         assert_eq!((field.name.as_ref(), field.unit.as_ref()), (expect.0, expect.1));
@@ -147,11 +133,8 @@ mod tests {
 
     #[test]
     fn rows_with_units_of_their_own_are_read_each_in_its_own() {
-        let texts = |name, values: [&str; 2]| {
-            Column::text(name, "", values.map(|value| Some(value.to_owned())))
-        };
         let columns = vec![
-            texts("unit", ["rad", "N"]),
+            Column::text("unit", "", ["rad", "N"].map(Some)),
             Column::float("bias", UNIT_OF_ROW, "", [Some(std::f64::consts::PI), Some(2.0)]),
             Column::float("share", "1", "", [Some(0.5), None]),
         ];
@@ -233,9 +216,8 @@ mod tests {
 
     #[test]
     fn a_lever_without_length_is_an_error_and_no_infinity() {
-        let table =
-            Table::new("t", "T", vec![Column::float("k_n_per_rad", "N/rad", "", [Some(1.0)])])
-                .unwrap();
+        let column = Column::float("k_n_per_rad", "N/rad", "", [Some(1.0)]);
+        let table = Table::new("t", "T", vec![column]).unwrap();
         assert!(for_people(&table, Coordinate::Linear { lever_m: 0.0 }).is_err());
     }
 }

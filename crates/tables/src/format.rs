@@ -32,28 +32,25 @@ impl Format {
     pub const ALL: [Self; 6] =
         [Self::Csv, Self::Markdown, Self::Latex, Self::Typst, Self::Html, Self::Parquet];
 
+    fn extension_and_about(self) -> [&'static str; 2] {
+        match self {
+            Self::Csv => ["csv", "CSV, full precision"],
+            Self::Markdown => ["md", "Markdown"],
+            Self::Latex => ["tex", "LaTeX (booktabs, siunitx)"],
+            Self::Typst => ["typ", "Typst"],
+            Self::Html => ["html", "HTML"],
+            Self::Parquet => ["parquet", "Parquet, full precision"],
+        }
+    }
+
     /// The extension of its files, without a dot.
     pub fn extension(self) -> &'static str {
-        match self {
-            Self::Csv => "csv",
-            Self::Markdown => "md",
-            Self::Latex => "tex",
-            Self::Typst => "typ",
-            Self::Html => "html",
-            Self::Parquet => "parquet",
-        }
+        self.extension_and_about()[0]
     }
 
     /// What it is, for a reader who chooses one.
     pub fn about(self) -> &'static str {
-        match self {
-            Self::Csv => "CSV, full precision",
-            Self::Markdown => "Markdown",
-            Self::Latex => "LaTeX (booktabs, siunitx)",
-            Self::Typst => "Typst",
-            Self::Html => "HTML",
-            Self::Parquet => "Parquet, full precision",
-        }
+        self.extension_and_about()[1]
     }
 
     /// Whether its files are text.
@@ -164,8 +161,8 @@ mod tests {
 
     #[test]
     fn the_origin_is_a_comment_in_every_format_that_has_comments_and_in_the_footer_of_parquet() {
-        let table =
-            Table::new("t", "T", vec![Column::integer("n", "1", "number", [Some(1)])]).unwrap();
+        let column = Column::integer("n", "1", "number", [Some(1)]);
+        let table = Table::new("t", "T", vec![column]).unwrap();
         let origin = BTreeMap::from([("origin".to_owned(), "zwidth:tables:2:0f".to_owned())]);
         for format in Format::ALL {
             let file = [(format, Path::new("t"))];

@@ -1,6 +1,7 @@
 //! From a column's name to its heading, and to the part that it plays.
 
-use crate::{Field, unit};
+use crate::Field;
+use crate::unit::split_unit;
 
 /// Words of names that people write otherwise.
 const WORDS: [(&str, &str); 14] = [
@@ -29,9 +30,10 @@ const DDOT: char = '\u{308}';
 ///
 /// `loop_area_j` → `loop area (J)`, `theta_dot_max_deg_s` → `θ̇ max (°/s)`.
 pub fn heading(field: &Field) -> String {
+    let words = words(&field.name, &field.unit);
     match bracketed(field) {
-        Some(unit) => format!("{} {unit}", words(field)),
-        None => words(field),
+        Some(unit) => format!("{words} {unit}"),
+        None => words,
     }
 }
 
@@ -40,9 +42,9 @@ pub(crate) fn bracketed(field: &Field) -> Option<String> {
     (field.unit != "1" && !field.unit.is_empty()).then(|| format!("({})", field.unit))
 }
 
-/// The name without its unit, in words.
-pub(crate) fn words(field: &Field) -> String {
-    let (stem, _) = unit::stem(&field.name, &field.unit);
+/// A name without its unit, in words.
+pub(crate) fn words(name: &str, unit: &str) -> String {
+    let (stem, _) = split_unit(name, unit);
     let mut text = String::new();
     let mut symbol = false; // whether a dot can go above what was written last
     for word in stem.split('_') {
@@ -50,10 +52,8 @@ pub(crate) fn words(field: &Field) -> String {
             "dot" if symbol => text.push(DOT),
             "ddot" if symbol => text.push(DDOT),
             _ => {
-                let gap = if text.is_empty() { "" } else { " " };
-                text = text
-                    + gap
-                    + WORDS.iter().find(|(name, _)| *name == word).map_or(word, |(_, shown)| shown);
+                text += if text.is_empty() { "" } else { " " };
+                text += WORDS.iter().find(|(name, _)| *name == word).map_or(word, |(_, own)| own);
             }
         }
         symbol = matches!(word, "theta" | "x");
@@ -76,7 +76,7 @@ const ONLY_QUANTITY: &str = "estimate";
 
 /// The quantity a column belongs to, and its part in it (naming rule: crate docs).
 pub(crate) fn quantity(field: &Field) -> (&str, Part) {
-    let (stem, _) = unit::stem(&field.name, &field.unit);
+    let (stem, _) = split_unit(&field.name, &field.unit);
     for (word, part) in [
         ("std_error", Part::StdError),
         ("sd", Part::Sd),

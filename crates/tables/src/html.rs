@@ -1,14 +1,19 @@
 //! HTML: a `<table>` to be put into a page.
 
-use crate::shown::{Cell, Seen, Shown, one_line, rows};
+use crate::shown::{Seen, Shown, one_line, rows};
 
 /// The table as a `<table>`: caption, header cells with words, unit and (on hover) meaning, notes
 /// in the footer. Rounded for people; cells of numbers have the class `number`.
 pub(crate) fn html(&Seen { table, columns, .. }: &Seen) -> String {
     let headings: String = columns.iter().map(heading).collect();
-    let rows = rows(columns, |k, cell| format!("<td{}>{}</td>", class(&columns[k]), content(cell)));
+    let rows =
+        rows(columns, |k, cell| format!("<td{}>{}</td>", class(&columns[k]), cell.escaped(escape)));
     let body: String = rows.iter().map(|cells| format!("<tr>{}</tr>\n", cells.concat())).collect();
-    let notes: String = table.notes().iter().map(|n| note(n, columns.len())).collect();
+    let mut notes = String::new();
+    for note in table.notes() {
+        let note = escape(note);
+        notes += &format!("<tr><td colspan=\"{}\">{note}</td></tr>\n", columns.len());
+    }
     let footer = if notes.is_empty() { notes } else { format!("<tfoot>\n{notes}</tfoot>\n") };
     format!(
         "<table>\n<caption>{}</caption>\n<thead>\n<tr>{headings}</tr>\n</thead>\n<tbody>\n{body}</tbody>\n{footer}</table>\n",
@@ -18,25 +23,9 @@ pub(crate) fn html(&Seen { table, columns, .. }: &Seen) -> String {
 
 fn heading(column: &Shown) -> String {
     let unit = column.unit.as_ref().map(|u| format!(" <span class=\"unit\">{}</span>", escape(u)));
-    let words = escape(&column.words);
-    let about = escape(&column.description);
-    format!(
-        "<th scope=\"col\"{} title=\"{about}\">{words}{}</th>",
-        class(column),
-        unit.unwrap_or_default()
-    )
-}
-
-/// A cell. Digits alone need no escape in HTML.
-fn content(cell: &Cell) -> String {
-    match cell {
-        Cell::Number(number) if number.exponent.is_none() && !number.below => number.typeset(),
-        _ => escape(&cell.typeset()),
-    }
-}
-
-fn note(note: &str, width: usize) -> String {
-    format!("<tr><td colspan=\"{width}\">{}</td></tr>\n", escape(note))
+    let unit = unit.unwrap_or_default();
+    let [words, about] = [&column.words, &column.description].map(|text| escape(text));
+    format!("<th scope=\"col\"{} title=\"{about}\">{words}{unit}</th>", class(column))
 }
 
 fn class(column: &Shown) -> &'static str {

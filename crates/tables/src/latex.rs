@@ -34,7 +34,10 @@ const DENSE: &str = r"\footnotesize\setlength{\tabcolsep}{4pt}";
 /// page is a `longtable` with its headings on each. On pages of two columns (252 pt) a table that is
 /// wider than one stands over both.
 pub(crate) fn latex(&Seen { table, layout, .. }: &Seen) -> String {
-    let notes: String = layout.notes.iter().chain(table.notes()).map(|n| note(n)).collect();
+    let mut notes = String::new();
+    for note in layout.notes.iter().chain(table.notes()).map(|note| escape(note)) {
+        notes += &format!("  \\par\\smallskip\n  {{\\footnotesize\\raggedright {note}\\par}}\n");
+    }
     let tables = match layout.long {
         true => long(table, layout, &notes),
         false => floating(table, layout, &notes),
@@ -45,8 +48,15 @@ pub(crate) fn latex(&Seen { table, layout, .. }: &Seen) -> String {
 
 /// One float, with one `tabular` below the other.
 fn floating(table: &Table, layout: &Layout, notes: &str) -> String {
-    let tabulars: Vec<String> =
-        layout.groups.iter().map(|group| tabular(group, &layout.sections)).collect();
+    let tabulars = layout.groups.iter().map(|group| {
+        format!(
+            "  \\begin{{tabular}}{{{}}}\n    \\toprule\n{}    \\midrule\n{}    \\bottomrule\n  \\end{{tabular}}\n",
+            column_types(group),
+            head(group),
+            body(group, &layout.sections)
+        )
+    });
+    let tabulars: Vec<String> = tabulars.collect();
     let size = if layout.dense { format!("  {DENSE}\n") } else { String::new() };
     let float = if layout.fits_a_column() { "table" } else { r"\zwidthtable" };
     format!(
@@ -54,16 +64,6 @@ fn floating(table: &Table, layout: &Layout, notes: &str) -> String {
         escape(table.title()),
         label(table.name()),
         tabulars.join("  \\par\\medskip\n")
-    )
-}
-
-/// One table of a float.
-fn tabular(group: &[Placed], sections: &Sections) -> String {
-    format!(
-        "  \\begin{{tabular}}{{{}}}\n    \\toprule\n{}    \\midrule\n{}    \\bottomrule\n  \\end{{tabular}}\n",
-        column_types(group),
-        head(group),
-        body(group, sections)
     )
 }
 
@@ -109,10 +109,6 @@ fn longtable(label: &str, caption: Option<&str>, group: &[Placed], sections: &Se
         caption.unwrap_or(&again),
         body(group, sections)
     )
-}
-
-fn note(note: &str) -> String {
-    format!("  \\par\\smallskip\n  {{\\footnotesize\\raggedright {}\\par}}\n", escape(note))
 }
 
 fn column_types(group: &[Placed]) -> String {
@@ -186,11 +182,12 @@ fn column_type(placed: &Placed) -> String {
         return "r".to_owned();
     }
     let room = placed.column.room;
-    let sign = if room.below { "<" } else { "" }.to_owned() + if room.sign { "-" } else { "" };
+    let below = if room.below { "<" } else { "" };
+    let sign = if room.sign { "-" } else { "" };
     let decimals = if room.decimals > 0 { format!(".{}", room.decimals) } else { String::new() };
     let power_sign = if room.power_sign { "-" } else { "" };
     let power = if room.power > 0 { format!("e{power_sign}{}", room.power) } else { String::new() };
-    format!("S[table-format={sign}{}{decimals}{power}]", room.whole.max(1))
+    format!("S[table-format={below}{sign}{}{decimals}{power}]", room.whole.max(1))
 }
 
 #[cfg(test)]
@@ -262,20 +259,12 @@ mod tests {
     #[test]
     fn a_table_of_several_pages_repeats_its_headings_and_keeps_its_number() {
         let numbers = |i: i32| (0..60).map(move |row| Some(f64::from(row + i) * 1000.5));
-        let names = [
-            "velocity_forward",
-            "velocity_backward",
-            "discrepancy",
-            "stiffness",
-            "duration",
-            "impulse",
-            "dwell",
-        ];
+        let names =
+            ["velocity_forward", "velocity_backward", "discrepancy", "stiffness", "duration"];
+        let names = names.into_iter().chain(["impulse", "dwell"]);
         let mut columns = vec![Column::integer("trial", "1", "", (0..60).map(Some))];
         columns.push(Column::text("mode", "", (0..60).map(|_| Some("hybrid".to_owned()))));
-        columns.extend(
-            names.into_iter().zip(0..).map(|(name, i)| Column::float(name, "1", "", numbers(i))),
-        );
+        columns.extend(names.zip(0..).map(|(name, i)| Column::float(name, "1", "", numbers(i))));
         let text = Seen::of(&Table::new("t", "T", columns).unwrap(), latex);
         assert_eq!(text.matches(r"\begin{longtable}").count(), 1, "{text}");
         assert_eq!(text.matches(r"\caption{T}\label{tab:t}").count(), 1);

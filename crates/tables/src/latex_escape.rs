@@ -5,7 +5,7 @@ use crate::symbol::{Piece, pieces};
 
 /// Signs that LaTeX has a command for. Braces keep `[` and `*` from being read as an option of the
 /// row above, and `{}` keeps two signs from becoming one ligature.
-const SIGNS: [(char, &str); 42] = [
+const SIGNS: [(char, &str); 27] = [
     ('\\', r"\textbackslash{}"),
     ('{', r"\{"),
     ('}', r"\}"),
@@ -33,61 +33,14 @@ const SIGNS: [(char, &str); 42] = [
     ('“', "``{}"),
     ('”', "''{}"),
     ('…', r"\dots{}"),
-    ('°', r"\ensuremath{^\circ}"),
-    ('·', r"\ensuremath{\cdot}"),
-    ('×', r"\ensuremath{\times}"),
-    ('÷', r"\ensuremath{\div}"),
-    ('±', r"\ensuremath{\pm}"),
-    ('−', r"\ensuremath{-}"),
-    ('≤', r"\ensuremath{\leq}"),
-    ('≥', r"\ensuremath{\geq}"),
-    ('≠', r"\ensuremath{\neq}"),
-    ('≈', r"\ensuremath{\approx}"),
-    ('→', r"\ensuremath{\rightarrow}"),
-    ('√', r"\ensuremath{\surd}"),
-    ('∞', r"\ensuremath{\infty}"),
-    ('ẋ', r"\ensuremath{\dot{x}}"),
-    ('ẍ', r"\ensuremath{\ddot{x}}"),
 ];
 
-/// Letters of mathematics, as the names of their commands.
-const GREEK: [(char, &str); 35] = [
-    ('α', "alpha"),
-    ('β', "beta"),
-    ('γ', "gamma"),
-    ('δ', "delta"),
-    ('ε', "varepsilon"),
-    ('ζ', "zeta"),
-    ('η', "eta"),
-    ('θ', "theta"),
-    ('ϑ', "vartheta"),
-    ('ι', "iota"),
-    ('κ', "kappa"),
-    ('λ', "lambda"),
-    ('μ', "mu"),
-    ('µ', "mu"),
-    ('ν', "nu"),
-    ('ξ', "xi"),
-    ('π', "pi"),
-    ('ρ', "rho"),
-    ('σ', "sigma"),
-    ('τ', "tau"),
-    ('υ', "upsilon"),
-    ('φ', "varphi"),
-    ('ϕ', "phi"),
-    ('χ', "chi"),
-    ('ψ', "psi"),
-    ('ω', "omega"),
-    ('Γ', "Gamma"),
-    ('Δ', "Delta"),
-    ('Θ', "Theta"),
-    ('Λ', "Lambda"),
-    ('Ξ', "Xi"),
-    ('Π', "Pi"),
-    ('Σ', "Sigma"),
-    ('Φ', "Phi"),
-    ('Ω', "Omega"),
-];
+/// Signs of mathematics and their commands, and letters of it with the names of theirs.
+const MATHS: &str = r"° ^\circ, · \cdot, × \times, ÷ \div, ± \pm, − -, ≤ \leq, ≥ \geq, ≠ \neq, ≈ \approx, → \rightarrow, √ \surd, ∞ \infty, ẋ \dot{x}, ẍ \ddot{x}";
+const GREEK: &str = "α alpha, β beta, γ gamma, δ delta, ε varepsilon, ζ zeta, η eta, θ theta, ϑ vartheta, \
+    ι iota, κ kappa, λ lambda, μ mu, µ mu, ν nu, ξ xi, π pi, ρ rho, σ sigma, τ tau, \
+    υ upsilon, φ varphi, ϕ phi, χ chi, ψ psi, ω omega, Γ Gamma, Δ Delta, Θ Theta, Λ Lambda, \
+    Ξ Xi, Π Pi, Σ Sigma, Φ Phi, Ω Omega";
 
 const RAISED: &str = "⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁺";
 const LOWERED: &str = "₀₁₂₃₄₅₆₇₈₉₋₊";
@@ -141,7 +94,7 @@ fn accent(letter: char) -> Option<&'static str> {
 
 /// What stands under an accent: a Greek letter is mathematics already, all else is text.
 fn base(letter: char) -> String {
-    match look_up(&GREEK, letter) {
+    match look_up(GREEK, letter) {
         Some(name) => format!(r"\{name}"),
         None if letter.is_ascii_alphabetic() => letter.to_string(),
         None => format!(r"\mbox{{{}}}", sign(letter)),
@@ -149,16 +102,22 @@ fn base(letter: char) -> String {
 }
 
 fn sign(letter: char) -> String {
-    if let Some(command) = look_up(&SIGNS, letter) {
-        return command.to_owned();
+    if let Some((_, command)) = SIGNS.iter().find(|(sign, _)| *sign == letter) {
+        return (*command).to_owned();
     }
-    if let Some(name) = look_up(&GREEK, letter) {
+    if letter.is_ascii() {
+        return letter.to_string();
+    }
+    if let Some(command) = look_up(MATHS, letter) {
+        return format!(r"\ensuremath{{{command}}}");
+    }
+    if let Some(name) = look_up(GREEK, letter) {
         return format!(r"\ensuremath{{\{name}}}");
     }
     match (level(RAISED, letter), level(LOWERED, letter)) {
         (Some(raised), _) => format!(r"\ensuremath{{^{{{raised}}}}}"),
         (_, Some(lowered)) => format!(r"\ensuremath{{_{{{lowered}}}}}"),
-        _ if letter.is_ascii() || is_latin(letter) => letter.to_string(),
+        _ if is_latin(letter) => letter.to_string(),
         _ => format!(
             r"\ifdefined\Umathchar {letter}\else{{[}}U+{:04X}{{]}}\fi{{}}",
             u32::from(letter)
@@ -166,8 +125,8 @@ fn sign(letter: char) -> String {
     }
 }
 
-fn look_up(table: &[(char, &'static str)], letter: char) -> Option<&'static str> {
-    table.iter().find(|(sign, _)| *sign == letter).map(|(_, command)| *command)
+fn look_up(table: &'static str, letter: char) -> Option<&'static str> {
+    table.split(", ").find_map(|pair| pair.strip_prefix(letter)?.strip_prefix(' '))
 }
 
 /// The sign on the line for a raised or lowered one.

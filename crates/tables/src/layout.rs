@@ -87,7 +87,7 @@ pub(crate) struct Placed<'a> {
 pub(crate) fn layout(columns: &[Shown]) -> Layout<'_> {
     let all: Vec<&Shown> = columns.iter().collect();
     for lines in ROOMY_HEAD_LINES {
-        let columns = all.iter().map(|c| placed_in(c, lines)).collect();
+        let columns: Vec<Placed> = all.iter().map(|c| placed_in(c, lines)).collect();
         if fits(&columns, &ROOMY) {
             return finished(false, vec![columns], Vec::new());
         }
@@ -155,7 +155,7 @@ fn gaps(columns: usize, page: &Page) -> f64 {
     page.gap_digits * columns.saturating_sub(1) as f64
 }
 
-fn fits(columns: &Vec<Placed>, page: &Page) -> bool {
+fn fits(columns: &[Placed], page: &Page) -> bool {
     columns.iter().map(natural).sum::<f64>() + gaps(columns.len(), page) <= page.digits
 }
 
@@ -207,12 +207,9 @@ fn sections(columns: &[&Shown]) -> Option<Sections> {
     let titles: Vec<String> = (0..columns[0].cells.len())
         .map(|row| columns.iter().map(|c| in_words(c, row)).collect::<Vec<_>>().join(", "))
         .collect();
-    let mut sections = Sections::new();
-    for (row, title) in titles.iter().enumerate() {
-        if row == 0 || *title != titles[row - 1] {
-            sections.insert(row, title.clone());
-        }
-    }
+    let begins = |row: &usize| *row == 0 || titles[*row] != titles[row - 1];
+    let sections: Sections =
+        (0..titles.len()).filter(begins).map(|row| (row, titles[row].clone())).collect();
     let distinct: BTreeSet<&String> = titles.iter().collect();
     let several = sections.len() > 1 && 2 * sections.len() <= titles.len();
     (several && distinct.len() == sections.len()).then_some(sections)
@@ -249,7 +246,21 @@ fn packed<'a>(columns: &[&'a Shown], fits: impl Fn(&[&'a Shown]) -> bool) -> Vec
     for block in blocks(columns) {
         match groups.last_mut() {
             Some(group) if fits(&[group.as_slice(), &block].concat()) => group.extend(&block),
-            _ => groups.extend(cut(block, &fits)),
+            // In as many parts as it needs to fit.
+            _ => {
+                let mut parts: Vec<Vec<&Shown>> = vec![Vec::new()];
+                for column in block {
+                    match parts.last_mut() {
+                        Some(part)
+                            if part.is_empty() || fits(&[part.as_slice(), &[column]].concat()) =>
+                        {
+                            part.push(column);
+                        }
+                        _ => parts.push(vec![column]),
+                    }
+                }
+                groups.extend(parts);
+            }
         }
     }
     groups
@@ -281,8 +292,7 @@ pub(crate) fn keys<'a>(
     let mut at = keys.len();
     while !fits(&keys) && at > 0 {
         at -= 1;
-        let fewer: Vec<&Shown> =
-            keys.iter().enumerate().filter(|(i, _)| *i != at).map(|(_, c)| *c).collect();
+        let fewer = [&keys[..at], &keys[at + 1..]].concat();
         // One goes without which rows are told apart as well, or are not told apart anyhow.
         if tell_apart(&fewer) || !tell_apart(&keys) {
             keys = fewer;
@@ -319,21 +329,6 @@ fn blocks<'a>(columns: &[&'a Shown]) -> Vec<Vec<&'a Shown>> {
         }
     }
     blocks
-}
-
-/// A block in as many parts as it needs to fit.
-fn cut<'a>(block: Vec<&'a Shown>, fits: impl Fn(&[&'a Shown]) -> bool) -> Vec<Vec<&'a Shown>> {
-    let mut parts: Vec<Vec<&Shown>> = vec![Vec::new()];
-    for column in block {
-        let part = parts.len() - 1;
-        let longer = [parts[part].as_slice(), &[column]].concat();
-        if parts[part].is_empty() || fits(&longer) {
-            parts[part] = longer;
-        } else {
-            parts.push(vec![column]);
-        }
-    }
-    parts
 }
 
 /// `In every row: participant P01, source twin. Without any value: oscillation.`

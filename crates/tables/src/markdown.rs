@@ -1,32 +1,19 @@
 //! Markdown, as GitHub reads it.
 
-use crate::shown::{Cell, Seen, Shown, one_line, rows};
+use crate::shown::{Seen, one_line, rows};
 
 /// The table in GitHub Flavored Markdown: the title in bold, the table, the notes as paragraphs.
 /// Rounded for people.
 pub(crate) fn markdown(&Seen { table, columns, .. }: &Seen) -> String {
     let headings = columns.iter().map(|c| escape(&c.heading()));
-    let rules = columns.iter().map(|c| rule(c).to_owned());
+    let rules = columns.iter().map(|c| if c.numeric { "---:" } else { "---" }.to_owned());
     let mut lines = vec![line(headings), line(rules)];
-    lines.extend(
-        rows(columns, |_, cell| content(cell)).into_iter().map(|cells| line(cells.into_iter())),
-    );
+    let rows = rows(columns, |_, cell| cell.escaped(escape));
+    lines.extend(rows.into_iter().map(|cells| line(cells.into_iter())));
     let title = format!("**{}**", escape(table.title()));
     let notes = table.notes().iter().map(|note| escape(note));
     let parts: Vec<String> = [title, lines.join("\n")].into_iter().chain(notes).collect();
     parts.join("\n\n") + "\n"
-}
-
-/// A cell. Digits alone need no escape in Markdown.
-fn content(cell: &Cell) -> String {
-    match cell {
-        Cell::Number(number) if number.exponent.is_none() && !number.below => number.typeset(),
-        _ => escape(&cell.typeset()),
-    }
-}
-
-fn rule(column: &Shown) -> &'static str {
-    if column.numeric { "---:" } else { "---" }
 }
 
 fn line(cells: impl Iterator<Item = String>) -> String {

@@ -38,7 +38,17 @@ impl Table {
     }
 
     fn schema(&self) -> SchemaRef {
-        Arc::new(Schema::new(self.fields().map(arrow_field).collect::<Vec<_>>()))
+        let fields = self.fields().map(|f| {
+            let data_type = match f.kind {
+                Type::Float => DataType::Float64,
+                Type::Integer => DataType::Int64,
+                Type::Text => DataType::Utf8,
+                Type::Flag => DataType::Boolean,
+            };
+            // Nullable throughout: any value may be missing.
+            described(&f.name, data_type, true, &f.unit, &f.description)
+        });
+        Arc::new(Schema::new(fields.collect::<Vec<_>>()))
     }
 
     /// What the file's footer says.
@@ -176,25 +186,20 @@ impl Table {
     ) -> Result<Self, TableError> {
         // Each array is gone before the next column is made: a long table is not held twice.
         let (schema, arrays, _) = batch.into_parts();
-        let columns = schema
-            .fields()
-            .iter()
-            .zip(arrays)
-            .map(|(f, a)| {
-                let values = values(&a).ok_or_else(|| {
-                    let what = format!("its type {} is not one of a table", f.data_type());
-                    StoreError::new(path, what, "delete derived/ and run again").column(f.name())
-                })?;
-                let [unit, description] = ["unit", "description"]
-                    .map(|key| f.metadata().get(key).cloned().unwrap_or_default().into());
-                let name = f.name().clone().into();
-                let field = Field { name, unit, description, kind: values.kind() };
-                Ok(Column { field, values })
-            })
-            .collect::<Result<Vec<_>, StoreError>>()?;
+        let mut columns = Vec::new();
+        for (f, a) in schema.fields().iter().zip(arrays) {
+            let values = values(&a).ok_or_else(|| {
+                let what = format!("its type {} is not one of a table", f.data_type());
+                StoreError::new(path, what, "delete derived/ and run again").column(f.name())
+            })?;
+            let [unit, description] = ["unit", "description"]
+                .map(|key| f.metadata().get(key).cloned().unwrap_or_default().into());
+            let name = f.name().clone().into();
+            let field = Field { name, unit, description, kind: values.kind() };
+            columns.push(Column { field, values });
+        }
         let [name, title] = [NAME, TITLE].map(|key| footer.get(key).cloned().unwrap_or_default());
-        let table = Self::new(&name, &title, columns)?;
-        Ok(notes(footer).fold(table, |table, (kind, note)| table.with_note_of(kind, note)))
+        Ok(Self::new(&name, &title, columns)?.with_notes(notes(footer)))
     }
 }
 
@@ -231,17 +236,6 @@ fn notes(footer: &BTreeMap<String, String>) -> impl Iterator<Item = (NoteKind, S
 
 fn defect(path: &Path, e: &arrow::error::ArrowError) -> StoreError {
     StoreError::new(path, e.to_string(), "this is a defect of zwidth; please report it")
-}
-
-fn arrow_field(f: &Field) -> arrow::datatypes::Field {
-    let data_type = match f.kind {
-        Type::Float => DataType::Float64,
-        Type::Integer => DataType::Int64,
-        Type::Text => DataType::Utf8,
-        Type::Flag => DataType::Boolean,
-    };
-    // Nullable throughout: any value may be missing.
-    described(&f.name, data_type, true, &f.unit, &f.description)
 }
 
 fn array(values: &Values) -> ArrayRef {
@@ -365,7 +359,8 @@ mod tests {
         let written = |parts: &mut dyn Iterator<Item = Result<Table, TableError>>| {
             Table::write_parts(parts, &BTreeMap::new(), &path, &mut Vec::new())
         };
-        assert!(matches!(written(&mut unlike.into_iter()), Err(TableError::Unlike { .. })));
+        let error = written(&mut unlike.into_iter()).unwrap_err();
+        assert!(error.to_string().contains("has other columns than"), "{error}");
         assert!(matches!(written(&mut std::iter::empty()), Err(TableError::NoPart)));
     }
 }

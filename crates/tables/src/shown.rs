@@ -30,6 +30,14 @@ pub(crate) enum Cell {
 }
 
 impl Cell {
+    /// The cell in Unicode, escaped; digits alone need no escape.
+    pub(crate) fn escaped(&self, escape: fn(&str) -> String) -> String {
+        match self {
+            Self::Number(number) if number.exponent.is_none() && !number.below => number.typeset(),
+            _ => escape(&self.typeset()),
+        }
+    }
+
     /// The cell in Unicode, not yet escaped.
     pub(crate) fn typeset(&self) -> String {
         match self {
@@ -63,9 +71,10 @@ pub(crate) struct Shown {
 impl Shown {
     /// Words and unit.
     pub(crate) fn heading(&self) -> String {
-        self.unit
-            .as_ref()
-            .map_or_else(|| self.words.clone(), |unit| format!("{} {unit}", self.words))
+        match &self.unit {
+            Some(unit) => format!("{} {unit}", self.words),
+            None => self.words.clone(),
+        }
     }
 }
 
@@ -122,21 +131,25 @@ pub(crate) fn one_line(text: &str) -> String {
 /// A column as people see it; `None` where another column has it in its cells.
 fn show(column: &Column, all: &[Column]) -> Option<Shown> {
     let field = &column.field;
-    let words = words(field);
-    let values = match &column.values {
-        Values::Float(values) => values,
-        Values::Integer(values) => {
-            let whole = cells(values, |v| Cell::Number(Decimal::integer(*v)));
-            return Some(of_cells(column, words, whole));
-        }
-        Values::Text(values) => {
-            return Some(of_cells(column, words, cells(values, |v| Cell::Text(one_line(v)))));
-        }
+    let words = words(&field.name, &field.unit);
+    let whole = match &column.values {
+        Values::Float(values) => return show_numbers(column, values, words, all),
+        Values::Integer(values) => cells(values, |v| Cell::Number(Decimal::integer(*v))),
+        Values::Text(values) => cells(values, |v| Cell::Text(one_line(v))),
         Values::Flag(values) => {
-            let cells = cells(values, |v| Cell::Text(if *v { "yes" } else { "no" }.to_owned()));
-            return Some(of_cells(column, words, cells));
+            cells(values, |v| Cell::Text(if *v { "yes" } else { "no" }.to_owned()))
         }
     };
+    Some(of_cells(column, words, whole))
+}
+
+fn show_numbers(
+    column: &Column,
+    values: &[Option<f64>],
+    words: String,
+    all: &[Column],
+) -> Option<Shown> {
+    let field = &column.field;
     let part = quantity(field).1;
     let beside = match part {
         Part::Estimate => Some(Part::Sd),
@@ -259,7 +272,7 @@ pub(crate) mod tests {
     /// must escape, a note.
     pub(crate) fn sample() -> Table {
         let columns = vec![
-            Column::text("mode", "the mode", [Some("a|b & <c>".to_owned()), None]),
+            Column::text("mode", "the mode", [Some("a|b & <c>"), None]),
             Column::integer("trial", "1", "its number", [Some(-3), Some(12)]),
             Column::float("slope_n_per_rad", "N/rad", "the slope", [Some(-4.1234), Some(5.0)]),
             Column::float("slope_std_error_n_per_rad", "N/rad", "its error", [Some(0.0321), None]),

@@ -2,7 +2,6 @@
 
 use crate::TableError;
 use crate::unit::split_unit;
-use std::sync::Arc;
 use zwidth_results::{Column, Field, ModelRun, ModelSample, NoteKind, Row, Type, Values};
 
 /// The mark below every table made from simulated data, as on every such figure.
@@ -28,25 +27,26 @@ impl Table {
     pub fn new(name: &str, title: &str, columns: Vec<Column>) -> Result<Self, TableError> {
         let expected = columns.first().map_or(0, |c| c.values.len());
         for (i, c) in columns.iter().enumerate() {
+            let own = &c.field.name;
             if let Values::Float(values) = &c.values
-                && let Some((row, value)) = values
-                    .iter()
-                    .enumerate()
-                    .find_map(|(i, v)| Some((i, v.filter(|v| !v.is_finite())?)))
+                && let Some((row, value)) = (1_usize..)
+                    .zip(values)
+                    .find_map(|(row, v)| Some((row, v.filter(|v| !v.is_finite())?)))
             {
-                let table = name.to_owned();
-                let column = c.field.name.to_string();
-                return Err(TableError::NotFinite { table, column, row: row + 1, value });
+                return Err(TableError::Form(format!(
+                    "column '{own}' of table '{name}', row {row}: {value} is not a number; a missing value is null"
+                )));
             }
-            if columns[..i].iter().any(|before| before.field.name == c.field.name) {
-                let table = name.to_owned();
-                let column = c.field.name.to_string();
-                return Err(TableError::Twice { table, column });
+            if columns[..i].iter().any(|before| before.field.name == *own) {
+                return Err(TableError::Form(format!(
+                    "table '{name}' has the column '{own}' twice"
+                )));
             }
-            if c.values.len() != expected {
-                let table = name.to_owned();
-                let column = c.field.name.to_string();
-                return Err(TableError::Ragged { table, column, expected, found: c.values.len() });
+            let found = c.values.len();
+            if found != expected {
+                return Err(TableError::Form(format!(
+                    "column '{own}' of table '{name}' has {found} rows where the first has {expected}"
+                )));
             }
         }
         let name = name.to_owned();
@@ -135,6 +135,15 @@ impl Table {
         self
     }
 
+    /// The same table with more notes below it.
+    #[must_use]
+    pub(crate) fn with_notes<N: Into<String>>(
+        self,
+        notes: impl IntoIterator<Item = (NoteKind, N)>,
+    ) -> Self {
+        notes.into_iter().fold(self, |table, (kind, note)| table.with_note_of(kind, note))
+    }
+
     /// The same table, where `simulated` with the note that says so; once.
     #[must_use]
     pub fn with_mark(self, simulated: bool) -> Self {
@@ -190,10 +199,10 @@ impl Table {
     /// A column that is not there.
     pub fn column(&self, name: &str) -> Result<&Column, TableError> {
         let column = self.columns.iter().find(|c| c.field.name == name);
-        column.ok_or_else(|| TableError::NoColumn {
-            table: self.name.clone(),
-            column: name.to_owned(),
-            has: self.names(),
+        column.ok_or_else(|| {
+            let table = &self.name;
+            let has = self.names();
+            TableError::Form(format!("table '{table}' has no column '{name}'; it has {has}"))
         })
     }
 
@@ -239,20 +248,7 @@ impl Table {
 
     /// The texts of a column.
     pub fn texts(&self, column: &str) -> Result<Vec<Option<String>>, TableError> {
-        match self.values(column)? {
-            Values::Text(values) => {
-                Ok(values.iter().map(|v| v.as_deref().map(str::to_owned)).collect())
-            }
-            _ => Err(self.wrong_type(column, Type::Text)),
-        }
-    }
-
-    /// The same, as the table shares them.
-    pub fn shared_texts(&self, column: &str) -> Result<&[Option<Arc<str>>], TableError> {
-        match self.values(column)? {
-            Values::Text(values) => Ok(values),
-            _ => Err(self.wrong_type(column, Type::Text)),
-        }
+        Ok(self.words(column)?.map(|text| text.map(str::to_owned)).collect())
     }
 
     /// The same, borrowed and not copied.
@@ -280,9 +276,7 @@ impl Table {
     /// # Errors
     /// Tables whose columns differ.
     pub fn concat(name: &str, title: &str, tables: Vec<Self>) -> Result<Option<Self>, TableError> {
-        let Some(first) = tables.first() else {
-            return Ok(None);
-        };
+        let Some(first) = tables.first() else { return Ok(None) };
         tables.iter().try_for_each(|table| first.check_like(table))?;
         let fields: Vec<Field> = first.fields().cloned().collect();
         let mut parts: Vec<_> = tables.into_iter().map(|table| table.columns.into_iter()).collect();
@@ -319,10 +313,12 @@ impl Table {
         if form(self) == form(other) {
             return Ok(());
         }
-        let table = other.name.clone();
-        let columns = other.names();
-        let expected = self.names();
-        Err(TableError::Unlike { table, columns, expected })
+        Err(TableError::Form(format!(
+            "table '{}' has other columns than those it is to be put to ({} instead of {})",
+            other.name,
+            other.names(),
+            self.names()
+        )))
     }
 
     /// The rows in the order of a key; rows of one key stay as they are.
@@ -344,12 +340,13 @@ impl Table {
             let values = column.values.of_rows(rows.iter().copied().map(Some));
             Column { field: column.field.clone(), values }
         });
-        let columns = columns.collect();
-        let name = self.name.clone();
-        let title = self.title.clone();
-        let notes = self.notes.clone();
-        let kinds = self.kinds.clone();
-        Self { name, title, notes, kinds, columns }
+        Self {
+            name: self.name.clone(),
+            title: self.title.clone(),
+            notes: self.notes.clone(),
+            kinds: self.kinds.clone(),
+            columns: columns.collect(),
+        }
     }
 
     /// The rows that have a text in a column.
@@ -373,7 +370,8 @@ impl Table {
     }
 
     fn wrong_type(&self, column: &str, wanted: Type) -> TableError {
-        TableError::WrongType { table: self.name.clone(), column: column.to_owned(), wanted }
+        let table = &self.name;
+        TableError::Form(format!("column '{column}' of table '{table}' is not of type {wanted:?}"))
     }
 }
 
@@ -383,11 +381,7 @@ mod tests {
 
     fn sample() -> Table {
         let columns = vec![
-            Column::text(
-                "mode",
-                "the mode",
-                [Some("active".to_owned()), Some("hybrid".to_owned())],
-            ),
+            Column::text("mode", "the mode", ["active", "hybrid"].map(Some)),
             Column::float("force_n", "N", "a force", [Some(1.5), None]),
         ];
         Table::new("sample", "A sample", columns).unwrap()
@@ -421,7 +415,8 @@ mod tests {
     fn a_missing_column_is_named_with_those_there_are() {
         let error = sample().floats("mass_kg").unwrap_err().to_string();
         assert!(error.contains("no column 'mass_kg'; it has mode, force_n"), "{error}");
-        assert!(matches!(sample().floats("mode"), Err(TableError::WrongType { .. })));
+        let error = sample().floats("mode").unwrap_err().to_string();
+        assert_eq!(error, "column 'mode' of table 'sample' is not of type Float");
     }
 
     #[test]

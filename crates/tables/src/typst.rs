@@ -1,7 +1,6 @@
 //! Typst: a figure with tables, to be included in a document.
 
-use crate::Table;
-use crate::layout::{Layout, Placed, Sections, has_page};
+use crate::layout::{Placed, Sections, has_page};
 use crate::rounding::Decimal;
 use crate::shown::{Cell, Seen, one_line, rows};
 use crate::symbol::{Piece, pieces};
@@ -26,16 +25,6 @@ const GAP: char = '\u{202f}';
 /// Every text is a Typst string, which has no markup: only the quote and the backslash need an
 /// escape.
 pub(crate) fn typst(&Seen { table, layout, .. }: &Seen) -> String {
-    let figure = figure(table, layout);
-    match layout.long {
-        true => {
-            format!("#[\n#show figure.where(kind: table): set block(breakable: true)\n{figure}]\n")
-        }
-        false => figure,
-    }
-}
-
-fn figure(table: &Table, layout: &Layout) -> String {
     let mut tables = Vec::new();
     for group in &layout.groups {
         let table = one(group, &layout.sections);
@@ -45,8 +34,11 @@ fn figure(table: &Table, layout: &Layout) -> String {
             false => format!("    {table}\n"),
         });
     }
-    let notes: String = layout.notes.iter().chain(table.notes()).map(|n| note(n)).collect();
-    format!(
+    let mut notes = String::new();
+    for note in layout.notes.iter().chain(table.notes()) {
+        notes += &format!("    align(left, block(text(0.85em, {})))\n", expression(note));
+    }
+    let figure = format!(
         "#figure(
   kind: table,
   caption: figure.caption(position: top, {caption}),
@@ -59,11 +51,18 @@ fn figure(table: &Table, layout: &Layout) -> String {
         size = if layout.dense { DENSE } else { "" },
         tables = tables.join("    v(0.5em)\n"),
         label = label(table.name()),
-    )
+    );
+    match layout.long {
+        true => {
+            format!("#[\n#show figure.where(kind: table): set block(breakable: true)\n{figure}]\n")
+        }
+        false => figure,
+    }
 }
 
 fn one(group: &[Placed], sections: &Sections) -> String {
     let widths: Vec<String> = group.iter().map(width).collect();
+    let align = |placed: &Placed| if placed.column.numeric { "right" } else { "left" };
     let alignment: Vec<&str> = group.iter().map(align).collect();
     let headings: Vec<String> = group.iter().map(heading).collect();
     let hidden: Vec<Vec<String>> = group.iter().map(|p| hidden(p.column.room)).collect();
@@ -113,8 +112,7 @@ fn heading(placed: &Placed) -> String {
 fn set(placed: &Placed, hidden: &[String], cell: &Cell) -> String {
     match cell {
         Cell::Number(number) => {
-            let decimals =
-                number.mantissa.split_once('.').map_or(0, |(_, decimals)| decimals.len());
+            let decimals = number.mantissa.split_once('.').map_or(0, |(_, after)| after.len());
             let seen = Decimal { mantissa: grouped(&number.mantissa), ..*number };
             literal(&seen.typeset()) + hidden.get(decimals).map_or("", String::as_str)
         }
@@ -125,23 +123,14 @@ fn set(placed: &Placed, hidden: &[String], cell: &Cell) -> String {
     }
 }
 
-/// What follows a number of 0, 1, … decimals, unseen. Nothing in a column with powers of ten, whose
-/// numbers end with those.
+/// What follows a number of 0, 1, … decimals, unseen: what it lacks behind its point. Nothing in a
+/// column with powers of ten, whose numbers end with those.
 fn hidden(room: Room) -> Vec<String> {
-    let lacking =
-        (0..room.decimals).filter(|_| room.power == 0).map(|decimals| unseen(decimals, room));
+    let zero = |decimals: usize| grouped(&format!("0.{}", "0".repeat(decimals)));
+    let longest = zero(room.decimals);
+    let shorter = (0..room.decimals).filter(|_| room.power == 0).map(zero);
+    let lacking = shorter.map(|own| longest.chars().skip(own.chars().count()).collect::<String>());
     lacking.map(|zeros| format!(" + hide({})", literal(&zeros))).collect()
-}
-
-/// What a number of so many decimals lacks behind its point.
-fn unseen(decimals: usize, room: Room) -> String {
-    let longest = grouped(&format!("0.{}", "0".repeat(room.decimals)));
-    let own = if decimals == 0 {
-        "0".to_owned()
-    } else {
-        grouped(&format!("0.{}", "0".repeat(decimals)))
-    };
-    longest.chars().skip(own.chars().count()).collect()
 }
 
 /// Digits in groups of three on both sides of the point, where there are more than four.
@@ -169,23 +158,14 @@ fn in_groups(digits: &str) -> String {
     text
 }
 
-fn note(note: &str) -> String {
-    format!("    align(left, block(text(0.85em, {})))\n", expression(note))
-}
-
-fn align(placed: &Placed) -> &'static str {
-    if placed.column.numeric { "right" } else { "left" }
-}
-
 /// `text` as an expression: strings, with subscripts set as such.
 pub fn expression(text: &str) -> String {
-    let mut parts = Vec::new();
-    for piece in pieces(&one_line(text)) {
-        parts.push(match piece {
-            Piece::Plain(text) => dotted(text),
-            Piece::Below(text) => format!("sub({})", dotted(text)),
-        });
-    }
+    let line = one_line(text);
+    let parts = pieces(&line).into_iter().map(|piece| match piece {
+        Piece::Plain(text) => dotted(text),
+        Piece::Below(text) => format!("sub({})", dotted(text)),
+    });
+    let parts: Vec<String> = parts.collect();
     if parts.is_empty() { literal("") } else { parts.join(" + ") }
 }
 

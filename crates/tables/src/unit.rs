@@ -9,12 +9,8 @@ const MILLI: f64 = 1000.0;
 /// in a linear study. A numerator with a torque in it has no such reading and stays per radian.
 const PER_ANGLE: [&str; 3] = ["N", "N·s", "N·s²"];
 
-/// What a value must be multiplied by to be in another unit.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Conversion {
-    pub(crate) unit: String,
-    pub(crate) factor: f64,
-}
+/// Another unit, and what a value must be multiplied by to be in it.
+pub(crate) type Conversion = (String, f64);
 
 /// The unit in which people read `unit`, where it is another one. Metres are read in millimetres.
 ///
@@ -24,17 +20,15 @@ pub(crate) fn for_people(unit: &str, coordinate: Coordinate) -> Option<Conversio
     let rest = unit.strip_prefix("rad").filter(|rest| rest.is_empty() || rest.starts_with('/'));
     let per_angle = unit.strip_suffix("/rad").filter(|numerator| PER_ANGLE.contains(numerator));
     if unit == "m" {
-        return Some(Conversion { unit: "mm".to_owned(), factor: MILLI });
+        return Some(("mm".to_owned(), MILLI));
     }
     match (coordinate, rest, per_angle) {
-        (Coordinate::Rotational, Some(rest), _) => {
-            Some(Conversion { unit: format!("°{rest}"), factor: 1_f64.to_degrees() })
-        }
+        (Coordinate::Rotational, Some(rest), _) => Some((format!("°{rest}"), 1_f64.to_degrees())),
         (Coordinate::Linear { lever_m }, Some(rest), _) => {
-            Some(Conversion { unit: format!("mm{rest}"), factor: MILLI * lever_m })
+            Some((format!("mm{rest}"), MILLI * lever_m))
         }
         (Coordinate::Linear { lever_m }, _, Some(numerator)) => {
-            Some(Conversion { unit: format!("{numerator}/mm"), factor: 1.0 / (MILLI * lever_m) })
+            Some((format!("{numerator}/mm"), 1.0 / (MILLI * lever_m)))
         }
         _ => None,
     }
@@ -43,13 +37,12 @@ pub(crate) fn for_people(unit: &str, coordinate: Coordinate) -> Option<Conversio
 /// The unit in which people read `unit`, and what a value is multiplied by to be in it:
 /// `("°", 57.3)` for `rad`; `unit` itself and 1 where nothing changes.
 pub fn shown_unit(unit: &str, coordinate: Coordinate) -> (String, f64) {
-    for_people(unit, coordinate)
-        .map_or_else(|| (unit.to_owned(), 1.0), |shown| (shown.unit, shown.factor))
+    for_people(unit, coordinate).unwrap_or_else(|| (unit.to_owned(), 1.0))
 }
 
 /// N·m as mN·m.
 pub(crate) fn small_torque() -> Conversion {
-    Conversion { unit: "mN·m".to_owned(), factor: MILLI }
+    ("mN·m".to_owned(), MILLI)
 }
 
 /// The suffixes by which a name may carry its unit, the longest first; empty for the unit `1`. The
@@ -60,8 +53,8 @@ pub(crate) fn suffixes(unit: &str) -> Vec<String> {
         return Vec::new();
     }
     let mut suffixes: Vec<String> = Vec::new();
-    for solidus in ["_per_", "_"] {
-        suffixes.extend(["_", ""].map(|dot| format!("_{}", slug(unit, solidus, dot))));
+    for (solidus, dot) in [("_per_", "_"), ("_per_", ""), ("_", "_"), ("_", "")] {
+        suffixes.push(format!("_{}", slug(unit, solidus, dot)));
     }
     // Newton metres are one word in every compound.
     let metres: Vec<String> = suffixes.iter().map(|s| s.replace("_n_m", "_nm")).collect();
@@ -74,8 +67,7 @@ pub(crate) fn suffixes(unit: &str) -> Vec<String> {
 /// A column's name without its unit, and the suffix that is the unit: `("wall_past_max", "_rad")`.
 /// The suffix is empty if the name has no unit.
 pub fn split_unit<'a>(name: &'a str, unit: &str) -> (&'a str, &'a str) {
-    let stem = suffixes(unit).iter().find_map(|suffix| name.strip_suffix(suffix.as_str()));
-    name.split_at(stem.unwrap_or(name).len())
+    name.split_at(stem(name, unit).0.len())
 }
 
 fn slug(unit: &str, solidus: &str, dot: &str) -> String {
@@ -100,12 +92,9 @@ fn slug(unit: &str, solidus: &str, dot: &str) -> String {
 /// `name` without the suffix of `unit`, and that suffix's place in [`suffixes`]; the whole name
 /// if it has no suffix.
 pub(crate) fn stem<'a>(name: &'a str, unit: &str) -> (&'a str, Option<usize>) {
-    for (i, suffix) in suffixes(unit).iter().enumerate() {
-        if let Some(stem) = name.strip_suffix(suffix.as_str()) {
-            return (stem, Some(i));
-        }
-    }
-    (name, None)
+    let suffixes = suffixes(unit);
+    let stem = |i: usize| Some((name.strip_suffix(suffixes[i].as_str())?, Some(i)));
+    (0..suffixes.len()).find_map(stem).unwrap_or((name, None))
 }
 
 #[cfg(test)]

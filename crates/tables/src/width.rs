@@ -26,43 +26,18 @@ pub(crate) fn longest_word(text: &str) -> f64 {
     text.split_whitespace().map(width).fold(0.0, f64::max)
 }
 
+/// Signs of these widths.
+const THIN: &str = "ijlI.,:;!|'()[] ⁰¹²³⁴⁵⁶⁷⁸⁹⁻·°₀₁₂₃₄₅₆₇₈₉";
+const NARROW: &str = "acefrstvz";
+const BROAD: &str = "mwMW—%@&±×−+=<>≤≥≈→√∞";
+
 fn letter(letter: char) -> f64 {
     match letter {
         '0'..='9' | '-' | '–' => 1.0,
         '\u{300}'..='\u{36f}' => 0.0, // stands over the letter before it
-        'i'
-        | 'j'
-        | 'l'
-        | 'I'
-        | '.'
-        | ','
-        | ':'
-        | ';'
-        | '!'
-        | '|'
-        | '\''
-        | '('
-        | ')'
-        | '['
-        | ']'
-        | ' '
-        | '⁰'
-        | '¹'
-        | '²'
-        | '³'
-        | '⁴'
-        | '⁵'
-        | '⁶'
-        | '⁷'
-        | '⁸'
-        | '⁹'
-        | '⁻'
-        | '·'
-        | '°'
-        | '₀'..='₉' => THIN_DIGITS,
-        'a' | 'c' | 'e' | 'f' | 'r' | 's' | 't' | 'v' | 'z' => NARROW_DIGITS,
-        'm' | 'w' | 'M' | 'W' | '—' | '%' | '@' | '&' | '±' | '×' | '−' | '+' | '=' | '<' | '>'
-        | '≤' | '≥' | '≈' | '→' | '√' | '∞' => BROAD_DIGITS,
+        _ if THIN.contains(letter) => THIN_DIGITS,
+        _ if NARROW.contains(letter) => NARROW_DIGITS,
+        _ if BROAD.contains(letter) => BROAD_DIGITS,
         _ if letter.is_uppercase() => CAPITAL_DIGITS,
         _ => LETTER_DIGITS,
     }
@@ -90,7 +65,7 @@ impl Room {
     pub(crate) fn of(cells: &[Cell]) -> Self {
         let numbers = cells.iter().filter_map(|cell| match cell {
             Cell::Number(number) => Some(Self::number(number)),
-            Cell::Missing | Cell::Text(_) | Cell::Joined(_) => None,
+            _ => None,
         });
         numbers.fold(Self::default(), Self::both)
     }

@@ -3,7 +3,7 @@
 use crate::display::theta_to_x;
 use crate::heading::words;
 use crate::unit::split_unit;
-use crate::{Column, Field, Table, TableError, Type, Values, for_people};
+use crate::{Column, Table, TableError, Values, for_people};
 use serde::Serialize;
 use std::borrow::Cow;
 use zwidth_study::{Contrast, Coordinate, Study};
@@ -66,7 +66,7 @@ impl Wording {
             }
         }
         let worded = Table::new(table.name(), table.title(), with_units(columns))?;
-        Ok(table.notes_by_kind().fold(worded, |t, (kind, note)| t.with_note_of(kind, note)))
+        Ok(worded.with_notes(table.notes_by_kind()))
     }
 
     fn words<'a>(&'a self, column: &str, text: &'a str) -> Cow<'a, str> {
@@ -93,12 +93,10 @@ impl Wording {
         }
         let unit = METRIC_UNITS.iter().find(|unit| !split_unit(name, unit).1.is_empty());
         let unit = unit.copied().unwrap_or("1");
-        let name = match self.coordinate {
-            Coordinate::Rotational => name.to_owned(),
-            Coordinate::Linear { .. } => theta_to_x(name),
-        };
-        let (name, unit, description) = (name.into(), unit.into(), "".into());
-        words(&Field { name, unit, description, kind: Type::Float }).into()
+        match self.coordinate {
+            Coordinate::Rotational => words(name, unit).into(),
+            Coordinate::Linear { .. } => words(&theta_to_x(name), unit).into(),
+        }
     }
 }
 
@@ -148,25 +146,19 @@ mod tests {
 
     #[test]
     fn a_metric_has_its_unit_behind_it_in_the_studys_coordinate() {
-        let texts =
-            |name, values: [&str; 2]| Column::text(name, "", values.map(|v| Some(v.to_owned())));
         let columns = vec![
-            texts("metric", ["theta_max", "share"]),
-            texts("unit", ["rad", "1"]),
+            Column::text("metric", "", ["theta_max", "share"].map(Some)),
+            Column::text("unit", "", ["rad", "1"].map(Some)),
             Column::float("hybrid", UNIT_OF_ROW, "", [Some(0.5), Some(0.25)]),
         ];
         let table = Table::new("t", "", columns).unwrap();
         let told = |coordinate| {
             let told = Wording::plain(coordinate).tell(&table).unwrap();
             assert!(told.texts("unit").is_err());
-            (
-                told.texts("metric").unwrap().remove(0).unwrap(),
-                told.texts("metric").unwrap().remove(1),
-            )
+            told.texts("metric").unwrap().into_iter().flatten().collect::<Vec<_>>()
         };
-        let share = Some("share".to_owned());
-        assert_eq!(told(Coordinate::Rotational), ("θ max (°)".to_owned(), share.clone()));
-        assert_eq!(told(Coordinate::Linear { lever_m: 0.05 }), ("x max (mm)".to_owned(), share));
+        assert_eq!(told(Coordinate::Rotational), ["θ max (°)", "share"]);
+        assert_eq!(told(Coordinate::Linear { lever_m: 0.05 }), ["x max (mm)", "share"]);
     }
 
     fn wording() -> Wording {

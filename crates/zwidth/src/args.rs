@@ -1,29 +1,6 @@
 //! The command line: parsed here, resolved into work by the commands.
 
-use crate::commands::acquire::AcquireArgs;
-use crate::commands::characterise::CharacteriseArgs;
-use crate::commands::check::CheckArgs;
-use crate::commands::compare::CompareArgs;
-use crate::commands::figure::FigureArgs;
-use crate::commands::import::ImportArgs;
-use crate::commands::ladder::LadderArgs;
-use crate::commands::locate::Traced;
-use crate::commands::merge::MergeArgs;
-use crate::commands::methods::MethodsArgs;
-use crate::commands::open::OpenArgs;
-use crate::commands::participant::ParticipantArgs;
-use crate::commands::power::PowerArgs;
-use crate::commands::recover::RecoverArgs;
-use crate::commands::run::RunArgs;
-use crate::commands::said::answers::AnswerArgs;
-use crate::commands::said::{ExcludeArgs, NoteArgs};
-use crate::commands::shards::ShardsArgs;
-use crate::commands::simulate::SimulateArgs;
-use crate::commands::stability::StabilityArgs;
-use crate::commands::table::TableArgs;
-use crate::commands::trade::TradeArgs;
-use crate::commands::twin::TwinArgs;
-use crate::commands::unseal::UnsealArgs;
+use crate::commands;
 use crate::limits::MOST_THREADS;
 use clap::{Parser, Subcommand};
 use std::path::PathBuf;
@@ -64,13 +41,13 @@ pub(crate) enum Command {
         "  zwidth run thesis-twin --only metrics\n",
         "  zwidth run thesis-twin --cluster node1:50050"
     ))]
-    Run(RunArgs),
+    Run(commands::run::RunArgs),
     /// Which shards of a study have made their share (`run --shard`), and what is missing
     #[command(after_help = "Example:\n  zwidth shards thesis-twin --missing")]
-    Shards(ShardsArgs),
+    Shards(commands::shards::ShardsArgs),
     /// Put the results of a study's shards together; then `run` makes the rest
     #[command(after_help = "Example:\n  zwidth merge thesis-twin")]
-    Merge(MergeArgs),
+    Merge(commands::shards::MergeArgs),
     /// Write a commented study.toml for a new study
     #[command(after_help = "Example:\n  zwidth new mystudy")]
     New {
@@ -86,11 +63,11 @@ pub(crate) enum Command {
         "  zwidth acquire mystudy -p P01 -s S01\n",
         "  zwidth acquire mystudy -p P01 -s S01 --device rig:/dev/ttyACM0"
     ))]
-    Acquire(AcquireArgs),
+    Acquire(commands::acquire::AcquireArgs),
     /// The participant's own screen beside a session that is being recorded: what to do, and the
     /// question
     #[command(after_help = "Example:\n  zwidth participant mystudy")]
-    Participant(ParticipantArgs),
+    Participant(commands::participant::ParticipantArgs),
     /// List the serial ports, or ask those that are named which board is there
     #[command(after_help = "Example:\n  zwidth ports /dev/ttyACM0")]
     Ports {
@@ -101,22 +78,22 @@ pub(crate) enum Command {
     },
     /// The device check before a session
     #[command(after_help = "Example:\n  zwidth check mystudy --device rig:/dev/ttyACM0")]
-    Check(CheckArgs),
+    Check(commands::check::CheckArgs),
     /// Record characterisation sweeps of an actuator, or the Z-width of the device
     #[command(after_help = "Example:\n  zwidth characterise mystudy motor --sweeps 3")]
-    Characterise(CharacteriseArgs),
+    Characterise(commands::characterise::CharacteriseArgs),
     /// A whole study on the simulated device, at once
     #[command(after_help = "Example:\n  zwidth twin mytwin --participants 4 --sessions 1")]
-    Twin(TwinArgs),
+    Twin(commands::twin::TwinArgs),
     #[command(after_help = concat!(
         "Example:\n",
         "  zwidth exclude mystudy -p P01 -s S01 --trial 7 \"the phone rang\""
     ))]
     /// Exclude a recorded trial, with a reason: it is missing until it is done again
-    Exclude(ExcludeArgs),
+    Exclude(commands::said::ExcludeArgs),
     #[command(after_help = "Example:\n  zwidth note mystudy -p P01 -s S01 left-handed")]
     /// Add a remark to a session, or to one of its trials
-    Note(NoteArgs),
+    Note(commands::said::NoteArgs),
     #[command(after_help = concat!(
         "Examples:\n",
         "  zwidth answer mystudy -p P01 -s S01 --trial 7 4\n",
@@ -124,20 +101,20 @@ pub(crate) enum Command {
     ))]
     /// Give answers after the session, one or a table of them; each counts in place of an earlier
     /// one, which is kept
-    Answer(AnswerArgs),
+    Answer(commands::said::answers::AnswerArgs),
     /// Open a blinded session's seal: its modes are known from then on
     #[command(after_help = "Example:\n  zwidth unseal mystudy -p P01 -s S01")]
-    Unseal(UnsealArgs),
+    Unseal(commands::unseal::UnsealArgs),
     /// After a kill or a power cut: journals become trials, half-written files go
     #[command(after_help = "Example:\n  zwidth recover mystudy")]
-    Recover(RecoverArgs),
+    Recover(commands::recover::RecoverArgs),
     /// Bring in recordings of other rigs, as a mapping file says
     #[command(after_help = concat!(
         "Examples:\n",
         "  zwidth import --guess recordings/P01.csv --map map.toml\n",
         "  zwidth import mystudy --map map.toml recordings/P01.csv"
     ))]
-    Import(ImportArgs),
+    Import(commands::import::ImportArgs),
     /// Check studies: every finding, with file, column, row and remedy
     #[command(after_help = "Example:\n  zwidth verify thesis-twin")]
     Verify {
@@ -152,63 +129,63 @@ pub(crate) enum Command {
     },
     /// Run a model of the device: figures and tables of scenes
     #[command(after_help = "Example:\n  zwidth simulate scenes/sine.toml")]
-    Simulate(SimulateArgs),
+    Simulate(commands::simulate::SimulateArgs),
     /// Speed against accuracy: every solver and step on scenes, and the cheapest that is good
     /// enough
     #[command(after_help = "Example:\n  zwidth trade scenes/sine.toml")]
-    Trade(TradeArgs),
+    Trade(commands::trade::TradeArgs),
     /// Which terms of the model a scene needs: all sets of eight against the fullest
     #[command(after_help = "Example:\n  zwidth ladder scenes/sine.toml")]
-    Ladder(LadderArgs),
+    Ladder(commands::ladder::LadderArgs),
     /// Which virtual walls a device bears: limits of a sampled wall, kept apart, over pairs of
     /// quantities; whether what swung in a recorded trial was real
     #[command(after_help = "Example:\n  zwidth stability --at delay=0.0083")]
-    Stability(StabilityArgs),
+    Stability(commands::stability::StabilityArgs),
     /// Modes, participants, sessions or repeats of a study compared, one metric at a time
     #[command(after_help = "Example:\n  zwidth compare thesis-twin --by participant")]
-    Compare(CompareArgs),
+    Compare(commands::compare::CompareArgs),
     /// How many participants a study needs to find a difference; a plan to deposit
     #[command(after_help = concat!(
         "Example:\n",
         "  zwidth power thesis-twin --difference 0.2 --participant-mode-sd 0.1 --residual-sd 0.2"
     ))]
-    Power(PowerArgs),
+    Power(commands::power::PowerArgs),
     /// Show a study's page in the browser, or write it as one file
     #[command(after_help = concat!(
         "Examples:\n",
         "  zwidth open thesis-twin\n",
         "  zwidth open thesis-twin --single-file thesis-twin.html"
     ))]
-    Open(OpenArgs),
+    Open(commands::open::OpenArgs),
     /// Make one figure of a study again, in another size or form, or list its figures
     #[command(after_help = concat!(
         "Examples:\n",
         "  zwidth figure thesis-twin\n",
         "  zwidth figure thesis-twin modes.P01.S01.spring --size 120 --format png"
     ))]
-    Figure(FigureArgs),
+    Figure(commands::figure::FigureArgs),
     /// Print a table of a study, or list its tables
     #[command(after_help = concat!(
         "Examples:\n",
         "  zwidth table thesis-twin\n",
         "  zwidth table thesis-twin conditions --format tex"
     ))]
-    Table(TableArgs),
+    Table(commands::table::TableArgs),
     /// Print what was done in words, with its sources: for a thesis' methods chapter
     #[command(after_help = "Example:\n  zwidth methods thesis-twin --format tex")]
-    Methods(MethodsArgs),
+    Methods(commands::methods::MethodsArgs),
     /// What a result was last made from, and why a run would make it again
     #[command(after_help = concat!(
         "Example:\n",
         "  zwidth why reports/thesis-twin/figures/modes.P01.S01.spring.png"
     ))]
-    Why(Traced),
+    Why(commands::locate::Traced),
     /// The raw files behind a result, and the jobs between; also of a copy that lies elsewhere
     #[command(after_help = concat!(
         "Example:\n",
         "  zwidth trace reports/thesis-twin/figures/modes.P01.S01.spring.png"
     ))]
-    Trace(Traced),
+    Trace(commands::locate::Traced),
     /// Completions for a shell
     #[command(after_help = "Example:\n  zwidth completions bash")]
     Completions {

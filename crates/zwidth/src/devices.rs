@@ -1,15 +1,16 @@
 //! The devices by the names that they have on the command line: the one list.
 
+use crate::commands::device::Bench;
+use crate::screen::Screen;
 use anyhow::{Context as _, anyhow};
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use zwidth_acquire::number;
 use zwidth_device::check::{Step, steps};
-use zwidth_device::{Device, Person, Playback, Twin, TwinParameters};
-use zwidth_link::Settings;
+use zwidth_device::{Device, Person, Playback, Twin};
 use zwidth_store::{Samples, Signal, hex_blake3, read_trial};
-use zwidth_study::{Environment, Flags, ParticipantId, Sample, SessionId, Voltages};
+use zwidth_study::{Flags, ParticipantId, Sample, SessionId, Voltages};
 
 /// How devices are written on the command line.
 pub(crate) const DEVICES: &str = "twin|rig[:PORT]|playback:FILE";
@@ -50,48 +51,46 @@ impl FromStr for DeviceSpec {
     }
 }
 
-/// What a device is opened for.
-pub(crate) struct Occasion<'a> {
-    /// The simulated device's parameters.
-    pub(crate) twin: &'a TwinParameters,
-    /// What `rig.toml` says, where it is there.
-    pub(crate) rig: Option<&'a Settings>,
-    /// The study's environments.
-    pub(crate) environments: &'a [Environment],
-    /// Ticks a second that the study asks for.
-    pub(crate) rate_hz: f64,
-    /// The lower end of the work space, rad.
-    pub(crate) theta_min_rad: Option<f64>,
-    /// What the simulated device's participant and noise are drawn from.
-    pub(crate) seed: u64,
-    pub(crate) participant: &'a ParticipantId,
-    pub(crate) session: &'a SessionId,
-    /// Trials of a session.
-    pub(crate) trials: u32,
-}
-
-/// The device, and who is at it where it is the simulated one.
-pub(crate) fn open(spec: &DeviceSpec, occasion: &Occasion) -> anyhow::Result<Box<dyn Device>> {
-    let theta_min_rad = occasion.theta_min_rad;
+/// The device of a study, for a session; `seed` is what the simulated one's participant and noise
+/// are drawn from.
+pub(crate) fn open(
+    spec: &DeviceSpec,
+    bench: &Bench,
+    seed: u64,
+    participant: &ParticipantId,
+    session: &SessionId,
+) -> anyhow::Result<Box<dyn Device>> {
+    let study = &bench.study;
     match spec {
-        DeviceSpec::Twin => Ok(Box::new(twin(occasion, false)?)),
-        DeviceSpec::Rig(port) => rig(port.as_deref(), occasion),
+        DeviceSpec::Twin => Ok(Box::new(twin(bench, seed, participant, session, false)?)),
+        DeviceSpec::Rig(port) => {
+            let settings = bench.rig.as_ref().context(
+                "a rig needs its load cell's scale: write newtons_per_count = … into rig.toml beside study.toml (docs/rig.md)",
+            )?;
+            settings.check_loop(study.control.rate_hz)?;
+            let environments = study.environments.iter().map(|e| e.id.clone()).collect();
+            Ok(zwidth_link::open(port.as_deref(), settings, environments)?)
+        }
         DeviceSpec::Playback(path) => {
             let trial = read_trial(path, Signal::all())?;
-            let stop_rad = theta_min_rad.context("study.toml: device.theta_min_deg is missing")?;
+            let stop_rad = study.device.theta_min_rad;
+            let stop_rad = stop_rad.context("study.toml: device.theta_min_deg is missing")?;
             Ok(Box::new(Playback::new(rows(path, &trial.samples)?, stop_rad)?))
         }
     }
 }
 
-/// The board at a port.
-fn rig(port: Option<&Path>, occasion: &Occasion) -> anyhow::Result<Box<dyn Device>> {
-    let settings = occasion.rig.context(
-        "a rig needs its load cell's scale: write newtons_per_count = … into rig.toml beside study.toml (docs/rig.md)",
-    )?;
-    settings.check_loop(occasion.rate_hz)?;
-    let environments = occasion.environments.iter().map(|e| e.id.clone()).collect();
-    Ok(zwidth_link::open(port, settings, environments)?)
+/// Warns of a rig that is about to be used with another device's calibration: forces would be
+/// wrong.
+pub(crate) fn warn_of_calibration(bench: &Bench, device: &DeviceSpec, screen: &Screen) {
+    let path = bench.layout.raw().join("calibration.toml");
+    if matches!(device, DeviceSpec::Rig(_)) && !path.exists() {
+        screen.warn(format!(
+            "{} is missing, so the nominal calibration of the thesis' prototype is used: forces of another rig come out \
+             wrong; make one from sweeps and copy it there (docs/session.md)",
+            path.display()
+        ));
+    }
 }
 
 /// Whether a device's lever needs a hand to get to its stop.
@@ -101,17 +100,24 @@ pub(crate) fn is_homed_by_hand(spec: &DeviceSpec) -> bool {
 
 /// The simulated device with a participant. One seed: one device, the same person in each session
 /// with what a day brings, other noise. An untidy person gives trials up and leaves questions open.
-pub(crate) fn twin(occasion: &Occasion, untidy: bool) -> anyhow::Result<Twin> {
-    let Occasion { twin: parameters, seed, participant, session, .. } = *occasion;
+pub(crate) fn twin(
+    bench: &Bench,
+    seed: u64,
+    participant: &ParticipantId,
+    session: &SessionId,
+    untidy: bool,
+) -> anyhow::Result<Twin> {
     let [participant_id, session_id] = [participant.as_str(), session.as_str()];
     let lasting = Person::draw(mixed(seed, &["person", participant_id]));
+    let conditions = u32::try_from(bench.study.conditions().len()).unwrap_or(u32::MAX);
+    let design = &bench.study.design;
+    let trials = conditions.saturating_mul(design.repeats).saturating_add(design.familiarisation);
     // If the sessions before this one were whole; none before one without a number.
     let sessions_before = number(session_id).unwrap_or(1).saturating_sub(1);
-    let practised_trials = sessions_before.saturating_mul(occasion.trials);
     let day_seed = mixed(seed, &["day", participant_id, session_id]);
-    let person = lasting.in_session(day_seed, practised_trials);
+    let person = lasting.in_session(day_seed, sessions_before.saturating_mul(trials));
     let person = if untidy { person.untidy() } else { person };
-    Ok(Twin::new(parameters.clone(), person, mixed(seed, &["board", participant_id, session_id]))?)
+    Ok(Twin::new(bench.twin.clone(), person, mixed(seed, &["board", participant_id, session_id]))?)
 }
 
 /// A seed from a seed and what it is for.

@@ -93,7 +93,7 @@ fn run(args: Args, screen: &screen::Screen) -> anyhow::Result<Exit> {
     match args.command {
         Command::Run(command) => commands::run::run(root, &command, screen),
         Command::Shards(command) => commands::shards::shards(root, &command, screen),
-        Command::Merge(command) => commands::merge::merge(root, &command, screen),
+        Command::Merge(command) => commands::shards::merge(root, &command, screen),
         Command::New { study, imported } => commands::new::new(root, study, imported, screen),
         Command::Acquire(command) => commands::acquire::acquire(root, &command, screen),
         Command::Participant(command) => commands::participant::participant(root, &command, screen),

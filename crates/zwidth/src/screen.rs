@@ -4,6 +4,7 @@ use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::io::{self, ErrorKind, IsTerminal as _, Write as _};
+use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 use zwidth_study::{printable, printable_lines};
 
@@ -73,6 +74,15 @@ impl Screen {
         Ok(())
     }
 
+    /// What a command gives: a listing for machines, or what `tell` says to people.
+    pub(crate) fn give(&self, value: &impl Serialize, tell: impl FnOnce()) -> anyhow::Result<()> {
+        if self.json {
+            return self.listing(value);
+        }
+        tell();
+        Ok(())
+    }
+
     /// Something a person wants to know while the work goes on.
     pub(crate) fn say(&self, text: impl AsRef<str>) {
         if !self.quiet {
@@ -82,23 +92,31 @@ impl Screen {
 
     /// Something skipped or lost.
     pub(crate) fn warn(&self, text: impl AsRef<str>) {
-        let _ = writeln!(
-            std::io::stderr(),
-            "{} {}",
-            self.paint("warning:", "33"),
-            printable_lines(text.as_ref())
-        );
+        self.marked("warning:", "33", text.as_ref());
     }
 
     /// What made the program fail.
     pub(crate) fn error(&self, error: &anyhow::Error) {
-        let text = format!("{error:#}");
-        let _ = writeln!(
-            std::io::stderr(),
-            "{} {}",
-            self.paint("error:", "31"),
-            printable_lines(&text)
-        );
+        self.marked("error:", "31", &format!("{error:#}"));
+    }
+
+    /// A text after a word in colour.
+    fn marked(&self, word: &str, colour: &str, text: &str) {
+        let word = match self.bold {
+            true => format!("\u{1b}[1;{colour}m{word}\u{1b}[0m"),
+            false => word.to_owned(),
+        };
+        let _ = writeln!(std::io::stderr(), "{word} {}", printable_lines(text));
+    }
+
+    /// The paths of those of the files that have one of the extensions, indented.
+    pub(crate) fn files(&self, files: &[PathBuf], extensions: &[&str], indent: &str) {
+        for path in files {
+            let extension = path.extension().and_then(|extension| extension.to_str());
+            if extension.is_some_and(|extension| extensions.contains(&extension)) {
+                self.result(format!("{indent}{}", path.display()));
+            }
+        }
     }
 
     /// A progress bar; none where nobody looks.
@@ -124,10 +142,6 @@ impl Screen {
     /// move its cursor.
     fn target(&self) -> ProgressDrawTarget {
         if self.quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() }
-    }
-
-    fn paint(&self, text: &str, colour: &str) -> String {
-        if self.bold { format!("\u{1b}[1;{colour}m{text}\u{1b}[0m") } else { text.to_owned() }
     }
 }
 
@@ -155,17 +169,13 @@ impl Bars {
         let jobs: usize = stages.iter().map(|(_, length)| length).sum();
         let mut bars = BTreeMap::new();
         for (stage, length) in stages {
-            let bar = all.add(ProgressBar::new(length as u64));
-            let bar = bar
-                .with_style(style("{prefix:>13}  {bar:30} {pos}/{len} {msg}"))
-                .with_prefix(stage);
-            bars.insert(stage, bar);
+            let bar = all.add(ProgressBar::new(length as u64)).with_prefix(stage);
+            let style = style("{prefix:>13}  {bar:30} {pos}/{len} {msg}");
+            bars.insert(stage, bar.with_style(style));
         }
         // Added last, so that it stands below the stages.
-        let whole = all.add(ProgressBar::new(jobs as u64));
-        let whole = whole
-            .with_style(style("{prefix:>13}  {bar:30} {pos}/{len} {eta} left"))
-            .with_prefix("all");
+        let whole = all.add(ProgressBar::new(jobs as u64)).with_prefix("all");
+        let whole = whole.with_style(style("{prefix:>13}  {bar:30} {pos}/{len} {eta} left"));
         Self { stages: bars, whole, all }
     }
 

@@ -2,33 +2,23 @@
 
 #![allow(clippy::unwrap_used)] // helpers outside of a test function are test code too
 
+mod common;
+
+use common::{fresh, text, zwidth};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Output;
 
 fn scene(stem: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes").join(format!("{stem}.toml"))
 }
 
-/// A folder of its own for a test, empty.
-fn folder(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
-    let _ = std::fs::remove_dir_all(&folder);
-    std::fs::create_dir_all(&folder).unwrap();
-    folder
-}
-
 fn simulate(root: &Path, arguments: &[&str]) -> Output {
-    let program = env!("CARGO_BIN_EXE_zwidth");
-    Command::new(program).arg("--root").arg(root).arg("simulate").args(arguments).output().unwrap()
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8(bytes.to_vec()).unwrap()
+    zwidth(root, &[&["simulate"], arguments].concat())
 }
 
 #[test]
 fn two_scenes_give_their_own_files_and_those_they_share() {
-    let root = folder("two_scenes");
+    let root = fresh("two_scenes");
     let scenes = [scene("ramp"), scene("step")].map(|path| path.to_str().unwrap().to_owned());
     let output = simulate(&root, &[&scenes[0], &scenes[1]]);
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
@@ -52,7 +42,7 @@ fn two_scenes_give_their_own_files_and_those_they_share() {
 
 #[test]
 fn a_bad_scene_among_good_ones_is_told_with_file_and_line_and_skipped() {
-    let root = folder("bad_scene");
+    let root = fresh("bad_scene");
     let good = scene("step");
     let bad = root.join("bad.toml");
     let wrong = std::fs::read_to_string(&good).unwrap().replace("mass_kg = 0.005", "mass_kg = -1");
@@ -70,7 +60,7 @@ fn a_bad_scene_among_good_ones_is_told_with_file_and_line_and_skipped() {
 
 #[test]
 fn bad_arguments_end_with_two() {
-    let root = folder("bad_arguments");
+    let root = fresh("bad_arguments");
     let good = scene("step");
     for arguments in [["--solver", "rk5"], ["--step", "0"], ["--tolerance", "nan"]] {
         let output = simulate(&root, &[&arguments[..], &[good.to_str().unwrap()]].concat());
@@ -80,7 +70,7 @@ fn bad_arguments_end_with_two() {
 
 #[test]
 fn a_bow_tie_is_drawn_instead_of_a_run() {
-    let root = folder("bow_tie");
+    let root = fresh("bow_tie");
     let scene = scene("two_actuators");
     let out = root.join("elsewhere");
     let output =

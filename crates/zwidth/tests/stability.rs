@@ -2,24 +2,9 @@
 
 #![allow(clippy::unwrap_used)] // helpers outside of a test function are test code too
 
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+mod common;
 
-fn fresh(name: &str) -> PathBuf {
-    let root = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
-    let _ = std::fs::remove_dir_all(&root);
-    std::fs::create_dir_all(&root).unwrap();
-    root
-}
-
-fn zwidth(root: &Path, arguments: &[&str]) -> Output {
-    let program = env!("CARGO_BIN_EXE_zwidth");
-    Command::new(program).arg("--root").arg(root).args(arguments).output().unwrap()
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8(bytes.to_vec()).unwrap()
-}
+use common::{fresh, text, zwidth};
 
 #[test]
 fn a_map_a_table_of_limits_and_the_textbook_that_is_unsafe() {

@@ -2,14 +2,14 @@
 
 #![allow(clippy::unwrap_used)] // helpers outside of a test function are test code too
 
+mod common;
+
+use common::{fresh, text, zwidth};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
 
 /// A fifth of a second of the thesis' sine, in a folder of its own.
 fn laid_down(name: &str) -> (PathBuf, PathBuf) {
-    let root = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
-    let _ = std::fs::remove_dir_all(&root);
-    std::fs::create_dir_all(&root).unwrap();
+    let root = fresh(name);
     let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/sine.toml");
     let text = std::fs::read_to_string(scene).unwrap();
     let short = text
@@ -18,15 +18,6 @@ fn laid_down(name: &str) -> (PathBuf, PathBuf) {
     let path = root.join("short.toml");
     std::fs::write(&path, short).unwrap();
     (root, path)
-}
-
-fn zwidth(root: &Path, arguments: &[&str]) -> Output {
-    let program = env!("CARGO_BIN_EXE_zwidth");
-    Command::new(program).arg("--root").arg(root).args(arguments).output().unwrap()
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8(bytes.to_vec()).unwrap()
 }
 
 #[test]

@@ -4,41 +4,11 @@ use crate::WhyNot;
 use crate::average::{Average, SIGNALS};
 use crate::loops::{LOADS, MeanBranch, MeanLoop};
 use crate::notes::not_averaged;
-use std::borrow::Cow;
 use zwidth_results::{AveragePoint, LoopBranch, LoopPoint, Row};
 use zwidth_stats::band::Band;
 use zwidth_store::Signal;
 use zwidth_study::Condition;
 use zwidth_tables::{Column, NoteKind, Table, TableError};
-
-/// A column of a signal: what stands between stem and unit in its name, its meaning, its values.
-struct Statistic {
-    part: &'static str,
-    meaning: String,
-    values: fn(&Band) -> &[Option<f64>],
-}
-
-/// The four columns of a signal, averaged over `whose`: repeats, or participants.
-fn statistics(whose: &str) -> [Statistic; 4] {
-    [
-        Statistic { part: "mean", meaning: format!("mean of the {whose}"), values: |b| &b.mean },
-        Statistic {
-            part: "sd",
-            meaning: format!("standard deviation of the {whose}"),
-            values: |b| &b.sd,
-        },
-        Statistic {
-            part: "ci_low",
-            meaning: "lower end of the mean's pointwise t interval".to_owned(),
-            values: |b| &b.ci_low,
-        },
-        Statistic {
-            part: "ci_high",
-            meaning: "upper end of the mean's pointwise t interval".to_owned(),
-            values: |b| &b.ci_high,
-        },
-    ]
-}
 
 /// One row per point of time of each average: participant, session, environment, mode, source,
 /// `alignment` (`onset` or `landmarks`), `t_s` since onset, `phase` by landmarks, `n` repeats, and mean, SD and band of
@@ -63,19 +33,10 @@ pub fn table(averages: &[Average]) -> Result<Table, TableError> {
         }));
     }
     let mut columns = AveragePoint::columns(&points);
-    for signal in SIGNALS {
-        for Statistic { part, meaning, values } in statistics("repeats") {
-            let mut column = Vec::with_capacity(points.len());
-            for a in averages {
-                let course = a.courses.iter().find(|course| course.signal == signal);
-                let band = course.map(|course| values(&course.band));
-                column.extend((0..a.t_s.len()).map(|i| band?[i]));
-            }
-            let name = column_name(signal, part);
-            let description = format!("{}: {meaning}", signal.column().description);
-            columns.push(renamed(signal, name, description, column));
-        }
-    }
+    columns.extend(bands(&SIGNALS, "repeats", averages, |average, signal| {
+        let course = average.courses.iter().find(|course| course.signal == signal);
+        (average.t_s.len(), course.map(|course| &course.band))
+    }));
     let table = Table::new(AveragePoint::NAME, AveragePoint::TITLE, columns)?;
     let notes = averages.iter().flat_map(Average::notes);
     Ok(notes.fold(table, |table, (kind, note)| table.with_note_of(kind, note)))
@@ -119,18 +80,42 @@ pub(crate) fn angles(branches: &[MeanBranch]) -> impl Iterator<Item = (LoopBranc
 
 /// The columns of the loads, one row per angle of [`angles`].
 pub(crate) fn loads(branches: &[MeanBranch], whose: &str) -> Vec<Column> {
+    bands(&LOADS, whose, branches, |branch, signal| {
+        let band = branch.loads.iter().find(|(load, _)| *load == signal);
+        (branch.theta_rad.len(), band.map(|(_, band)| band))
+    })
+}
+
+/// The four columns of each signal, averaged over `whose`: repeats, or participants. Each part has
+/// as many rows as `band` says, and in them that band, or null.
+fn bands<T>(
+    signals: &[Signal],
+    whose: &str,
+    parts: &[T],
+    band: impl Fn(&T, Signal) -> (usize, Option<&Band>),
+) -> Vec<Column> {
+    type Values = fn(&Band) -> &[Option<f64>];
+    // What stands between stem and unit in a column's name, its meaning, its values.
+    let statistics: [(&str, String, Values); 4] = [
+        ("mean", format!("mean of the {whose}"), |b| &b.mean),
+        ("sd", format!("standard deviation of the {whose}"), |b| &b.sd),
+        ("ci_low", "lower end of the mean's pointwise t interval".to_owned(), |b| &b.ci_low),
+        ("ci_high", "upper end of the mean's pointwise t interval".to_owned(), |b| &b.ci_high),
+    ];
     let mut columns = Vec::new();
-    for signal in LOADS {
-        for Statistic { part, meaning, values } in statistics(whose) {
+    for signal in signals {
+        for (name, meaning, values) in &statistics {
             let mut column = Vec::new();
-            for b in branches {
-                let band = b.loads.iter().find(|(load, _)| *load == signal);
-                let band = band.map(|(_, band)| values(band));
-                column.extend((0..b.theta_rad.len()).map(|i| band?[i]));
+            for part in parts {
+                let (rows, band) = band(part, *signal);
+                let band = band.map(*values);
+                column.extend((0..rows).map(|i| band?[i]));
             }
-            let description = format!("{}: {meaning}", signal.column().description);
-            let name = column_name(signal, part);
-            columns.push(renamed(signal, name, description, column));
+            // `Column::float` takes words that live as long as the program.
+            let mut column = Column::float("", signal.column().unit, "", column);
+            column.field.name = column_name(*signal, name).into();
+            column.field.description = format!("{}: {meaning}", signal.column().description).into();
+            columns.push(column);
         }
     }
     columns
@@ -168,20 +153,6 @@ fn sentence(reason: &str) -> String {
 /// The name of a column of a signal: `theta_mean_rad`.
 pub(crate) fn column_name(signal: Signal, part: &str) -> String {
     format!("{}_{part}_{}", signal.stem(), signal.suffix())
-}
-
-/// A column whose name and description are made here rather than written out.
-pub(crate) fn renamed(
-    signal: Signal,
-    name: String,
-    description: String,
-    values: Vec<Option<f64>>,
-) -> Column {
-    // `Column::float` takes words that live as long as the program.
-    let mut column = Column::float("", signal.column().unit, "", values);
-    column.field.name = Cow::Owned(name);
-    column.field.description = Cow::Owned(description);
-    column
 }
 
 #[cfg(test)]

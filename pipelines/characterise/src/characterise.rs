@@ -1,9 +1,9 @@
 //! Fits, judges and compares every candidate.
 
-use crate::characteristic::{Candidate, Characteristic, Grouping, Parameter, Quality, Settings};
-use crate::crossval::{LeftOut, cross_validate, folds};
+use crate::characteristic::{Candidate, Characteristic, Quality, Settings};
+use crate::crossval::{cross_validate, folds};
 use crate::error::CharacteriseError;
-use crate::models::{self, Model};
+use crate::models::{self, Model, way};
 use crate::noise::noise;
 use crate::samples::{Samples, Sweep};
 use crate::shape::{Quantity, break_range};
@@ -12,7 +12,7 @@ use crate::verdict::{self, significant};
 use core::ops::Range;
 use rayon::prelude::*;
 use zwidth_numerics::moments::Moments;
-use zwidth_results::CandidateVerdict;
+use zwidth_results::{CandidateVerdict, FittedParameter};
 use zwidth_stats::aicc::aicc;
 use zwidth_stats::autocorrelation::lag1;
 
@@ -32,16 +32,20 @@ pub fn characterise(
 ) -> Result<Characteristic, CharacteriseError> {
     let samples = Samples::new(sweeps)?;
     let noise = noise(&samples);
-    let grouping = if samples.sweeps.len() > 1 { Grouping::Sweep } else { Grouping::Block };
+    let grouping = if samples.sweeps.len() > 1 { "sweep" } else { "block" };
     let folds = folds(&samples);
     // If the command goes one way only, the other way's curve cannot be fitted.
     let both = samples.has_both_branches();
     let models: Vec<Model> = models::all().filter(|model| both || !model.hysteresis).collect();
     let fitted = models.par_iter().map(|model| candidate(model, &samples, &folds, noise, settings));
     let mut candidates = fitted.collect::<Result<Vec<_>, _>>()?;
-    let left_out = format!("{} {}s", folds.len(), grouping.name());
+    let left_out = format!("{} {grouping}s", folds.len());
     let (chosen, reason) = verdict::judge(&mut candidates, &left_out, &settings.response_unit)
-        .ok_or(CharacteriseError::NothingFits { grouping })?;
+        .ok_or_else(|| {
+            CharacteriseError::Refused(format!(
+                "no line can be fitted with one {grouping} left out: the others need two different commands between them"
+            ))
+        })?;
     let (command_min, command_max) = samples.command_range();
     Ok(Characteristic {
         sweeps: samples.sweeps.len(),
@@ -79,24 +83,11 @@ fn candidate(
     };
     let fitted = model.fit(&samples.gathered(), None);
     let left_out = cross_validate(model, samples, folds);
-    if let Some((fitted, left_out)) = fitted.zip(left_out) {
-        candidate.quality = Some(quality(model, samples, &fitted, &left_out, noise));
-        candidate.left_out = left_out.squares;
-        candidate.resampled = resampled(model, samples, &fitted, settings);
-        candidate.parameters = parameters(model, samples, &fitted, &candidate, settings)?;
-    }
-    Ok(candidate)
-}
-
-fn quality(
-    model: &Model,
-    samples: &Samples,
-    fitted: &[f64],
-    left_out: &LeftOut,
-    noise: Option<f64>,
-) -> Quality {
+    let Some((fitted, left_out)) = fitted.zip(left_out) else { return Ok(candidate) };
     let residuals: Vec<f64> = (0..samples.len())
-        .map(|i| samples.response[i] - model.predict(fitted, samples.command[i], samples.branch[i]))
+        .map(|i| {
+            samples.response[i] - model.predict(&fitted, samples.command[i], samples.branch[i])
+        })
         .collect();
     let n = samples.len() as f64;
     let mean = samples.response.iter().sum::<f64>() / n;
@@ -105,7 +96,7 @@ fn quality(
     // Neighbours across two sweeps were not recorded one after the other.
     let by_sweep: Vec<&[f64]> = samples.sweeps.iter().map(|s| &residuals[s.clone()]).collect();
     let rms = (rss / n).sqrt();
-    Quality {
+    candidate.quality = Some(Quality {
         df: samples.len() - model.complexity(),
         rms,
         r2: (total > 0.0).then(|| 1.0 - rss / total),
@@ -114,7 +105,11 @@ fn quality(
         aicc: binned_aicc(samples, &residuals, model.complexity()),
         autocorrelation: lag1(&by_sweep),
         rms_over_noise: noise.filter(|&noise| noise > 0.0).map(|noise| rms / noise),
-    }
+    });
+    candidate.left_out = left_out.squares;
+    candidate.resampled = resampled(model, samples, &fitted, settings);
+    candidate.parameters = parameters(model, samples, &fitted, &candidate, settings)?;
+    Ok(candidate)
 }
 
 /// AICc of the residuals' means in equal bins of the command; empty bins do not count.
@@ -139,7 +134,7 @@ fn parameters(
     fitted: &[f64],
     candidate: &Candidate,
     settings: &Settings,
-) -> Result<Vec<Parameter>, CharacteriseError> {
+) -> Result<Vec<FittedParameter>, CharacteriseError> {
     let mut parameters = Vec::with_capacity(fitted.len());
     for (j, (branch, name, quantity)) in model.parameters().into_iter().enumerate() {
         let is_set = quantity == Quantity::Knot;
@@ -152,16 +147,16 @@ fn parameters(
         let unit = quantity.unit(&settings.command_unit, &settings.response_unit);
         let note = note(quantity, &samples.steps.levels, fitted[j], interval, &unit);
         let (ci_low, ci_high) = interval.unzip();
-        parameters.push(Parameter {
-            name,
-            branch,
-            quantity,
-            unit,
+        parameters.push(FittedParameter {
+            model: model.name,
+            parameter: name,
+            branch: way(branch),
             estimate: fitted[j],
             std_error: Moments::of(&values).sd(),
             ci_low,
             ci_high,
-            note,
+            unit: unit.into(),
+            note: note.map(Into::into),
         });
     }
     Ok(parameters)
@@ -202,8 +197,7 @@ mod tests {
 
     /// At 95 % one of the many intervals below would miss its truth.
     fn settings() -> Settings {
-        let (command_unit, response_unit) = ("V".to_owned(), "N".to_owned());
-        Settings { resamples: 300, seed: 5, level: 0.99, command_unit, response_unit }
+        Settings { level: 0.99, ..crate::characteristic::tests::settings(300, 5) }
     }
 
     /// Uniform noise in ±`half`, the same for one seed.
@@ -303,7 +297,7 @@ mod tests {
         );
         assert_eq!(
             (found.grouping, found.folds, found.sweeps, found.points),
-            (Grouping::Sweep, 3, 3, 1203)
+            ("sweep", 3, 3, 1203)
         );
     }
 
@@ -348,11 +342,12 @@ mod tests {
     fn a_break_at_the_edge_is_not_identifiable() {
         let found = simulate("line", &[0.0, 1.0], 2, &up_and_down(10.0));
         let parameters = |name| candidate(&found, name).parameters.iter();
-        let notes: Vec<Option<&str>> = parameters("hinge").map(|p| p.note.as_deref()).collect();
-        assert_eq!(notes[..2], [None, None]);
-        assert!(notes[2].unwrap().contains("edge of the data"), "{notes:?}");
-        let plateau = parameters("saturation").find(|p| p.name == CurveSymbol::X1).unwrap();
-        assert!(plateau.note.as_deref().unwrap().contains("edge of the data"), "{plateau:?}");
+        let notes: Vec<_> = parameters("hinge").map(|p| &p.note).collect();
+        assert!(notes[..2].iter().all(|note| note.is_none()), "{notes:?}");
+        let plateau = parameters("saturation").find(|p| p.parameter == CurveSymbol::X1).unwrap();
+        for note in [notes[2], &plateau.note] {
+            assert!(note.as_ref().unwrap().to_string().contains("edge of the data"), "{note:?}");
+        }
     }
 
     #[test]
@@ -372,6 +367,9 @@ mod tests {
         let sweeps =
             [Sweep { command: &x, response: &x }, Sweep { command: &still, response: &still }];
         let error = characterise(&sweeps, &settings()).unwrap_err();
-        assert_eq!(error, CharacteriseError::NothingFits { grouping: Grouping::Sweep });
+        assert_eq!(
+            error.to_string(),
+            "no line can be fitted with one sweep left out: the others need two different commands between them"
+        );
     }
 }

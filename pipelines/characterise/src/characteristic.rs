@@ -1,8 +1,6 @@
 //! The results: plain data, ready for a table.
 
-use crate::shape::Quantity;
-use zwidth_numerics::branch::Branch;
-use zwidth_results::{CandidateVerdict, CurveModel, CurveSymbol};
+use zwidth_results::{CandidateVerdict, CurveModel, FittedParameter};
 use zwidth_stats::StatsError;
 use zwidth_stats::bootstrap::{expanded_level, percentile_interval};
 
@@ -21,25 +19,6 @@ pub struct Settings {
     pub response_unit: String,
 }
 
-/// What is left out in cross-validation, and drawn in the bootstrap.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Grouping {
-    /// Whole sweeps.
-    Sweep,
-    /// Contiguous blocks of the only sweep.
-    Block,
-}
-
-impl Grouping {
-    /// `sweep` or `block`.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Sweep => "sweep",
-            Self::Block => "block",
-        }
-    }
-}
-
 /// The response of an actuator or sensor to its command.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Characteristic {
@@ -55,8 +34,9 @@ pub struct Characteristic {
     /// response about local straight lines over the command, one for each run of five
     /// neighbouring samples of a sweep (√(Σ rss / Σ df)). `None` without a degree of freedom.
     pub noise: Option<f64>,
-    /// Whether sweeps or blocks were left out and drawn.
-    pub grouping: Grouping,
+    /// What was left out in cross-validation, and drawn in the bootstrap: each `sweep`, or each
+    /// contiguous `block` of the only one.
+    pub grouping: &'static str,
     /// Number of them that were left out in turn.
     pub folds: usize,
     /// Every candidate, by number of free parameters; those with hysteresis only if the command
@@ -77,8 +57,10 @@ pub struct Candidate {
     pub formula: String,
     /// Number of parameters that are fitted.
     pub complexity: usize,
-    /// The parameters, in the model's order; empty if it could not be fitted.
-    pub parameters: Vec<Parameter>,
+    /// The parameters, in the model's order; empty if it could not be fitted. An interval is
+    /// widened to hold the estimate: next to a parameter at the edge of the data all resamples may
+    /// lie to one side.
+    pub parameters: Vec<FittedParameter>,
     /// How good the fit is; `None` if it could not be fitted.
     pub quality: Option<Quality>,
     /// Chosen or not.
@@ -109,31 +91,6 @@ impl Candidate {
     }
 }
 
-/// A parameter with its bootstrap interval.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Parameter {
-    /// Its symbol in the formula.
-    pub name: CurveSymbol,
-    /// The branch whose curve it belongs to; `None` for both.
-    pub branch: Option<Branch>,
-    /// Its quantity.
-    pub quantity: Quantity,
-    /// Its unit; empty for a pure number.
-    pub unit: String,
-    /// Least-squares estimate.
-    pub estimate: f64,
-    /// Standard deviation over the resamples; `None` with fewer than two.
-    pub std_error: Option<f64>,
-    /// Lower end of the percentile interval, widened to hold the estimate: next to a parameter at
-    /// the edge of the data all resamples may lie to one side.
-    pub ci_low: Option<f64>,
-    /// Upper end, likewise.
-    pub ci_high: Option<f64>,
-    /// A caution about the number, such as `≤ 0 V (edge of the data): not
-    /// identifiable`.
-    pub note: Option<String>,
-}
-
 /// How good a fit is. Errors are in the unit of the response.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Quality {
@@ -154,4 +111,15 @@ pub struct Quality {
     pub autocorrelation: Option<f64>,
     /// `rms` over the noise; `None` without noise.
     pub rms_over_noise: Option<f64>,
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+
+    /// N against V, at 95 %.
+    pub(crate) fn settings(resamples: usize, seed: u64) -> Settings {
+        let (command_unit, response_unit) = ("V".to_owned(), "N".to_owned());
+        Settings { resamples, seed, level: 0.95, command_unit, response_unit }
+    }
 }

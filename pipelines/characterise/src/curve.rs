@@ -7,34 +7,18 @@ use crate::samples::Sweep;
 use zwidth_numerics::branch::{Branch, branches};
 use zwidth_stats::student_t::critical_value;
 
-/// A curve with the pointwise band of its mean and the band for one new response. All columns have
-/// one length; units are those of command and response.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Curve {
-    /// The grid.
-    pub command: Vec<f64>,
+/// A curve at a command, with the band of its mean and the band for one new response, each from low
+/// to high. Units are those of command and response.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CurveAt {
+    /// The command.
+    pub command: f64,
     /// The fitted response.
-    pub fit: Vec<f64>,
-    /// Lower end of the band of the mean.
-    pub ci_low: Vec<f64>,
-    /// Upper end of the band of the mean.
-    pub ci_high: Vec<f64>,
-    /// Lower end of the band for a new response.
-    pub prediction_low: Vec<f64>,
-    /// Upper end of the band for a new response.
-    pub prediction_high: Vec<f64>,
-}
-
-impl Curve {
-    /// Adds a point with the bands of its mean and of a new response, each from low to high.
-    pub(crate) fn push(&mut self, x: f64, fit: f64, mean: [f64; 2], new: [f64; 2]) {
-        self.command.push(x);
-        self.fit.push(fit);
-        self.ci_low.push(mean[0]);
-        self.ci_high.push(mean[1]);
-        self.prediction_low.push(new[0]);
-        self.prediction_high.push(new[1]);
-    }
+    pub fit: f64,
+    /// The pointwise band of the mean.
+    pub mean: [f64; 2],
+    /// The band for a new response.
+    pub new: [f64; 2],
 }
 
 /// `candidate` on `grid`, the command on its way `branch`, at confidence `level`.
@@ -51,27 +35,23 @@ pub fn curve(
     grid: &[f64],
     branch: Branch,
     level: f64,
-) -> Result<Option<Curve>, CharacteriseError> {
-    let Some(quality) = candidate.quality else {
-        return Ok(None);
-    };
+) -> Result<Option<Vec<CurveAt>>, CharacteriseError> {
+    let Some(quality) = candidate.quality else { return Ok(None) };
     let model = Model::of(candidate.name);
     // `rms` divides by n, s² by the degrees of freedom.
     let (df, n) = (quality.df as f64, (quality.df + candidate.complexity) as f64);
     let spread = critical_value(level, df)? * quality.rms * (n / df).sqrt();
     let fitted: Vec<f64> = candidate.parameters.iter().map(|p| p.estimate).collect();
-    let mut curve = Curve::default();
+    let mut curve = Vec::with_capacity(grid.len());
     for &x in grid {
         let fit = model.predict(&fitted, x, branch);
         let resampled: Vec<f64> =
             candidate.resampled.iter().map(|p| model.predict(p, x, branch)).collect();
-        let Some((low, high)) = candidate.interval(&resampled, level)? else {
-            return Ok(None);
-        };
+        let Some((low, high)) = candidate.interval(&resampled, level)? else { return Ok(None) };
         let low = low.min(fit);
         let high = high.max(fit);
         let new = [fit - libm::hypot(fit - low, spread), fit + libm::hypot(high - fit, spread)];
-        curve.push(x, fit, [low, high], new);
+        curve.push(CurveAt { command: x, fit, mean: [low, high], new });
     }
     Ok(Some(curve))
 }
@@ -99,7 +79,8 @@ pub(crate) fn mean_response(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Settings, characterise, first_order};
+    use crate::characteristic::tests::settings;
+    use crate::{characterise, first_order};
 
     #[test]
     fn the_mean_takes_what_lies_within_half_a_step() {
@@ -121,21 +102,16 @@ mod tests {
         let y: Vec<f64> =
             (0..400).map(|i| f64::from(i) / 40.0 + f64::from(i * i * 7 % 401) / 401.0).collect();
         let sweeps = [Sweep { command: &x, response: &y }];
-        let (command_unit, response_unit) = ("V".to_owned(), "N".to_owned());
-        let settings =
-            Settings { resamples: 1000, seed: 2, level: 0.95, command_unit, response_unit };
         let grid = [0.0, 5.0, 12.0];
-        let found = characterise(&sweeps, &settings).unwrap();
+        let found = characterise(&sweeps, &settings(1000, 2)).unwrap();
         let ours = curve(&found.candidates[0], &grid, Branch::Up, 0.95).unwrap().unwrap();
         let textbook = first_order(&sweeps, 0.95).unwrap().curve(&grid);
-        for i in 0..grid.len() {
-            let moved = (ours.fit[i] - textbook.fit[i]).abs();
-            assert!(moved < 1e-2 * (textbook.ci_high[i] - textbook.fit[i]), "{moved}");
-            let width = |low: &[f64], high: &[f64]| high[i] - low[i];
-            let mean =
-                width(&ours.ci_low, &ours.ci_high) / width(&textbook.ci_low, &textbook.ci_high);
-            let new = width(&ours.prediction_low, &ours.prediction_high)
-                / width(&textbook.prediction_low, &textbook.prediction_high);
+        for (ours, textbook) in ours.iter().zip(&textbook) {
+            let moved = (ours.fit - textbook.fit).abs();
+            assert!(moved < 1e-2 * (textbook.mean[1] - textbook.fit), "{moved}");
+            let width = |[low, high]: [f64; 2]| high - low;
+            let mean = width(ours.mean) / width(textbook.mean);
+            let new = width(ours.new) / width(textbook.new);
             assert!(mean > 0.5 && mean < 1.5 && (new - 1.0).abs() < 0.01, "{mean} {new}");
         }
     }
@@ -143,9 +119,8 @@ mod tests {
     #[test]
     fn without_resamples_there_is_no_band() {
         let x = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0];
-        let (command_unit, response_unit) = ("V".to_owned(), "N".to_owned());
-        let settings = Settings { resamples: 0, seed: 2, level: 0.95, command_unit, response_unit };
-        let found = characterise(&[Sweep { command: &x, response: &x }], &settings).unwrap();
+        let sweep = Sweep { command: &x, response: &x };
+        let found = characterise(&[sweep], &settings(0, 2)).unwrap();
         assert_eq!(curve(&found.candidates[0], &x, Branch::Up, 0.95), Ok(None));
     }
 }

@@ -1,6 +1,6 @@
 //! The straight line of the thesis, with textbook intervals.
 
-use crate::curve::Curve;
+use crate::curve::CurveAt;
 use crate::error::CharacteriseError;
 use crate::samples::{Samples, Sweep};
 use zwidth_numerics::lsq;
@@ -21,11 +21,7 @@ pub struct FirstOrder {
     pub r2: Option<f64>,
     /// Residual standard deviation √(rss / (n − 2)), unit of the response.
     pub residual_sd: f64,
-    /// Samples.
-    pub n: usize,
-    /// Confidence level of the intervals and bands.
-    pub level: f64,
-    /// t of that level, df = n − 2.
+    /// t of the confidence level of intervals and bands, df = n − 2.
     pub critical: f64,
     /// (XᵀX)⁻¹ for (intercept, slope).
     pub xtx_inverse: [[f64; 2]; 2],
@@ -46,8 +42,6 @@ pub fn first_order(sweeps: &[Sweep], level: f64) -> Result<FirstOrder, Character
         slope: t_interval(fit.coefficients[1], se[1], df, level)?,
         r2: fit.r2,
         residual_sd: fit.residual_variance().sqrt(),
-        n: samples.len(),
-        level,
         critical: critical_value(level, df)?,
         xtx_inverse: [[v[0][0], v[0][1]], [v[1][0], v[1][1]]],
     })
@@ -57,18 +51,17 @@ impl FirstOrder {
     /// The line on `grid` with the band of its mean, ± t s √(x'(XᵀX)⁻¹x), and that of a single new
     /// response, ± t s √(1 + x'(XᵀX)⁻¹x) (Draper & Smith 1998, *Applied Regression Analysis*,
     /// §3.1).
-    pub fn curve(&self, grid: &[f64]) -> Curve {
+    pub fn curve(&self, grid: &[f64]) -> Vec<CurveAt> {
         let half = self.critical * self.residual_sd;
         let [[v00, v01], [v10, v11]] = self.xtx_inverse;
-        let mut curve = Curve::default();
-        for &x in grid {
+        let at = |&x: &f64| {
             let fit = self.intercept.estimate + self.slope.estimate * x;
             let leverage = v00 + x * (v01 + v10 + x * v11);
             let mean = half * leverage.sqrt();
             let new = half * (1.0 + leverage).sqrt();
-            curve.push(x, fit, [fit - mean, fit + mean], [fit - new, fit + new]);
-        }
-        curve
+            CurveAt { command: x, fit, mean: [fit - mean, fit + mean], new: [fit - new, fit + new] }
+        };
+        grid.iter().map(at).collect()
     }
 }
 
@@ -84,7 +77,7 @@ mod tests {
         let x = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0];
         let y = [0.1, 0.9, 2.3, 2.8, 4.4, 4.9, 6.2];
         let fit = first_order(&[Sweep { command: &x, response: &y }], 0.95).unwrap();
-        let at = fit.curve(&[3.5]);
+        let at = fit.curve(&[3.5])[0];
         let found = [
             fit.intercept.estimate,
             fit.intercept.ci_low,
@@ -93,11 +86,11 @@ mod tests {
             fit.slope.ci_low,
             fit.slope.ci_high,
             fit.r2.unwrap(),
-            at.fit[0],
-            at.ci_low[0],
-            at.ci_high[0],
-            at.prediction_low[0],
-            at.prediction_high[0],
+            at.fit,
+            at.mean[0],
+            at.mean[1],
+            at.new[0],
+            at.new[1],
         ];
         for (found, expected) in found.iter().zip(STATSMODELS) {
             assert!((found - expected).abs() < 1e-12, "{found} {expected}");

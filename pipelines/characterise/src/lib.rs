@@ -64,8 +64,8 @@ mod verdict;
 
 pub use calibrate::{Chosen, calibrated};
 pub use characterise::characterise;
-pub use characteristic::{Candidate, Characteristic, Grouping, Parameter, Quality, Settings};
-pub use curve::{Curve, curve};
+pub use characteristic::{Candidate, Characteristic, Quality, Settings};
+pub use curve::{CurveAt, curve};
 pub use error::CharacteriseError;
 pub use first_order::{FirstOrder, first_order};
 pub use samples::Sweep;

@@ -1,5 +1,6 @@
 //! Facts of recordings made by others, in the folder that `ZWIDTH_REAL_DATA` names.
 
+use crate::characteristic::tests::settings;
 use crate::{Characteristic, Settings, Sweep, characterise, first_order};
 use std::path::PathBuf;
 use zwidth_results::{CandidateVerdict, CurveModel};
@@ -19,11 +20,9 @@ fn column(rows: &[Vec<f64>], j: usize) -> Vec<f64> {
 
 fn check(command: &[f64], response: &[f64], units: (&str, &str)) -> Characteristic {
     let settings = Settings {
-        resamples: 400,
-        seed: 1,
-        level: 0.95,
         command_unit: units.0.to_owned(),
         response_unit: units.1.to_owned(),
+        ..settings(400, 1)
     };
     let found = characterise(&[Sweep { command, response }], &settings).unwrap();
     for candidate in &found.candidates {
@@ -32,7 +31,7 @@ fn check(command: &[f64], response: &[f64], units: (&str, &str)) -> Characterist
         for p in &candidate.parameters {
             println!(
                 "  {} = {} {} [{:?}, {:?}] {:?}",
-                p.name.as_str(),
+                p.parameter.as_str(),
                 p.estimate,
                 p.unit,
                 p.ci_low,

@@ -1,9 +1,14 @@
 //! The sweeps laid end to end, checked once.
 
-use crate::error::{CharacteriseError, MIN_COMMANDS, MIN_POINTS};
+use crate::error::CharacteriseError;
 use crate::steps::{Cell, Gathered, Steps};
 use core::ops::Range;
 use zwidth_numerics::branch::{Branch, branches};
+
+/// Three blocks of two points: a line through two of them keeps degrees of freedom.
+const MIN_POINTS: usize = 6;
+/// Two commands make a line; a third shows whether it is one.
+const MIN_COMMANDS: usize = 3;
 
 /// One ramp of an actuator (or of a load on a sensor), in the order of recording. Units are the
 /// caller's.
@@ -46,11 +51,13 @@ impl Samples {
         let response: Vec<f64> = sweeps.iter().flat_map(|s| s.response).copied().collect();
         let branch = sweeps.iter().flat_map(|s| branches(s.command)).collect();
         let steps = Steps::new(&command);
-        if command.len() < MIN_POINTS || steps.levels.len() < MIN_COMMANDS {
-            return Err(CharacteriseError::TooFew {
-                points: command.len(),
-                commands: steps.levels.len(),
-            });
+        let points = command.len();
+        let commands = steps.levels.len();
+        if points < MIN_POINTS || commands < MIN_COMMANDS {
+            return Err(CharacteriseError::Refused(format!(
+                "{points} points at {commands} different commands cannot show a characteristic: \
+                 need at least {MIN_POINTS} points and {MIN_COMMANDS} commands"
+            )));
         }
         Ok(Self { sweeps: ranges, command, response, branch, steps })
     }
@@ -92,16 +99,16 @@ fn check(number: usize, sweep: &Sweep) -> Result<(), CharacteriseError> {
     let commands = sweep.command.len();
     let responses = sweep.response.len();
     if commands != responses {
-        return Err(CharacteriseError::LengthMismatch { sweep: number, commands, responses });
+        return Err(CharacteriseError::Refused(format!(
+            "sweep {number} has {commands} commands and {responses} responses: each sample needs both"
+        )));
     }
     for (column, values) in [("command", sweep.command), ("response", sweep.response)] {
         if let Some(row) = values.iter().position(|v| !v.is_finite()) {
-            return Err(CharacteriseError::NonFinite {
-                sweep: number,
-                row,
-                column,
-                value: values[row],
-            });
+            let value = values[row];
+            return Err(CharacteriseError::Refused(format!(
+                "sweep {number}, row {row}: the {column} is {value}; drop the row or mend its source"
+            )));
         }
     }
     Ok(())

@@ -1,10 +1,10 @@
 //! The results of the stage as rows: models, parameters, curve.
 
 use crate::curve::mean_response;
-use crate::models::Model;
-use crate::{Branch, CharacteriseError, Characteristic, Chosen, Curve, Sweep, curve, first_order};
+use crate::models::{Model, way};
+use crate::{Branch, CharacteriseError, Characteristic, Chosen, Sweep, curve, first_order};
 use zwidth_results::{
-    CandidateVerdict, CommandWay, CurvePoint, FittedModel, FittedParameter, Row, UNIT_OF_COMMAND,
+    CandidateVerdict, CurvePoint, FittedModel, FittedParameter, Row, UNIT_OF_COMMAND,
     UNIT_OF_RESPONSE,
 };
 use zwidth_tables::{Table, TableError};
@@ -32,7 +32,7 @@ impl Subject<'_> {
         let points = characteristic.points;
         let folds = characteristic.folds;
         let plural = if sweeps == 1 { "" } else { "s" };
-        let grouping = characteristic.grouping.name();
+        let grouping = characteristic.grouping;
         let data = format!(
             "{sweeps} sweep{plural}, {points} points; left out in turn: {folds} {grouping}s."
         );
@@ -96,32 +96,8 @@ pub fn fitted_models(characteristic: &Characteristic) -> Vec<FittedModel> {
 
 /// The parameters of every candidate model, with their bootstrap intervals.
 pub fn fitted_parameters(characteristic: &Characteristic) -> Vec<FittedParameter> {
-    let mut rows = Vec::new();
-    for candidate in &characteristic.candidates {
-        for parameter in &candidate.parameters {
-            rows.push(FittedParameter {
-                model: candidate.name,
-                parameter: parameter.name,
-                branch: way(parameter.branch),
-                estimate: parameter.estimate,
-                std_error: parameter.std_error,
-                ci_low: parameter.ci_low,
-                ci_high: parameter.ci_high,
-                unit: parameter.unit.as_str().into(),
-                note: parameter.note.clone().map(Into::into),
-            });
-        }
-    }
-    rows
-}
-
-/// The way of the command to which a branch's curve belongs; without a branch, both.
-fn way(branch: Option<Branch>) -> CommandWay {
-    match branch {
-        None => CommandWay::Both,
-        Some(Branch::Up) => CommandWay::Up,
-        Some(Branch::Down) => CommandWay::Down,
-    }
+    let candidates = characteristic.candidates.iter();
+    candidates.flat_map(|candidate| candidate.parameters.iter().cloned()).collect()
 }
 
 /// Points of the curve's grid.
@@ -145,20 +121,19 @@ pub fn curve_points(
     let mut points = Vec::new();
     for branch in Model::of(chosen.name).branches() {
         let own = curve(chosen, &grid, branch.unwrap_or(Branch::Up), level)?;
-        let Curve { command, fit, ci_low, ci_high, prediction_low, prediction_high } =
-            own.unwrap_or_else(|| line.clone());
-        let mean = mean_response(sweeps, &grid, *branch);
-        for i in 0..GRID_POINTS {
+        let own = own.as_ref().unwrap_or(&line);
+        let means = mean_response(sweeps, &grid, *branch);
+        for ((at, mean), line) in own.iter().zip(means).zip(&line) {
             points.push(CurvePoint {
                 branch: way(*branch),
-                command: command[i],
-                mean: mean[i],
-                fit: fit[i],
-                ci_low: ci_low[i],
-                ci_high: ci_high[i],
-                prediction_low: prediction_low[i],
-                prediction_high: prediction_high[i],
-                first_order: line.fit[i],
+                command: at.command,
+                mean,
+                fit: at.fit,
+                ci_low: at.mean[0],
+                ci_high: at.mean[1],
+                prediction_low: at.new[0],
+                prediction_high: at.new[1],
+                first_order: line.fit,
             });
         }
     }
@@ -188,11 +163,14 @@ impl Fit {
     pub fn chosen(&self, actuator: &'static str) -> Result<Chosen, CharacteriseError> {
         let command = self.command_unit.as_str();
         let response = self.response_unit.as_str();
+        let refused = |problem: &str| {
+            CharacteriseError::Refused(format!("no calibration of the {actuator}: {problem}"))
+        };
         if (command, response) != ("V", "N") {
             let problem = format!(
                 "its sweeps hold {response} against {command}, not N against V: convert them on import, or give them another actuator's name"
             );
-            return Err(CharacteriseError::Calibration { actuator, problem });
+            return Err(refused(&problem));
         }
         let chosen = self.models.iter().find(|row| row.verdict == CandidateVerdict::Chosen);
         if let (Some(row), Some(first), Some(last)) =
@@ -205,15 +183,15 @@ impl Fit {
                 return Ok(Chosen { model, parameters, voltage_v: (first.command, last.command) });
             }
         }
-        let problem = "its tables do not hold a chosen model; make them again".to_owned();
-        Err(CharacteriseError::Calibration { actuator, problem })
+        Err(refused("its tables do not hold a chosen model; make them again"))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Settings, characterise};
+    use crate::characterise;
+    use crate::characteristic::tests::settings;
     use zwidth_results::CurveModel;
 
     /// A straight line up and down, with a scatter of a hundredth.
@@ -222,15 +200,8 @@ mod tests {
         let scatter = |i: usize| ((7 * i) % 11) as f64 * 2e-3;
         let response: Vec<f64> =
             command.iter().enumerate().map(|(i, x)| 0.3 + 2.0 * x + scatter(i)).collect();
-        let settings = Settings {
-            resamples: 40,
-            seed: 1,
-            level: 0.95,
-            command_unit: "V".to_owned(),
-            response_unit: "N".to_owned(),
-        };
         let sweeps = [Sweep { command: &command, response: &response }];
-        let found = characterise(&sweeps, &settings).unwrap();
+        let found = characterise(&sweeps, &settings(40, 1)).unwrap();
         let points = curve_points(&sweeps, &found, 0.95).unwrap();
         (Subject { actuator: "brake_2", command_unit: "V", response_unit: "N" }, found, points)
     }

@@ -19,72 +19,48 @@ pub(crate) fn resampled(
     fitted: &[f64],
     settings: &Settings,
 ) -> Vec<Vec<f64>> {
-    let fits = match samples.sweeps.as_slice() {
-        [only] => by_block(model, samples, only.len(), fitted, settings),
-        _ => by_sweep(model, samples, fitted, settings),
+    let Settings { resamples, seed, .. } = *settings;
+    let fits = if samples.sweeps.len() > 1 {
+        let cells: Vec<_> =
+            samples.sweeps.iter().map(|sweep| samples.cells(sweep.clone())).collect();
+        let numbers: Vec<usize> = (0..cells.len()).collect();
+        resample(&numbers, numbers.len(), resamples, seed, |drawn| {
+            // A sweep drawn twice weighs twice.
+            let mut times = vec![0; cells.len()];
+            drawn.iter().for_each(|&&number| times[number] += 1);
+            let groups = cells.iter().map(Vec::as_slice).zip(times);
+            model.fit(&samples.steps.gather(groups), Some(fitted))
+        })
+    } else {
+        // The fitted curve plus blocks of residuals drawn from anywhere in the sweep (Künsch 1989;
+        // Davison & Hinkley 1997, *Bootstrap Methods and their Application*, §8.2.3), enlarged by
+        // √(n / (n − p)) because a fit makes its residuals too small.
+        let n = samples.len();
+        let commands = samples.command.iter().zip(&samples.branch);
+        let curve: Vec<f64> = commands.map(|(&x, &b)| model.predict(fitted, x, b)).collect();
+        let enlarge = (n as f64 / (n - model.complexity()) as f64).sqrt();
+        let residuals: Vec<f64> =
+            samples.response.iter().zip(&curve).map(|(y, f)| enlarge * (y - f)).collect();
+        let length = n.div_ceil(BLOCK_SHARE).max(MIN_BLOCK);
+        let blocks: Vec<Range<usize>> =
+            (0..=n - length).map(|start| start..start + length).collect();
+        // Blocks enough for n samples; the last one is cut where the sweep ends.
+        resample(&blocks, n.div_ceil(length), resamples, seed, |drawn| {
+            let errors = drawn.iter().flat_map(|block| &residuals[(*block).clone()]);
+            let response: Vec<f64> = curve.iter().zip(errors).map(|(f, e)| f + e).collect();
+            model.fit(&samples.with_response(&response), Some(fitted))
+        })
     };
     fits.into_iter().flatten().collect()
-}
-
-/// A sweep drawn twice weighs twice.
-fn by_sweep(
-    model: &Model,
-    samples: &Samples,
-    fitted: &[f64],
-    settings: &Settings,
-) -> Vec<Option<Vec<f64>>> {
-    let cells: Vec<_> = samples.sweeps.iter().map(|sweep| samples.cells(sweep.clone())).collect();
-    let numbers: Vec<usize> = (0..cells.len()).collect();
-    resample(&numbers, numbers.len(), settings.resamples, settings.seed, |drawn| {
-        let mut times = vec![0; cells.len()];
-        drawn.iter().for_each(|&&number| times[number] += 1);
-        let groups = cells.iter().map(Vec::as_slice).zip(times);
-        model.fit(&samples.steps.gather(groups), Some(fitted))
-    })
-}
-
-/// The fitted curve plus blocks of residuals drawn from anywhere in the sweep (Künsch 1989; Davison
-/// & Hinkley 1997, *Bootstrap Methods and their Application*, §8.2.3), enlarged by √(n / (n − p))
-/// because a fit makes its residuals too small.
-fn by_block(
-    model: &Model,
-    samples: &Samples,
-    n: usize,
-    fitted: &[f64],
-    settings: &Settings,
-) -> Vec<Option<Vec<f64>>> {
-    let curve: Vec<f64> = samples
-        .command
-        .iter()
-        .zip(&samples.branch)
-        .map(|(&x, &b)| model.predict(fitted, x, b))
-        .collect();
-    let enlarge = (n as f64 / (n - model.complexity()) as f64).sqrt();
-    let residuals: Vec<f64> =
-        samples.response.iter().zip(&curve).map(|(y, f)| enlarge * (y - f)).collect();
-    let length = n.div_ceil(BLOCK_SHARE).max(MIN_BLOCK);
-    let blocks: Vec<Range<usize>> = (0..=n - length).map(|start| start..start + length).collect();
-    // Blocks enough for n samples; the last one is cut where the sweep ends.
-    resample(&blocks, n.div_ceil(length), settings.resamples, settings.seed, |drawn| {
-        let errors = drawn.iter().flat_map(|block| &residuals[(*block).clone()]);
-        let response: Vec<f64> = curve.iter().zip(errors).map(|(f, e)| f + e).collect();
-        model.fit(&samples.with_response(&response), Some(fitted))
-    })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::characteristic::tests::settings;
     use crate::samples::Sweep;
     use zwidth_results::CurveModel;
 
-    const SETTINGS: Settings = Settings {
-        resamples: 300,
-        seed: 1,
-        level: 0.95,
-        command_unit: String::new(),
-        response_unit: String::new(),
-    };
     const X: [f64; 6] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0];
 
     fn slopes(responses: &[[f64; 6]]) -> Vec<f64> {
@@ -93,7 +69,7 @@ mod tests {
         let samples = Samples::new(&sweeps).unwrap();
         let line = Model::of(CurveModel::Line);
         let fitted = line.fit(&samples.gathered(), None).unwrap();
-        resampled(&line, &samples, &fitted, &SETTINGS).iter().map(|p| p[1]).collect()
+        resampled(&line, &samples, &fitted, &settings(300, 1)).iter().map(|p| p[1]).collect()
     }
 
     #[test]

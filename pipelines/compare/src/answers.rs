@@ -8,15 +8,14 @@
 
 use crate::CompareError;
 use crate::quantity::{self, Difference, Score};
+use crate::trials::{place, sorted};
 use serde::Serialize;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use zwidth_results::{AnswerDifference, AnswerTest, GivenAnswer, PersonSuperiority};
-use zwidth_stats::clmm::{ModeComparison, ModeStudy, OddsRatio, compare_modes};
+use zwidth_stats::clmm::{ModeComparison, ModeStudy, compare_modes};
 use zwidth_stats::superiority::{Repeats, Superiority, superiority};
-use zwidth_stats::{Tested, Unestimable, holm};
-use zwidth_study::{
-    AnswerValue, Contrast, EnvironmentId, ModeId, ParticipantId, Question, SessionId,
-};
+use zwidth_stats::{Unestimable, holm};
+use zwidth_study::{AnswerValue, Contrast, EnvironmentId, ModeId, ParticipantId, Question};
 use zwidth_tables::Table;
 
 /// The key of the bootstrap's random numbers.
@@ -38,7 +37,7 @@ pub struct AnswerParameters {
 }
 
 /// The answers compared.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct AnswersCompared {
     /// One row per question, environment and contrast.
     pub contrasts: Vec<AnswerDifference>,
@@ -56,113 +55,20 @@ struct Answers {
     value: Vec<AnswerValue>,
 }
 
+impl Answers {
+    fn scores(&self) -> Vec<Score> {
+        let scores = (0..self.value.len()).map(|row| Score {
+            participant: self.participant[row],
+            session: self.session[row],
+            mode: self.mode[row],
+            value: self.value[row].into(),
+        });
+        scores.collect()
+    }
+}
+
 /// The answers by question and environment.
 type ByQuestion<'p> = BTreeMap<(&'p str, &'p str), Answers>;
-
-struct Row<'a> {
-    question: &'a Question,
-    environment: &'a EnvironmentId,
-    contrast: &'a Contrast,
-    answers: usize,
-    /// The participants who answered in either mode, as `effect` has their shares.
-    people: Vec<usize>,
-    effect: Result<Superiority, Unestimable>,
-    model: Result<Model, Unestimable>,
-    /// The difference of means on a scale of many points, tested or not.
-    difference: Option<f64>,
-    p_adjusted: Option<f64>,
-    /// The p value of "no mode differs from another", and whether a bootstrap gave it.
-    any: Option<(f64, bool)>,
-}
-
-/// The test of a contrast of answers.
-#[derive(Debug, Clone, PartialEq)]
-enum Model {
-    /// The odds of a higher answer, on a scale of few points.
-    Odds(OddsRatio),
-    /// The difference of means, on one of many.
-    Means(Tested),
-}
-
-impl Model {
-    fn p_value(&self) -> f64 {
-        match self {
-            Self::Odds(ratio) => ratio.test.f.p_value,
-            Self::Means(tested) => tested.p_value,
-        }
-    }
-}
-
-impl Row<'_> {
-    fn odds(&self) -> Option<&OddsRatio> {
-        match &self.model {
-            Ok(Model::Odds(ratio)) => Some(ratio),
-            _ => None,
-        }
-    }
-
-    fn means(&self) -> Option<&Tested> {
-        match &self.model {
-            Ok(Model::Means(tested)) => Some(tested),
-            _ => None,
-        }
-    }
-
-    /// The row by its names; with `is_any_long` it tells its model, because others have another.
-    fn named(&self, is_any_long: bool) -> AnswerDifference {
-        let effect = self.effect.as_ref().ok();
-        let interval = effect.and_then(|effect| effect.interval.clone().ok());
-        let model = match self.question.scale.is_ordinal() {
-            true => "cumulative logit".to_owned(),
-            false => format!("means, as for a metric ({} points)", self.question.scale.points()),
-        };
-        AnswerDifference {
-            question: self.question.id.clone(),
-            environment: self.environment.clone(),
-            contrast: self.contrast.clone(),
-            n: effect.map(|effect| effect.shares.iter().flatten().count()),
-            answers: self.answers,
-            superiority: effect.map(|effect| effect.probability),
-            superiority_ci_low: interval.map(|ends| ends.0),
-            superiority_ci_high: interval.map(|ends| ends.1),
-            odds_ratio: self.odds().and_then(|ratio| ratio.estimate),
-            odds_ratio_ci_low: self.odds().and_then(|ratio| ratio.interval.low.value()),
-            odds_ratio_ci_high: self.odds().and_then(|ratio| ratio.interval.high.value()),
-            p_value: self.model.as_ref().ok().map(Model::p_value),
-            p_adjusted: self.p_adjusted,
-            p_any: self.any.map(|(p, _)| p),
-            test_any: self.any.map(|(_, is_bootstrap)| match is_bootstrap {
-                true => AnswerTest::Bootstrap,
-                false => AnswerTest::F,
-            }),
-            remark: match &self.model {
-                Ok(Model::Odds(ratio)) => ratio.remark().map(Into::into),
-                Ok(Model::Means(_)) => None,
-                Err(why) => Some(why.to_string().into()),
-            },
-            model: is_any_long.then_some(model),
-            difference: self.difference,
-            difference_ci_low: self.means().map(|means| means.ci_low),
-            difference_ci_high: self.means().map(|means| means.ci_high),
-        }
-    }
-
-    /// The effects of those who answered in both modes.
-    fn people(&self, names: &[ParticipantId]) -> Vec<PersonSuperiority> {
-        let shares = self.effect.as_ref().map(|effect| effect.shares.as_slice());
-        let everybody = self.people.iter().zip(shares.unwrap_or_default());
-        let both = everybody.filter_map(|(who, share)| {
-            Some(PersonSuperiority {
-                question: self.question.id.clone(),
-                environment: self.environment.clone(),
-                contrast: self.contrast.clone(),
-                participant: names[*who].clone(),
-                superiority: (*share)?,
-            })
-        });
-        both.collect()
-    }
-}
 
 /// Compares the modes by the answers.
 ///
@@ -173,29 +79,30 @@ pub fn compare_answers(
     parameters: &AnswerParameters,
 ) -> Result<AnswersCompared, CompareError> {
     let (names, by_condition) = by_question(answers, parameters);
-    let mut rows = Vec::new();
+    let mut compared = AnswersCompared::default();
+    let mut is_any_long = false;
     for question in &parameters.questions {
-        let first = rows.len();
+        let first = compared.contrasts.len();
         for environment in &parameters.environments {
             let key = (question.id.as_str(), environment.as_str());
             if let Some(answers) = by_condition.get(&key) {
-                rows.extend(of_environment(question, environment, answers, parameters));
+                compare_one(question, environment, answers, &names, parameters, &mut compared);
             }
         }
         // The tests of one question are one family.
-        let tested: Vec<&mut Row> =
-            rows[first..].iter_mut().filter(|row| row.model.is_ok()).collect();
-        let p: Vec<f64> =
-            tested.iter().filter_map(|row| row.model.as_ref().ok().map(Model::p_value)).collect();
-        for (row, p) in tested.into_iter().zip(holm::adjusted(&p)?) {
+        let family = &mut compared.contrasts[first..];
+        is_any_long |= !family.is_empty() && !question.scale.is_ordinal();
+        let p: Vec<f64> = family.iter().filter_map(|row| row.p_value).collect();
+        let tested = family.iter_mut().filter(|row| row.p_value.is_some());
+        for (row, p) in tested.zip(holm::adjusted(&p)?) {
             row.p_adjusted = Some(p);
         }
     }
-    let is_any_long = rows.iter().any(|row| !row.question.scale.is_ordinal());
-    Ok(AnswersCompared {
-        contrasts: rows.iter().map(|row| row.named(is_any_long)).collect(),
-        participants: rows.iter().flat_map(|row| row.people(&names)).collect(),
-    })
+    // A row tells its model only where others have another.
+    if !is_any_long {
+        compared.contrasts.iter_mut().for_each(|row| row.model = None);
+    }
+    Ok(compared)
 }
 
 /// The scored answers by question and environment, and the names of the participants.
@@ -203,10 +110,8 @@ fn by_question<'p>(
     answers: &[GivenAnswer],
     parameters: &'p AnswerParameters,
 ) -> (Vec<ParticipantId>, ByQuestion<'p>) {
-    let people: BTreeSet<&ParticipantId> = answers.iter().map(|row| &row.participant).collect();
-    let people: BTreeMap<&ParticipantId, usize> = people.into_iter().zip(0..).collect();
-    let sessions: BTreeSet<&SessionId> = answers.iter().map(|row| &row.session).collect();
-    let sessions: BTreeMap<&SessionId, usize> = sessions.into_iter().zip(0..).collect();
+    let people = sorted(answers.iter().map(|row| &row.participant));
+    let sessions = sorted(answers.iter().map(|row| &row.session));
     let mut by_question: BTreeMap<_, Answers> = BTreeMap::new();
     for row in answers {
         let question = parameters.questions.iter().find(|question| question.id == row.question);
@@ -221,21 +126,24 @@ fn by_question<'p>(
             continue;
         }
         let own = by_question.entry((question.id.as_str(), environment.as_str())).or_default();
-        own.participant.push(people[&row.participant]);
-        own.session.push(sessions[&row.session]);
+        own.participant.push(place(&people, &row.participant));
+        own.session.push(place(&sessions, &row.session));
         own.mode.push(mode);
         own.value.push(scored);
     }
-    (people.into_keys().cloned().collect(), by_question)
+    (people, by_question)
 }
 
-/// The contrasts of one question in one environment of which both modes were answered.
-fn of_environment<'a>(
-    question: &'a Question,
-    environment: &'a EnvironmentId,
+/// Adds the contrasts of one question in one environment of which both modes were answered, and the
+/// effects of those who answered in both.
+fn compare_one(
+    question: &Question,
+    environment: &EnvironmentId,
     answers: &Answers,
-    parameters: &'a AnswerParameters,
-) -> Vec<Row<'a>> {
+    names: &[ParticipantId],
+    parameters: &AnswerParameters,
+    all: &mut AnswersCompared,
+) {
     let pairs = parameters.contrasts.iter().filter_map(|contrast| {
         let mode = parameters.modes.iter().position(|m| *m == contrast.mode)?;
         let pair = [mode, parameters.modes.iter().position(|m| *m == contrast.against)?];
@@ -244,43 +152,78 @@ fn of_environment<'a>(
     let pairs: Vec<(&Contrast, [usize; 2])> = pairs.collect();
     let ordinal = question.scale.is_ordinal() && !pairs.is_empty();
     let compared = ordinal.then(|| model(answers, question, &pairs, parameters));
-    let mut rows = Vec::new();
-    for (row, (contrast, pair)) in pairs.into_iter().enumerate() {
-        let (model, difference, any) = match &compared {
-            Some(Ok(comparison)) => {
-                let ratio = comparison.odds_ratios[row].clone();
-                let any = (comparison.p_value(), comparison.bootstrap.is_some());
-                (ratio.map(Model::Odds), None, Some(any))
-            }
-            Some(Err(why)) => (Err(why.clone()), None, None),
-            None => {
-                let scores = (0..answers.value.len()).map(|row| Score {
-                    participant: answers.participant[row],
-                    session: answers.session[row],
-                    mode: answers.mode[row],
-                    value: answers.value[row].into(),
-                });
-                let scores: Vec<Score> = scores.collect();
-                let Difference { estimate, tested } =
-                    quantity::difference(&scores, pair, parameters.level);
-                (tested.map(Model::Means), estimate, None)
-            }
-        };
+    for (place, (contrast, pair)) in pairs.into_iter().enumerate() {
         let (people, effect) = effect(answers, pair, parameters.level);
-        rows.push(Row {
-            question,
-            environment,
-            contrast,
-            answers: answers.mode.iter().filter(|m| pair.contains(m)).count(),
-            people,
-            effect,
-            model,
-            difference,
-            p_adjusted: None,
-            any,
+        let effect = effect.ok();
+        let shares = effect.iter().flat_map(|effect| &effect.shares);
+        let both = people.iter().zip(shares).filter_map(|(who, share)| {
+            Some(PersonSuperiority {
+                question: question.id.clone(),
+                environment: environment.clone(),
+                contrast: contrast.clone(),
+                participant: names[*who].clone(),
+                superiority: (*share)?,
+            })
         });
+        all.participants.extend(both);
+        let interval = effect.as_ref().and_then(|effect| effect.interval.as_ref().ok());
+        let mut row = AnswerDifference {
+            question: question.id.clone(),
+            environment: environment.clone(),
+            contrast: contrast.clone(),
+            n: effect.as_ref().map(|effect| effect.shares.iter().flatten().count()),
+            answers: answers.mode.iter().filter(|m| pair.contains(m)).count(),
+            superiority: effect.as_ref().map(|effect| effect.probability),
+            superiority_ci_low: interval.map(|ends| ends.0),
+            superiority_ci_high: interval.map(|ends| ends.1),
+            odds_ratio: None,
+            odds_ratio_ci_low: None,
+            odds_ratio_ci_high: None,
+            p_value: None,
+            p_adjusted: None,
+            p_any: None,
+            test_any: None,
+            remark: None,
+            model: Some("cumulative logit".to_owned()),
+            difference: None,
+            difference_ci_low: None,
+            difference_ci_high: None,
+        };
+        match &compared {
+            Some(Ok(comparison)) => {
+                row.p_any = Some(comparison.p_value());
+                let bootstrap = comparison.bootstrap.as_ref();
+                row.test_any = Some(bootstrap.map_or(AnswerTest::F, |_| AnswerTest::Bootstrap));
+                match &comparison.odds_ratios[place] {
+                    Ok(ratio) => {
+                        row.odds_ratio = ratio.estimate;
+                        row.odds_ratio_ci_low = ratio.interval.low.value();
+                        row.odds_ratio_ci_high = ratio.interval.high.value();
+                        row.p_value = Some(ratio.test.f.p_value);
+                        row.remark = ratio.remark().map(Into::into);
+                    }
+                    Err(why) => row.remark = Some(why.to_string().into()),
+                }
+            }
+            Some(Err(why)) => row.remark = Some(why.to_string().into()),
+            None => {
+                let points = question.scale.points();
+                row.model = Some(format!("means, as for a metric ({points} points)"));
+                let Difference { estimate, tested } =
+                    quantity::difference(&answers.scores(), pair, parameters.level);
+                row.difference = estimate;
+                match tested {
+                    Ok(means) => {
+                        row.p_value = Some(means.p_value);
+                        row.difference_ci_low = Some(means.ci_low);
+                        row.difference_ci_high = Some(means.ci_high);
+                    }
+                    Err(why) => row.remark = Some(why.to_string().into()),
+                }
+            }
+        }
+        all.contrasts.push(row);
     }
-    rows
 }
 
 fn model(

@@ -61,12 +61,8 @@ impl Row {
 
     /// The smallest p value that the design's orders reach, where the claim rests on them.
     fn smallest_p(&self, unit: &UnitOfAnalysis) -> Option<f64> {
-        match unit {
-            UnitOfAnalysis::Participants => None,
-            UnitOfAnalysis::TrialsOf(_) => {
-                self.sharp_null.as_ref().ok().map(|test| test.smallest_p)
-            }
-        }
+        let test = self.sharp_null.as_ref().ok()?;
+        (*unit != UnitOfAnalysis::Participants).then_some(test.smallest_p)
     }
 
     /// The smallest adjusted p value, where it is not below `alpha`: no claim can be made.
@@ -126,16 +122,6 @@ impl Row {
     /// The number of differences that are exactly zero. Neither exact test counts them.
     pub(crate) fn zeros(&self) -> usize {
         paired::differences(&self.pairs()).iter().filter(|d| d.abs() <= 0.0).count()
-    }
-
-    fn p_sign_flip(&self) -> Option<f64> {
-        let differences = paired::differences(&self.pairs());
-        sign_flip::test(&differences, SAMPLING).ok().map(|test| test.p_value)
-    }
-
-    fn p_signed_rank(&self) -> Option<f64> {
-        let differences = paired::differences(&self.pairs());
-        signed_rank::test(&differences).ok().map(|test| test.p_value)
     }
 }
 
@@ -248,10 +234,11 @@ pub(crate) fn named(
         let by_t = tested.filter(|_| of_people);
         let pairs = row.pairs();
         let level = parameters.level;
-        let av = effect::d_av(&pairs, level).ok();
-        let av = av.filter(|_| g_av || d_av);
-        let z = effect::d_z(&pairs, level).ok();
-        let z = z.filter(|_| g_z || d_z);
+        let av = effect::d_av(&pairs, level).ok().filter(|_| g_av || d_av);
+        let z = effect::d_z(&pairs, level).ok().filter(|_| g_z || d_z);
+        let differences = paired::differences(&pairs);
+        let sign_flip = sign_flip::test(&differences, SAMPLING).ok().filter(|_| of_people);
+        let signed_rank = signed_rank::test(&differences).ok().filter(|_| of_people);
         let av_ends = av.as_ref().and_then(|effect| effect.interval);
         let z_ends = z.as_ref().and_then(|effect| effect.interval);
         ModeDifference {
@@ -281,8 +268,8 @@ pub(crate) fn named(
             d_z: z.as_ref().map(|e| e.d).filter(|_| d_z),
             d_z_ci_low: z_ends.map(|ends| ends[0]),
             d_z_ci_high: z_ends.map(|ends| ends[1]),
-            p_sign_flip: row.p_sign_flip().filter(|_| of_people),
-            p_signed_rank: row.p_signed_rank().filter(|_| of_people),
+            p_sign_flip: sign_flip.map(|test| test.p_value),
+            p_signed_rank: signed_rank.map(|test| test.p_value),
             p_sharp_null: row.sharp_null.as_ref().ok().map(|test| test.p_value),
             commanded: noticed.and_then(|n| n.commanded[row.environment]),
             jnd: row.jnd,

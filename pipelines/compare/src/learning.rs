@@ -11,13 +11,6 @@ use zwidth_stats::{Tested, Unestimable, line};
 /// The points (repeat, value) of one participant in one condition, a list per session.
 type Sessions = BTreeMap<usize, Vec<[f64; 2]>>;
 
-/// The units of analysis in one condition.
-struct Change {
-    n: usize,
-    /// Their change per repeat.
-    tested: Result<Tested, Unestimable>,
-}
-
 /// The change per repeat in every condition: the mean over participants of each one's slope; of one
 /// participant, the slope of the trials. Each session has a level of its own.
 pub(crate) fn changes(
@@ -39,41 +32,46 @@ pub(crate) fn changes(
             if people.is_empty() {
                 continue;
             }
-            let change = change(people, unit, parameters.level);
-            let tested = change.tested.as_ref().ok();
+            let (n, tested) = change(people, unit, parameters.level);
+            let remark = tested.as_ref().err().map(|why| why.to_string().into());
+            let tested = tested.as_ref().ok();
             rows.push(Learning {
                 metric: measure.parameters.metric.clone(),
                 unit: measure.unit.clone(),
                 environment: environment.clone(),
                 mode: mode.clone(),
                 unit_of_analysis: unit.clone(),
-                n: change.n,
+                n,
                 change: tested.map(|t| t.estimate),
                 change_std_error: tested.map(|t| t.std_error),
                 change_ci_low: tested.map(|t| t.ci_low),
                 change_ci_high: tested.map(|t| t.ci_high),
                 df: tested.map(|t| t.df),
                 p_value: tested.map(|t| t.p_value),
-                remark: change.tested.as_ref().err().map(|why| why.to_string().into()),
+                remark,
             });
         }
     }
     rows
 }
 
-/// The change in one condition that somebody has.
-fn change(people: BTreeMap<usize, Sessions>, unit: &UnitOfAnalysis, level: f64) -> Change {
+/// The units of analysis in one condition that somebody has, and their change per repeat.
+fn change(
+    people: BTreeMap<usize, Sessions>,
+    unit: &UnitOfAnalysis,
+    level: f64,
+) -> (usize, Result<Tested, Unestimable>) {
     let people: Vec<Vec<Vec<[f64; 2]>>> =
         people.into_values().map(|sessions| sessions.into_values().collect()).collect();
     match unit {
         UnitOfAnalysis::Participants => {
             let slopes: Vec<f64> = people.iter().filter_map(|own| line::slope(own)).collect();
-            Change { n: slopes.len(), tested: mean_difference(&slopes, level) }
+            (slopes.len(), mean_difference(&slopes, level))
         }
         UnitOfAnalysis::TrialsOf(_) => {
             let none = Unestimable::TooFew { units: "trials", found: 0, needed: 3 };
             let tested = people.first().map_or(Err(none), |own| line::common_slope(own, level));
-            Change { n: people.iter().flatten().map(Vec::len).sum(), tested }
+            (people.iter().flatten().map(Vec::len).sum(), tested)
         }
     }
 }

@@ -81,7 +81,7 @@ pub(crate) fn models(
                 participant_mode_sd: fitted.and_then(|fit| deviation(fit, Term::ParticipantMode)),
                 residual_sd: fitted.map(|fit| fit.fit.residual_variance.sqrt()),
                 random_terms: fitted.map(|fit| {
-                    fit.structure.iter().map(|term| term.name()).collect::<Vec<_>>().join(", ")
+                    fit.structure.iter().map(|term| term.as_str()).collect::<Vec<_>>().join(", ")
                 }),
                 singular: fitted.map(|fit| fit.fit.singular),
                 remark: kenward_roger.as_ref().err().map(|why| why.to_string().into()),

@@ -19,8 +19,14 @@ pub(crate) fn metrics(trials: &[Trial]) -> Measured {
         mode: of.2.parse().unwrap(),
         source: Source::Recorded,
     };
-    let mut columns = TrialKey::columns(&(1..).zip(trials).map(key).collect::<Vec<_>>());
-    columns.push(Column::float("step_n", "N", "a step", trials.iter().map(|t| t.4)));
+    let keys: Vec<TrialKey> = (1..).zip(trials).map(key).collect();
+    measured(&keys, trials.iter().map(|t| t.4))
+}
+
+/// The steps of trials.
+pub(crate) fn measured(trials: &[TrialKey], steps: impl Iterator<Item = Option<f64>>) -> Measured {
+    let mut columns = TrialKey::columns(trials);
+    columns.push(Column::float("step_n", "N", "a step", steps));
     Measured::of(Table::new("metrics", "", columns).unwrap()).unwrap()
 }
 
@@ -63,6 +69,22 @@ pub(crate) fn four() -> Vec<Trial> {
         person("P04", &[("active", [1.1, 1.3]), ("hybrid", [1.5, 1.3])]),
     ]
     .concat()
+}
+
+/// One trial of a participant in either mode.
+fn both(who: &'static str, active: f64, hybrid: f64) -> [Trial; 2] {
+    [("active", active), ("hybrid", hybrid)].map(|(mode, v)| (who, "S01", mode, 1, Some(v)))
+}
+
+/// Four people, and the trials of some of them again in a second session, which differ by this.
+fn again(by: impl Fn(&Trial) -> Option<f64>) -> Vec<Trial> {
+    let first = four();
+    let later = first.iter().filter_map(|t| {
+        let by = by(t)?;
+        Some((t.0, "S02", t.2, t.3, t.4.map(|v| v + by)))
+    });
+    let later: Vec<Trial> = later.collect();
+    [first, later].concat()
 }
 
 /// The only metric's tables, as they are printed.
@@ -154,9 +176,7 @@ fn a_difference_of_zero_raises_the_smallest_p_of_the_exact_tests_and_the_note_sa
     let trials: Vec<Trial> = people
         .into_iter()
         .zip([0.0, 1.0, 1.0, 2.0, 3.0, 4.0])
-        .flat_map(|(who, apart)| {
-            [(who, "S01", "active", 1, Some(1.0)), (who, "S01", "hybrid", 1, Some(1.0 + apart))]
-        })
+        .flat_map(|(who, apart)| both(who, 1.0, 1.0 + apart))
         .collect();
     let table = compare(&metrics(&trials), &parameters()).unwrap().contrasts;
     near(&floats(&table, "p_sign_flip"), &[0.0625]);
@@ -253,15 +273,8 @@ fn a_trial_without_the_metric_does_not_count_and_is_told() {
 
 #[test]
 fn sessions_are_compared_person_by_person() {
-    let mut trials = four();
-    for (who, by) in [("P01", 0.1), ("P02", 0.2), ("P03", 0.3)] {
-        let later: Vec<Trial> = trials
-            .iter()
-            .filter(|t| t.0 == who && t.1 == "S01")
-            .map(|t| (t.0, "S02", t.2, t.3, t.4.map(|v| v + by)))
-            .collect();
-        trials.extend(later);
-    }
+    let changes = [("P01", 0.1), ("P02", 0.2), ("P03", 0.3)];
+    let trials = again(|t| Some(changes.iter().find(|(who, _)| *who == t.0)?.1));
     let sessions = compare(&metrics(&trials), &parameters()).unwrap().sessions;
     assert_eq!(sessions.height(), 3);
     near(&floats(&sessions, "change_n"), &[0.2; 3]);
@@ -272,16 +285,11 @@ fn sessions_are_compared_person_by_person() {
 /// P04 comes once: changes are of three, the agreement of the hybrid mode is of all four.
 #[test]
 fn who_lacks_a_session_counts_for_agreement_and_not_for_change() {
-    let mut trials = four();
     let changes = [("P01", [0.1, -0.2]), ("P02", [0.3, 0.1]), ("P03", [-0.1, 0.2])];
-    for (who, by) in changes {
-        let later: Vec<Trial> = trials
-            .iter()
-            .filter(|t| t.0 == who && t.1 == "S01" && t.2 == "hybrid")
-            .map(|t| (t.0, "S02", t.2, t.3, t.4.map(|v| v + by[t.3 as usize - 1])))
-            .collect();
-        trials.extend(later);
-    }
+    let trials = again(|t| {
+        let own = changes.iter().find(|(who, _)| *who == t.0 && t.2 == "hybrid")?;
+        Some(own.1[t.3 as usize - 1])
+    });
     let sessions = compare(&metrics(&trials), &parameters()).unwrap().sessions;
     assert_eq!(sessions.integers("n").unwrap(), [Some(3)]);
     assert!(sessions.notes()[0].contains("those who lack a session"), "{:?}", sessions.notes());
@@ -337,37 +345,22 @@ fn a_change_from_repeat_to_repeat_is_each_participants_slope() {
 }
 
 #[test]
-fn differences_that_are_all_rounding_are_none_and_have_no_t() {
+fn differences_that_are_all_rounding_or_all_equal_have_no_test_and_say_why() {
     // Each pair is one number, computed in two ways.
-    let means = [("P01", 0.1 + 0.2, 0.3), ("P02", 0.7 + 0.1, 0.8), ("P03", 0.5, 0.5)];
-    let trials: Vec<Trial> = means
-        .iter()
-        .flat_map(|(who, active, hybrid)| {
-            [(*who, "S01", "active", 1, Some(*active)), (*who, "S01", "hybrid", 1, Some(*hybrid))]
-        })
-        .collect();
-    let contrasts = compare(&metrics(&trials), &parameters()).unwrap().contrasts;
-    assert_eq!(floats(&contrasts, "difference_n"), [0.0]);
-    assert!(contrasts.column("statistic").is_err());
-    assert_eq!(contrasts.texts("verdict").unwrap()[0].as_deref(), Some("not tested"));
-    let remark = contrasts.texts("remark").unwrap()[0].clone().unwrap();
-    assert_eq!(remark, "there is no difference beyond the rounding of the values");
-}
-
-#[test]
-fn differences_without_scatter_have_no_test_and_say_why() {
-    let trials: Vec<Trial> = ["P01", "P02", "P03"]
-        .iter()
-        .flat_map(|who| {
-            [(*who, "S01", "active", 1, Some(1.0)), (*who, "S01", "hybrid", 1, Some(2.0))]
-        })
-        .collect();
-    let contrasts = compare(&metrics(&trials), &parameters()).unwrap().contrasts;
-    assert_eq!(contrasts.height(), 1);
-    assert_eq!(floats(&contrasts, "difference_n"), [1.0]);
-    assert_eq!(contrasts.texts("verdict").unwrap()[0].as_deref(), Some("not tested"));
-    let remark = contrasts.texts("remark").unwrap()[0].clone().unwrap();
-    assert!(remark.starts_with("all differences are equal"), "{remark}");
+    let rounding =
+        [both("P01", 0.1 + 0.2, 0.3), both("P02", 0.7 + 0.1, 0.8), both("P03", 0.5, 0.5)];
+    let equal = ["P01", "P02", "P03"].map(|who| both(who, 1.0, 2.0));
+    for (trials, difference, words) in [
+        (rounding, 0.0, "there is no difference beyond the rounding of the values"),
+        (equal, 1.0, "all differences are equal"),
+    ] {
+        let contrasts = compare(&metrics(&trials.concat()), &parameters()).unwrap().contrasts;
+        assert_eq!(floats(&contrasts, "difference_n"), [difference]);
+        assert!(contrasts.column("statistic").is_err());
+        assert_eq!(contrasts.texts("verdict").unwrap()[0].as_deref(), Some("not tested"));
+        let remark = contrasts.texts("remark").unwrap()[0].clone().unwrap();
+        assert!(remark.starts_with(words), "{remark}");
+    }
 }
 
 #[test]
@@ -425,21 +418,26 @@ fn sessions_have_limits_and_a_share_of_agreement() {
     assert!((of("mdc_n") - 1.96 * 2_f64.sqrt() * of("sem_n")).abs() < 1e-9);
 }
 
-/// Answers of these participants in these modes.
-fn answers(given: &[(&str, &str, f64)]) -> Vec<GivenAnswer> {
-    let answer = |(who, mode, answer): &(&str, &str, f64)| GivenAnswer {
+/// The comparison of these participants' answers in hybrid and in active.
+fn answered(given: &[(&str, &[f64], &[f64])], parameters: &AnswerParameters) -> Table {
+    let answer = |who: &str, mode: &str, answer: f64| GivenAnswer {
         participant: who.parse().unwrap(),
         session: "S01".parse().unwrap(),
         trial: 1,
         environment: "spring".parse().unwrap(),
         mode: mode.parse().unwrap(),
         question: "felt".parse().unwrap(),
-        answer: AnswerValue::new(*answer).unwrap(),
+        answer: AnswerValue::new(answer).unwrap(),
         answer_time_s: None,
         counts: true,
         why_not: None,
     };
-    given.iter().map(answer).collect()
+    let mut answers = Vec::new();
+    for (who, hybrid, active) in given {
+        answers.extend(hybrid.iter().map(|value| answer(who, "hybrid", *value)));
+        answers.extend(active.iter().map(|value| answer(who, "active", *value)));
+    }
+    answers_table(&compare_answers(&answers, parameters).unwrap().contrasts).unwrap()
 }
 
 fn answer_parameters() -> AnswerParameters {
@@ -464,18 +462,9 @@ fn answer_parameters() -> AnswerParameters {
 /// 5, 4: wins 2, ties 2.
 #[test]
 fn answers_are_compared_pair_by_pair_within_each_participant() {
-    let given = [
-        ("P01", "hybrid", 4.0),
-        ("P01", "hybrid", 3.0),
-        ("P01", "active", 2.0),
-        ("P01", "active", 3.0),
-        ("P02", "hybrid", 5.0),
-        ("P02", "hybrid", 5.0),
-        ("P02", "active", 5.0),
-        ("P02", "active", 4.0),
-    ];
-    let found = compare_answers(&answers(&given), &answer_parameters()).unwrap();
-    let table = answers_table(&found.contrasts).unwrap();
+    let given: [(&str, &[f64], &[f64]); 2] =
+        [("P01", &[4.0, 3.0], &[2.0, 3.0]), ("P02", &[5.0, 5.0], &[5.0, 4.0])];
+    let table = answered(&given, &answer_parameters());
     assert_eq!(table.integers("n").unwrap(), [Some(2)]);
     assert_eq!(table.integers("answers").unwrap(), [Some(8)]);
     near(&floats(&table, "superiority"), &[(0.875 + 0.75) / 2.0]);
@@ -484,17 +473,10 @@ fn answers_are_compared_pair_by_pair_within_each_participant() {
 /// A slider's decimals: rounded to whole numbers, P01 would have answered alike in both modes.
 #[test]
 fn answers_on_a_line_are_compared_by_their_own_numbers() {
-    let given = [
-        ("P01", "hybrid", 47.25),
-        ("P01", "active", 46.75),
-        ("P02", "hybrid", 60.5),
-        ("P02", "active", 58.0),
-    ];
     let mut parameters = answer_parameters();
     let line = zwidth_study::NumberScale { points: 101, from: 0, step: 1, labels: Vec::new() };
     parameters.questions[0].scale = zwidth_study::AnswerScale::Numbers(line);
-    let found = compare_answers(&answers(&given), &parameters).unwrap();
-    let table = answers_table(&found.contrasts).unwrap();
+    let table = answered(&[("P01", &[47.25], &[46.75]), ("P02", &[60.5], &[58.0])], &parameters);
     assert_eq!(table.integers("answers").unwrap(), [Some(4)]);
     assert_eq!(table.floats("difference").unwrap(), [Some(1.5)]);
     assert_eq!(table.floats("superiority").unwrap(), [Some(1.0)]);
@@ -502,14 +484,8 @@ fn answers_on_a_line_are_compared_by_their_own_numbers() {
 
 #[test]
 fn answers_that_separate_the_modes_have_a_bound_and_a_p_value_in_place_of_an_odds_ratio() {
-    let given: Vec<_> = ["P01", "P02", "P03"]
-        .into_iter()
-        .flat_map(|who| {
-            [(who, "hybrid", 5.0), (who, "hybrid", 4.0), (who, "active", 1.0), (who, "active", 2.0)]
-        })
-        .collect();
-    let found = compare_answers(&answers(&given), &answer_parameters()).unwrap();
-    let table = answers_table(&found.contrasts).unwrap();
+    let one = |who| -> (&str, &[f64], &[f64]) { (who, &[5.0, 4.0], &[1.0, 2.0]) };
+    let table = answered(&["P01", "P02", "P03"].map(one), &answer_parameters());
     assert_eq!(table.floats("odds_ratio").unwrap(), [None]);
     assert_eq!(table.floats("odds_ratio_ci_high").unwrap(), [None]);
     assert!(table.floats("p_value").unwrap()[0].unwrap() < 0.1);
@@ -521,12 +497,9 @@ fn answers_that_separate_the_modes_have_a_bound_and_a_p_value_in_place_of_an_odd
 /// A force of 4 N has a just noticeable difference of 0.28 N.
 #[test]
 fn a_difference_has_its_size_in_what_is_just_noticed_from_the_mode_compared_with() {
-    let person = |who, active: f64, hybrid: f64| {
-        [("active", active), ("hybrid", hybrid)].map(|(mode, v)| (who, "S01", mode, 1, Some(v)))
-    };
     let by = |step: f64, scatter: f64| {
         let people = [("P01", -1.0), ("P02", 1.0), ("P03", -0.5), ("P04", 0.5)];
-        let trials = people.map(|(who, side)| person(who, 4.0, 4.0 + step + side * scatter));
+        let trials = people.map(|(who, side)| both(who, 4.0, 4.0 + step + side * scatter));
         let perception = Perception::default();
         let noticed =
             Some(Noticed { perception, lever_m: 0.1, is_slide: false, commanded: vec![None] });

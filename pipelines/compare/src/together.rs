@@ -11,31 +11,8 @@ use zwidth_tables::Table;
 /// # Errors
 /// A number that is none.
 pub fn together(metrics: &[Compared], contrasts: &[ModeDifference]) -> Result<Table, CompareError> {
-    let printed = contrasts.iter().cloned().map(|row| PrintedDifference {
-        metric: row.metric,
-        unit: row.unit,
-        environment: row.environment,
-        contrast: row.contrast,
-        unit_of_analysis: row.unit_of_analysis,
-        n: row.n,
-        mean_first: row.mean_first,
-        mean_second: row.mean_second,
-        difference: row.difference,
-        difference_ci_low: row.difference_ci_low,
-        difference_ci_high: row.difference_ci_high,
-        statistic: row.statistic,
-        df: row.df,
-        p_adjusted: row.p_adjusted,
-        g_av: row.g_av,
-        g_z: row.g_z,
-        d_av: row.d_av,
-        d_z: row.d_z,
-        difference_jnd: row.difference_jnd,
-        verdict: row.verdict,
-        remark: row.remark,
-        size: row.size,
-    });
-    let table = Table::of_rows(&printed.collect::<Vec<_>>())?.without_empty_columns();
+    let printed = Table::of_rows(contrasts)?.to_rows::<PrintedDifference>()?;
+    let table = Table::of_rows(&printed)?.without_empty_columns();
     let Some(first) = metrics.first() else { return Ok(table) };
     let test = match first.unit_of_analysis {
         UnitOfAnalysis::TrialsOf(_) => {

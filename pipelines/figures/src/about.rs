@@ -44,6 +44,16 @@ pub struct FigureKind {
     pub drawn_from: &'static str,
 }
 
+impl FigureKind {
+    pub(crate) const fn new(
+        stem: &'static str,
+        shows: &'static str,
+        drawn_from: &'static str,
+    ) -> Self {
+        Self { stem, shows, drawn_from }
+    }
+}
+
 impl Serialize for FigureKind {
     fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.serialize_str(self.stem)

@@ -1,7 +1,7 @@
 //! Doubts about the trials of a figure, in a note below it.
 
 use crate::words::plain;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use zwidth_draw::Figure;
 
 /// Something found in a trial that is in the figure all the same.
@@ -21,15 +21,14 @@ const NAMED: usize = 8;
 /// The figure with a note for each column in which something was found: the trials, and what was
 /// found in the first.
 #[must_use]
-pub fn with_care(figure: Figure, findings: &[Found]) -> Figure {
+pub fn with_care(mut figure: Figure, findings: &[Found]) -> Figure {
     let mut columns: BTreeMap<&str, Vec<&Found>> = BTreeMap::new();
     for finding in findings {
         columns.entry(&finding.column).or_default().push(finding);
     }
     let notes = columns.into_iter().map(|(column, findings)| note(column, &findings));
-    let mut footnotes = figure.footnotes;
-    footnotes.extend(notes);
-    Figure { footnotes, ..figure }
+    figure.footnotes.extend(notes);
+    figure
 }
 
 /// The figure with a note that says that of so many trials not every sample is drawn, those of more
@@ -46,19 +45,16 @@ pub fn with_thinned(mut figure: Figure, trials: usize, most: usize) -> Figure {
 }
 
 fn note(column: &str, findings: &[&Found]) -> String {
-    let mut trials: Vec<u32> = findings.iter().map(|finding| finding.trial).collect();
-    trials.sort_unstable();
     // A trial may have several findings in a column.
-    trials.dedup();
+    let trials: BTreeSet<u32> = findings.iter().map(|finding| finding.trial).collect();
     let named: Vec<String> = trials.iter().take(NAMED).map(u32::to_string).collect();
     let more = match trials.len().saturating_sub(NAMED) {
         0 => String::new(),
         n => format!(" and {n} more"),
     };
     let word = if trials.len() == 1 { "trial" } else { "trials" };
-    let what = findings.first().map_or("", |finding| finding.what.as_str());
-    let first =
-        if trials.len() == 1 { String::new() } else { format!("in trial {}, ", findings[0].trial) };
+    let Found { trial, what, .. } = findings[0];
+    let first = if trials.len() == 1 { String::new() } else { format!("in trial {trial}, ") };
     let column = if column.is_empty() { String::new() } else { format!(" ({column})") };
     plain(&format!("Read with care {word} {}{more}{column}: {first}{what}", named.join(", ")))
 }
@@ -74,22 +70,18 @@ mod tests {
 
     #[test]
     fn a_note_names_the_column_the_trials_and_what_was_found_in_the_first() {
-        let figure = with_care(Figure::default(), &[found(3, "theta_rad")]);
+        let note = |findings: &[Found]| {
+            let figure = with_care(Figure::default(), findings);
+            zwidth_draw::markup::typed(&figure.footnotes[0])
+        };
         let expect =
             "Read with care trial 3 (theta_rad): the velocity is 3 times the angle's derivative";
-        assert_eq!(zwidth_draw::markup::typed(&figure.footnotes[0]), expect);
+        assert_eq!(note(&[found(3, "theta_rad")]), expect);
         let many: Vec<Found> = (1..=10).map(|trial| found(trial, "t_s")).collect();
-        let figure = with_care(Figure::default(), &many);
-        let note = zwidth_draw::markup::typed(&figure.footnotes[0]);
-        assert!(
-            note.starts_with(
-                "Read with care trials 1, 2, 3, 4, 5, 6, 7, 8 and 2 more (t_s): in trial 1, "
-            ),
-            "{note}"
-        );
-        let whole = with_care(Figure::default(), &[found(3, "")]);
-        let note = zwidth_draw::markup::typed(&whole.footnotes[0]);
-        assert!(note.starts_with("Read with care trial 3: the velocity"), "{note}");
+        let expect = "Read with care trials 1, 2, 3, 4, 5, 6, 7, 8 and 2 more (t_s): in trial 1, ";
+        assert!(note(&many).starts_with(expect), "{}", note(&many));
+        let whole = note(&[found(3, "")]);
+        assert!(whole.starts_with("Read with care trial 3: the velocity"), "{whole}");
         let two = with_care(Figure::default(), &[found(1, "b"), found(2, "a")]);
         assert_eq!(two.footnotes.len(), 2);
     }

@@ -3,7 +3,6 @@
 
 use crate::course::data::EnvironmentData;
 use crate::course::panels::on_axis;
-use crate::words::Words;
 use zwidth_draw::Range;
 use zwidth_store::Signal;
 
@@ -31,20 +30,21 @@ pub(crate) fn holding(values: impl IntoIterator<Item = f64>) -> Range {
 }
 
 /// The axis of a signal that holds every repeat of all these environments.
-pub(crate) fn shared(scenes: &[&EnvironmentData], words: Words, signal: Signal) -> Range {
-    let repeats = scenes.iter().flat_map(|s| &s.modes).flat_map(|mode| &mode.repeats);
-    let values = repeats.filter_map(|r| r.signal(signal)).flat_map(|v| on_axis(words, signal, v));
-    holding(values)
+pub(crate) fn shared(scenes: &[&EnvironmentData], signal: Signal) -> Range {
+    let words = scenes[0].words();
+    let repeats = scenes.iter().flat_map(|scene| scene.repeats());
+    holding(repeats.filter_map(|r| r.signal(signal)).flat_map(|v| on_axis(words, signal, v)))
 }
 
 /// The axis of time that holds the same.
 pub(crate) fn shared_time(scenes: &[&EnvironmentData]) -> Range {
     // Times since onset and times since the start of a trial have no common axis.
-    let repeats =
-        scenes.iter().filter(|scene| scene.aligned() == scenes[0].aligned()).flat_map(|scene| {
-            let all = scene.modes.iter().flat_map(|mode| &mode.repeats);
-            all.filter(|r| r.onset_s.is_some() || !scene.aligned())
-        });
+    let aligned = scenes[0].aligned();
+    let repeats = scenes
+        .iter()
+        .filter(|scene| scene.aligned() == aligned)
+        .flat_map(|scene| scene.repeats())
+        .filter(|repeat| repeat.onset_s.is_some() || !aligned);
     match ends(repeats.flat_map(|repeat| repeat.time())) {
         Some((low, high)) if high > low => Range::Fixed(low, high),
         _ => Range::Tight,
@@ -53,11 +53,12 @@ pub(crate) fn shared_time(scenes: &[&EnvironmentData]) -> Range {
 
 /// The part of the position's axis around the wall in which what some mode does past it can be
 /// read; none where no mode stays near the wall, because then it can be read as it is.
-pub(crate) fn at_wall(scene: &EnvironmentData, words: Words) -> Option<(f64, f64)> {
+pub(crate) fn at_wall(scene: &EnvironmentData) -> Option<(f64, f64)> {
+    let words = scene.words();
     let wall = words.position(scene.environment.scene.wall_rad()?);
     let positions = |theta: &[f64]| on_axis(words, Signal::Theta, theta);
-    let all = scene.modes.iter().flat_map(|mode| &mode.repeats);
-    let (low, high) = ends(all.filter_map(|r| r.signal(Signal::Theta)).flat_map(positions))?;
+    let all = scene.repeats().filter_map(|repeat| repeat.signal(Signal::Theta));
+    let (low, high) = ends(all.flat_map(positions))?;
     let past = scene.modes.iter().filter_map(|mode| {
         let thetas = mode.repeats.iter().filter_map(|r| r.signal(Signal::Theta));
         Some(ends(thetas.flat_map(positions))?.1 - wall)

@@ -5,6 +5,7 @@ use crate::{
     About, EnvironmentData, ModeData, Repeat, SIGNALS, average_columns, loop_columns, loops, modes,
     rendering_range, repeats,
 };
+use std::sync::LazyLock;
 use zwidth_draw::{Axis, Figure, Layer, Line, Range, style};
 use zwidth_results::{Gate, Proof, TradeChoice, TradeSetting};
 use zwidth_store::{Samples, Signal, Trial};
@@ -128,6 +129,18 @@ fn average(trial: &Trial) -> Table {
     Table::new("average", "Average", columns).unwrap()
 }
 
+static STUDY: LazyLock<Studied> = LazyLock::new(study);
+static TRIAL: LazyLock<Trial> = LazyLock::new(|| trial(Source::Recorded, &ALL));
+static MEAN: LazyLock<Table> = LazyLock::new(|| average(&TRIAL));
+
+fn with_mean() -> EnvironmentData<'static> {
+    scene(&STUDY, &TRIAL, Some(&*MEAN))
+}
+
+fn without_mean() -> EnvironmentData<'static> {
+    scene(&STUDY, &TRIAL, None)
+}
+
 fn scene<'a>(
     study: &'a Studied,
     trial: &'a Trial,
@@ -150,21 +163,15 @@ fn scene<'a>(
     }
 }
 
-fn line(layer: &Layer) -> Option<&Line> {
-    if let Layer::Line(line) = layer { Some(line) } else { None }
-}
-
 fn lines(figure: &Figure, panel: usize) -> Vec<&Line> {
-    figure.panels[panel].layers.iter().filter_map(line).collect()
+    figure.panels[panel].lines().collect()
 }
 
 const ALL: [Signal; 3] = [Signal::Theta, Signal::ThetaDot, Signal::ForceEx];
 
 #[test]
 fn the_mean_is_dotted_exactly_where_it_lies_past_the_wall() {
-    let (study, trial) = (study(), trial(Source::Recorded, &ALL));
-    let mean = average(&trial);
-    let figure = modes(&scene(&study, &trial, Some(&mean)), &[]).unwrap();
+    let figure = modes(&with_mean(), &[]).unwrap();
     let curve = lines(&figure, 0).into_iter().find(|l| !l.dotted.is_empty()).unwrap();
     for (theta_deg, dotted) in curve.y.iter().zip(&curve.dotted) {
         assert_eq!(*dotted, *theta_deg >= 26.6, "{theta_deg}");
@@ -174,8 +181,7 @@ fn the_mean_is_dotted_exactly_where_it_lies_past_the_wall() {
 
 #[test]
 fn time_counts_from_onset_and_angles_stand_in_degrees() {
-    let (study, trial) = (study(), trial(Source::Recorded, &ALL));
-    let figure = modes(&scene(&study, &trial, None), &[]).unwrap();
+    let figure = modes(&without_mean(), &[]).unwrap();
     let curve = lines(&figure, 0)[0];
     assert!((curve.x[0] + 1.0).abs() < 1e-12);
     assert!((curve.y[0] + 45.0).abs() < 1e-12 && (curve.y[80] - 35.0).abs() < 1e-12);
@@ -183,37 +189,33 @@ fn time_counts_from_onset_and_angles_stand_in_degrees() {
 
 #[test]
 fn a_repeat_stands_at_the_times_that_it_was_stretched_to() {
-    let (study, trial) = (study(), trial(Source::Recorded, &ALL));
     let stretched: Vec<f64> = (0..81).map(f64::from).collect();
-    let mut scene = scene(&study, &trial, None);
+    let mut scene = without_mean();
     scene.modes[0].repeats[0].warped_s = Some(&stretched);
     assert_eq!(lines(&modes(&scene, &[]).unwrap(), 0)[0].x, stretched);
 }
 
 #[test]
 fn loops_say_what_their_dots_mean() {
-    let (study, mut trial) = (study(), trial(Source::Recorded, &ALL));
-    let mean = average(&trial);
-    trial.meta.repeat = 2;
-    let mut scene = scene(&study, &trial, Some(&mean));
-    scene.modes[0].repeats.push(Repeat { trial: &trial, onset_s: Some(1.0), warped_s: None });
+    let mut scene = with_mean();
+    let twice = scene.modes[0].repeats[0];
+    scene.modes[0].repeats.push(twice);
     let notes = |scene: &EnvironmentData| {
-        loops(&study.about, std::slice::from_ref(scene)).unwrap().footnotes
+        loops(scene.about, std::slice::from_ref(scene)).unwrap().footnotes
     };
     let means = format!("Lines: the one repeat that could be placed (1 trial), {AT_THE_ANGLE}");
     let dots = "; dotted: at the wall or past it";
     let whose = notes(&scene).last().cloned().unwrap();
     assert!(whose.starts_with("*F*: the user's force."), "{whose}");
     assert_eq!(notes(&scene), [format!("{means}{dots}."), whose.clone()]);
-    scene.environment = &study.environments[0];
+    scene.environment = &STUDY.environments[0];
     assert_eq!(notes(&scene), [format!("{means}."), whose], "no wall, no dots");
 }
 
 /// What the command line reads for a figure is less than there is.
 #[test]
 fn figures_of_trials_need_no_more_than_the_signals_and_the_columns_they_name() {
-    let study = study();
-    let mut whole = trial(Source::Recorded, &ALL);
+    let mut whole = TRIAL.clone();
     for signal in Signal::all().filter(|s| *s != Signal::Time) {
         let values = whole.samples.get(Signal::Theta).unwrap().to_vec();
         if whole.samples.get(signal).is_none() {
@@ -231,8 +233,8 @@ fn figures_of_trials_need_no_more_than_the_signals_and_the_columns_they_name() {
         all.columns().iter().filter(|c| names.iter().any(|name| *name == c.field.name)).cloned();
     let some = Table::new("average", "Average", columns.collect()).unwrap();
     let of = |trial, average| {
-        let scene = scene(&study, trial, Some(average));
-        let loops = loops(&study.about, std::slice::from_ref(&scene)).unwrap();
+        let scene = scene(&STUDY, trial, Some(average));
+        let loops = loops(scene.about, std::slice::from_ref(&scene)).unwrap();
         [modes(&scene, &[]).unwrap(), repeats(&scene, &scene.modes[0]), loops]
     };
     assert_eq!(of(&whole, &all), of(&few, &some));
@@ -241,15 +243,13 @@ fn figures_of_trials_need_no_more_than_the_signals_and_the_columns_they_name() {
 /// A number without a unit says so by its name: a count, or names instead of numbers.
 #[test]
 fn every_axis_with_a_label_has_a_unit() {
-    let (study, trial) = (study(), trial(Source::Recorded, &ALL));
-    let mean = average(&trial);
-    let scene = scene(&study, &trial, Some(&mean));
+    let scene = with_mean();
     let calibration = zwidth_study::Calibration::thesis();
     let figures = [
         modes(&scene, &[]).unwrap(),
         repeats(&scene, &scene.modes[0]),
-        loops(&study.about, std::slice::from_ref(&scene)).unwrap(),
-        rendering_range(&study.about, &calibration, "", &[]).unwrap(),
+        loops(scene.about, std::slice::from_ref(&scene)).unwrap(),
+        rendering_range(scene.about, &calibration, "", &[]).unwrap(),
     ];
     let axes: Vec<&Axis> =
         figures.iter().flat_map(|f| &f.panels).flat_map(|p| [&p.x, &p.y]).collect();
@@ -263,9 +263,7 @@ fn every_axis_with_a_label_has_a_unit() {
 /// What runs along the wall is drawn on the wall's line, not under it.
 #[test]
 fn the_line_of_the_wall_lies_behind_the_data() {
-    let (study, trial) = (study(), trial(Source::Recorded, &ALL));
-    let mean = average(&trial);
-    let scene = scene(&study, &trial, Some(&mean));
+    let scene = with_mean();
     for figure in [modes(&scene, &[]).unwrap(), repeats(&scene, &scene.modes[0])] {
         let of_wall = |l: &Layer| matches!(l, Layer::Reference(_));
         let with_wall: Vec<_> =
@@ -277,13 +275,11 @@ fn the_line_of_the_wall_lies_behind_the_data() {
 
 #[test]
 fn a_figure_of_means_says_how_they_are_aligned_and_of_how_many_repeats() {
-    let (study, trial) = (study(), trial(Source::Recorded, &ALL));
-    let mean = average(&trial);
     for (alignment, words, axis) in [
         (Alignment::Onset, "aligned at movement onset", "time since movement onset"),
         (Alignment::Landmarks, "aligned by landmarks", "time since onset, by landmarks"),
     ] {
-        let mut scene = EnvironmentData { alignment, ..scene(&study, &trial, Some(&mean)) };
+        let mut scene = EnvironmentData { alignment, ..with_mean() };
         let twice = scene.modes[0].repeats[0];
         scene.modes[0].repeats.push(twice);
         let figure = modes(&scene, &[]).unwrap();
@@ -293,60 +289,60 @@ fn a_figure_of_means_says_how_they_are_aligned_and_of_how_many_repeats() {
             lines(&figure, 0).into_iter().filter_map(|l| l.name.as_deref()).collect();
         assert_eq!(names, ["Active (1 of 2 trials)"]);
     }
-    let both = modes(&scene(&study, &trial, Some(&mean)), &[]).unwrap();
+    let both = modes(&with_mean(), &[]).unwrap();
     let words =
         "against time aligned at movement onset; force against angle averaged at each angle";
     assert!(both.footnotes[0].contains(words), "{}", both.footnotes[0]);
     let alignment = Alignment::Landmarks;
-    let without =
-        modes(&EnvironmentData { alignment, ..scene(&study, &trial, None) }, &[]).unwrap();
+    let without = EnvironmentData { alignment, ..without_mean() };
+    let without = modes(&without, &[]).unwrap();
     assert_eq!(without.panels[2].x.label, "time since movement onset", "there is no mean");
 }
 
 #[test]
 fn a_figure_without_the_set_point_that_was_recorded_says_so() {
-    let (mut study, trial) = (study(), trial(Source::Recorded, &ALL));
-    let says = |figure: &Figure| figure.footnotes.iter().any(|note| note.contains("reference_rad"));
-    assert!(!says(&modes(&scene(&study, &trial, None), &[]).unwrap()));
+    let says = |scene: &EnvironmentData| {
+        let notes = modes(scene, &[]).unwrap().footnotes;
+        notes.iter().any(|note| note.contains("reference_rad"))
+    };
+    assert!(!says(&without_mean()));
+    let mut study = study();
     study.about.has_reference = true;
-    assert!(says(&modes(&scene(&study, &trial, None), &[]).unwrap()));
+    assert!(says(&scene(&study, &TRIAL, None)));
 }
 
 /// A movement that a wall holds half a degree past it, and one that goes far past.
 #[test]
 fn where_a_mode_stays_near_the_wall_a_panel_shows_what_it_does_there() {
-    let study = study();
     let up_to = |most_deg: f64| {
-        let mut trial = trial(Source::Recorded, &ALL);
+        let mut trial = TRIAL.clone();
         let theta: Vec<f64> = trial.samples.get(Signal::Theta).unwrap().to_vec();
         let held = theta.iter().map(|theta| theta.min(most_deg.to_radians())).collect();
         trial.samples.set(Signal::Theta, held);
         trial
     };
     let (held, far) = (up_to(27.1), up_to(33.0));
-    let panels = |trial: &Trial| modes(&scene(&study, trial, None), &[]).unwrap().panels;
+    let panels = |trial: &Trial| modes(&scene(&STUDY, trial, None), &[]).unwrap().panels;
     assert_eq!(panels(&far).len(), 4, "what lies far past the wall is read as it is");
     let near = panels(&held);
     let Range::Fixed(from, to) = near[4].x.range else { panic!("{:?}", near[4].x) };
     assert!(from < 26.6 && to > 27.1 && to - from < 1.5, "{from} to {to}");
     assert_eq!((near[3].cell.rows, near[4].cell.row), (2, 2));
     assert!(lines(&Figure { panels: near, ..Figure::default() }, 4)[0].dotted.is_empty());
-    let one = scene(&study, &held, None);
+    let one = scene(&STUDY, &held, None);
     let figure = repeats(&one, &one.modes[0]);
     assert_eq!(figure.panels.len(), 4);
     assert!(zwidth_draw::draw(&figure).is_ok());
-    let mut free = scene(&study, &held, None);
-    free.environment = &study.environments[0];
+    let free = EnvironmentData { environment: &STUDY.environments[0], ..one };
     assert_eq!(modes(&free, &[]).unwrap().panels.len(), 4, "no wall");
 }
 
 #[test]
 fn figures_of_environments_that_are_compared_have_the_same_axes() {
-    let (study, mut slow) = (study(), trial(Source::Recorded, &ALL));
-    let fast = trial(Source::Recorded, &ALL);
+    let mut slow = TRIAL.clone();
     let force = slow.samples.get(Signal::ForceEx).unwrap().iter().map(|f| 2.0 * f).collect();
     slow.samples.set(Signal::ForceEx, force);
-    let (spring, wall) = (scene(&study, &slow, None), scene(&study, &fast, None));
+    let (spring, wall) = (scene(&STUDY, &slow, None), without_mean());
     let ranges = |figure: Figure| -> Vec<Range> {
         figure.panels.iter().take(4).flat_map(|panel| [panel.x.range, panel.y.range]).collect()
     };
@@ -358,9 +354,7 @@ fn figures_of_environments_that_are_compared_have_the_same_axes() {
 /// In print without colour the modes are told apart by their dashes.
 #[test]
 fn modes_differ_by_their_dashes_and_environments_of_a_loop_too() {
-    let (study, trial) = (study(), trial(Source::Recorded, &ALL));
-    let mean = average(&trial);
-    let mut scene = scene(&study, &trial, Some(&mean));
+    let mut scene = with_mean();
     for index in [1, 2] {
         scene.modes.push(ModeData { index, ..scene.modes[0].clone() });
     }
@@ -376,16 +370,14 @@ fn modes_differ_by_their_dashes_and_environments_of_a_loop_too() {
 
 #[test]
 fn a_mean_without_a_band_draws_none() {
-    let (study, trial) = (study(), trial(Source::Recorded, &ALL));
-    let mean = average(&trial);
-    let figure = modes(&scene(&study, &trial, Some(&mean)), &[]).unwrap();
+    let figure = modes(&with_mean(), &[]).unwrap();
     assert!(!figure.panels.iter().flat_map(|p| &p.layers).any(|l| matches!(l, Layer::Band(_))));
 }
 
 #[test]
 fn a_signal_that_was_not_recorded_leaves_a_panel_that_says_so() {
-    let (study, trial) = (study(), trial(Source::Imported, &[Signal::ThetaDot, Signal::TorqueEx]));
-    let figure = modes(&scene(&study, &trial, None), &[]).unwrap();
+    let trial = trial(Source::Imported, &[Signal::ThetaDot, Signal::TorqueEx]);
+    let figure = modes(&scene(&STUDY, &trial, None), &[]).unwrap();
     assert_eq!(figure.panels[0].note.as_deref(), Some("no angle was recorded"));
     assert_eq!(figure.panels[3].note.as_deref(), Some("no angle was recorded"));
     assert_eq!(figure.panels[1].y.unit, "N·m", "torque stays torque");
@@ -393,16 +385,15 @@ fn a_signal_that_was_not_recorded_leaves_a_panel_that_says_so() {
 
 #[test]
 fn every_figure_of_a_simulated_trial_says_so_and_none_of_a_measured_one() {
-    let study = study();
     for (source, marked) in
         [(Source::Twin, true), (Source::Recorded, false), (Source::Imported, false)]
     {
         let trial = trial(source, &ALL);
-        let scene = scene(&study, &trial, None);
+        let scene = scene(&STUDY, &trial, None);
         let figures = [
             modes(&scene, &[]).unwrap(),
             repeats(&scene, &scene.modes[0]),
-            loops(&study.about, std::slice::from_ref(&scene)).unwrap(),
+            loops(scene.about, std::slice::from_ref(&scene)).unwrap(),
         ];
         assert!(figures.iter().all(|f| f.mark.is_some() == marked), "{source:?}");
     }
@@ -412,7 +403,6 @@ fn every_figure_of_a_simulated_trial_says_so_and_none_of_a_measured_one() {
 fn stars_and_underscores_in_names_are_no_markup() {
     let mut study = study();
     study.environments[1].label = "a*b*_c".to_owned();
-    let trial = trial(Source::Recorded, &ALL);
-    let figure = modes(&scene(&study, &trial, None), &[]).unwrap();
+    let figure = modes(&scene(&study, &TRIAL, None), &[]).unwrap();
     assert!(zwidth_draw::markup::plain(&figure.title.unwrap()).ends_with("a*b*_c (P01\u{a0}S01)"));
 }

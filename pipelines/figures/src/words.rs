@@ -1,8 +1,9 @@
 //! What several figures share: the name of a study's coordinate and its unit on axes, axes of powers
 //! of ten, marks, names as markup.
 
+use std::sync::Arc;
 use zwidth_draw::style::{self, Colour};
-use zwidth_draw::{Axis, Ticks, markup};
+use zwidth_draw::{Axis, Direction, Layer, Reference, Ticks, markup};
 use zwidth_dynamics::NAMED_SOLVERS;
 use zwidth_study::{Coordinate, Source};
 use zwidth_tables::{shown_unit, with_unit};
@@ -113,6 +114,28 @@ pub(crate) fn logarithms(values: &[f64]) -> Vec<f64> {
 pub(crate) fn solver_colour(name: &str) -> Colour {
     let number = NAMED_SOLVERS.iter().position(|named| named.name == name);
     style::solver_colour(number.unwrap_or(0))
+}
+
+/// The heading of the `number`-th panel of a figure, after its letter.
+pub(crate) fn lettered(number: usize, title: &str) -> String {
+    format!("**{}**  {title}", char::from(b'a' + (number % 26) as u8))
+}
+
+/// Names in order, each once.
+pub(crate) fn distinct<'a>(names: impl Iterator<Item = &'a Arc<str>>) -> Vec<Arc<str>> {
+    let mut seen: Vec<Arc<str>> = Vec::new();
+    for name in names {
+        if !seen.contains(name) {
+            seen.push(name.clone());
+        }
+    }
+    seen
+}
+
+/// The line at the logarithm of 1, where what a person just feels stands.
+pub(crate) fn just_felt(direction: Direction) -> Layer {
+    let line = Reference::new(direction, 0.0, style::reference());
+    Layer::Reference(Reference { label: Some("just felt".to_owned()), ..line })
 }
 
 /// Axis of time.

@@ -2,52 +2,19 @@
 
 use serde::Serialize;
 use zwidth_numerics::{NumericsError, lsq};
+use zwidth_results::FreePlane;
 use zwidth_stats::StatsError;
-use zwidth_stats::interval::Estimate;
 use zwidth_stats::recording::recording_fit;
 use zwidth_store::{Samples, Signal, Trial};
-use zwidth_study::{Analysis, Coordinate, Study, TrialMeta};
+use zwidth_study::{Analysis, Coordinate, Study};
 use zwidth_tables::given;
 
 /// Why a trial has no plane fit.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum FreeMotionError {
-    /// No torque and nothing to make it from.
-    #[error(
-        "no torque was recorded, and no force with a lever length (device.lever_m) to make it from"
-    )]
-    NoTorque,
-    /// A signal the fit needs was not recorded.
-    #[error("no {column} was recorded: {needs}")]
-    Missing {
-        /// The column.
-        column: &'static str,
-        /// What the fit needs, in words.
-        needs: &'static str,
-    },
-    /// The device never moves on for as long as the fit needs.
-    #[error(
-        "no stretch of {needed_s} s in which the speed stays above {least} ({key}): nothing slips for long enough to tell \
-         friction from inertia"
-    )]
-    NoSlip {
-        /// Length of a stretch, s.
-        needed_s: f64,
-        /// Least speed, as the study's people read it.
-        least: String,
-        /// The key of `study.toml` that says so.
-        key: &'static str,
-    },
-    /// The motion does not tell two of the terms apart.
-    #[error(
-        "the motion cannot tell {term} from the terms before it{because}: record a motion that does, or leave the trial out"
-    )]
-    Alike {
-        /// The term.
-        term: &'static str,
-        /// What such a motion is like, in words; nothing where it is not known.
-        because: &'static str,
-    },
+    /// Its recording does not give one: what is missing, and what to do.
+    #[error("{0}")]
+    Refused(String),
     /// The fit was refused: too few samples.
     #[error(transparent)]
     Numerics(NumericsError),
@@ -65,30 +32,9 @@ pub(crate) fn recorded<'a>(
     signal: Signal,
     needs: &'static str,
 ) -> Result<&'a [f64], FreeMotionError> {
-    samples.get(signal).ok_or(FreeMotionError::Missing { column: signal.name(), needs })
-}
-
-/// τ = c + I θ̈ + b θ̇ for one recording.
-#[derive(Debug, Clone, PartialEq)]
-pub struct PlaneFit {
-    /// Which trial.
-    pub meta: TrialMeta,
-    /// c, N·m.
-    pub offset_nm: Estimate,
-    /// I, kg·m².
-    pub inertia_kg_m2: Estimate,
-    /// b, N·m·s/rad.
-    pub damping_nm_s_per_rad: Estimate,
-    /// R² of the plane.
-    pub r2: Option<f64>,
-    /// √mean residual², N·m.
-    pub rms_nm: f64,
-    /// Samples.
-    pub samples: usize,
-    /// Lags of the covariance, samples.
-    pub lags: usize,
-    /// The same in time, lags × the mean sample interval, s.
-    pub bandwidth_s: f64,
+    samples.get(signal).ok_or_else(|| {
+        FreeMotionError::Refused(format!("no {} was recorded: {needs}", signal.name()))
+    })
 }
 
 /// Everything that the fits of a trial depend on besides the trial.
@@ -122,31 +68,36 @@ impl FreeMotionError {
             Coordinate::Linear { .. } => "analysis.onset_mm_s",
         };
         let least = given(parameters.onset_rad_s, "rad/s", parameters.coordinate);
-        Self::NoSlip { needed_s, least, key }
+        Self::Refused(format!(
+            "no stretch of {needed_s} s in which the speed stays above {least} ({key}): nothing slips for long enough to tell \
+             friction from inertia"
+        ))
     }
 
     /// Why a fit of these terms was refused: a column that is a combination of those before it is
     /// named by its term.
-    pub(crate) fn of_terms(error: NumericsError, terms: &[&'static str]) -> Self {
+    pub(crate) fn of_terms(error: NumericsError, terms: &[&str]) -> Self {
         match error {
             NumericsError::RankDeficient { column } if column < terms.len() => {
                 let term = terms[column];
                 let because =
                     if term == "friction" { ", because it goes one way only" } else { "" };
-                Self::Alike { term, because }
+                Self::Refused(format!(
+                    "the motion cannot tell {term} from the terms before it{because}: record a motion that does, or leave the trial out"
+                ))
             }
             other => Self::Numerics(other),
         }
     }
 }
 
-/// The plane through `trial`'s samples; the torque is the recorded one, or L F_ex where a force and
-/// a lever length are there instead.
+/// The plane τ = c + I θ̈ + b θ̇ through `trial`'s samples; the torque is the recorded one, or L
+/// F_ex where a force and a lever length are there instead.
 ///
 /// # Errors
 /// A signal that is not recorded; too few samples; an acceleration or velocity that does not vary,
 /// or that are proportional to each other.
-pub fn plane_fit(trial: &Trial, parameters: &Parameters) -> Result<PlaneFit, FreeMotionError> {
+pub fn plane_fit(trial: &Trial, parameters: &Parameters) -> Result<FreePlane, FreeMotionError> {
     let torque = torque(&trial.samples, parameters.lever_m)?;
     let ones = vec![1.0; torque.len()];
     // In the order of the names below: a column that depends on those before it is named by its place.
@@ -158,12 +109,29 @@ pub fn plane_fit(trial: &Trial, parameters: &Parameters) -> Result<PlaneFit, Fre
     let fit = lsq::fit(&columns, &torque)
         .map_err(|e| FreeMotionError::of_terms(e, &["the offset", "inertia", "damping"]))?;
     let intervals = recording_fit(&columns, &fit, parameters.confidence)?;
+    let [offset, inertia, damping] = [0, 1, 2].map(|j| intervals.estimates[j]);
     let t = recorded(&trial.samples, Signal::Time, NEEDS)?;
-    Ok(PlaneFit {
-        meta: trial.meta.clone(),
-        offset_nm: intervals.estimates[0],
-        inertia_kg_m2: intervals.estimates[1],
-        damping_nm_s_per_rad: intervals.estimates[2],
+    let meta = trial.meta.clone();
+    Ok(FreePlane {
+        participant: meta.participant,
+        session: meta.session,
+        trial: meta.trial,
+        repeat: meta.repeat,
+        environment: meta.environment,
+        mode: meta.mode,
+        source: meta.source,
+        offset_nm: offset.estimate,
+        offset_std_error_nm: offset.std_error,
+        offset_ci_low_nm: offset.ci_low,
+        offset_ci_high_nm: offset.ci_high,
+        inertia_kg_m2: inertia.estimate,
+        inertia_std_error_kg_m2: inertia.std_error,
+        inertia_ci_low_kg_m2: inertia.ci_low,
+        inertia_ci_high_kg_m2: inertia.ci_high,
+        damping_nm_s_per_rad: damping.estimate,
+        damping_std_error_nm_s_per_rad: damping.std_error,
+        damping_ci_low_nm_s_per_rad: damping.ci_low,
+        damping_ci_high_nm_s_per_rad: damping.ci_high,
         r2: fit.r2,
         rms_nm: (fit.rss / torque.len() as f64).sqrt(),
         samples: torque.len(),
@@ -177,8 +145,10 @@ pub(crate) fn torque(samples: &Samples, lever_m: Option<f64>) -> Result<Vec<f64>
     if let Some(torque) = samples.get(Signal::TorqueEx) {
         return Ok(torque.to_vec());
     }
-    let (force, lever_m) =
-        samples.get(Signal::ForceEx).zip(lever_m).ok_or(FreeMotionError::NoTorque)?;
+    let Some((force, lever_m)) = samples.get(Signal::ForceEx).zip(lever_m) else {
+        let why = "no torque was recorded, and no force with a lever length (device.lever_m) to make it from";
+        return Err(FreeMotionError::Refused(why.to_owned()));
+    };
     Ok(force.iter().map(|force| lever_m * force).collect())
 }
 
@@ -190,7 +160,7 @@ pub(crate) fn sample_interval_s(t: &[f64]) -> f64 {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use zwidth_study::StudyId;
+    use zwidth_study::{StudyId, TrialMeta};
 
     pub(crate) fn parameters() -> Parameters {
         let study = zwidth_study::template(&StudyId::new("free").unwrap());
@@ -232,7 +202,7 @@ pub(crate) mod tests {
         for (found, expect) in
             [(fit.offset_nm, 0.01), (fit.inertia_kg_m2, 0.5), (fit.damping_nm_s_per_rad, -0.25)]
         {
-            assert!((found.estimate - expect).abs() < 1e-13, "{found:?}");
+            assert!((found - expect).abs() < 1e-13, "{found}");
         }
         assert!(fit.rms_nm < 1e-13 && (fit.r2.unwrap() - 1.0).abs() < 1e-13);
         assert_eq!((fit.samples, fit.lags), (400, 40));
@@ -243,11 +213,14 @@ pub(crate) mod tests {
     fn a_force_becomes_a_torque_by_the_lever_length() {
         let lever_m = parameters().lever_m.unwrap();
         let fit = plane_fit(&plane(Signal::ForceEx, 1.0 / lever_m), &parameters()).unwrap();
-        assert!((fit.inertia_kg_m2.estimate - 0.5).abs() < 1e-13);
+        assert!((fit.inertia_kg_m2 - 0.5).abs() < 1e-13);
         let mut without = parameters();
         without.lever_m = None;
-        let refused = plane_fit(&plane(Signal::ForceEx, 1.0), &without);
-        assert_eq!(refused, Err(FreeMotionError::NoTorque));
+        let refused = plane_fit(&plane(Signal::ForceEx, 1.0), &without).unwrap_err().to_string();
+        assert_eq!(
+            refused,
+            "no torque was recorded, and no force with a lever length (device.lever_m) to make it from"
+        );
     }
 
     #[test]

@@ -36,8 +36,8 @@ mod plant;
 mod real_data;
 mod table;
 
-pub use fit::{FreeMotionError, Parameters, PlaneFit, plane_fit};
-pub use plant::{PlantFit, plant_fit};
+pub use fit::{FreeMotionError, Parameters, plane_fit};
+pub use plant::plant_fit;
 pub use table::{plane_table, plant_table};
 
 /// Version of the algorithms here: a change of any number they give raises it.

@@ -2,13 +2,12 @@
 
 use crate::FreeMotionError;
 use crate::Parameters;
-use crate::average::{HALF_S, Stretch, average, stretch};
+use crate::average::{HALF_S, average, stretch};
 use crate::fit::{recorded, sample_interval_s, torque};
 use zwidth_numerics::lsq;
-use zwidth_stats::interval::Estimate;
+use zwidth_results::FreePlant;
 use zwidth_stats::recording::recording_fit;
 use zwidth_store::{Signal, Trial};
-use zwidth_study::TrialMeta;
 
 /// What a plant fit needs, in words.
 const NEEDS: &str = "a plant fit needs torque, angle and velocity";
@@ -21,68 +20,76 @@ const NEEDS: &str = "a plant fit needs torque, angle and velocity";
 /// angle pass through the same weights, so neither lags behind the other. A stretch counts if |θ̇|
 /// ≥ `analysis.onset_rad_s` with one sign at every sample: while the device sticks, dry friction
 /// takes any value. There is one stretch per sample, and least squares over all of them.
-#[derive(Debug, Clone, PartialEq)]
-pub struct PlantFit {
-    /// Which trial.
-    pub meta: TrialMeta,
-    /// c, N·m: what the drive is off by.
-    pub offset_nm: Estimate,
-    /// I, kg·m².
-    pub inertia_kg_m2: Estimate,
-    /// b, N·m·s/rad.
-    pub damping_nm_s_per_rad: Estimate,
-    /// τ_c, N·m: dry friction while slipping.
-    pub friction_nm: Estimate,
-    /// κ, N·m/rad: what pulls back to θ = 0 (weight, cables).
-    pub stiffness_nm_per_rad: Estimate,
-    /// R² of the fit.
-    pub r2: Option<f64>,
-    /// √mean residual² of the averages, N·m.
-    pub rms_nm: f64,
-    /// Stretches, one about each sample that has one.
-    pub samples: usize,
-    /// Lags of the covariance, stretches.
-    pub lags: usize,
-    /// The same in time, lags × the mean sample interval, s.
-    pub bandwidth_s: f64,
-}
-
-/// The plant through `trial`'s slipping stretches; the torque is the recorded one, or L F_ex where
-/// a force and a lever length are there instead.
+///
+/// The torque is the recorded one, or L F_ex where a force and a lever length are there instead.
 ///
 /// # Errors
 /// A signal that is not recorded; no stretch that slips, or too few; movements too alike to tell
 /// the five apart.
-pub fn plant_fit(trial: &Trial, parameters: &Parameters) -> Result<PlantFit, FreeMotionError> {
+pub fn plant_fit(trial: &Trial, parameters: &Parameters) -> Result<FreePlant, FreeMotionError> {
     let t = recorded(&trial.samples, Signal::Time, NEEDS)?;
     let theta = recorded(&trial.samples, Signal::Theta, NEEDS)?;
     let velocity = recorded(&trial.samples, Signal::ThetaDot, NEEDS)?;
     let torque = torque(&trial.samples, parameters.lever_m)?;
-    let least_rad_s = parameters.onset_rad_s;
-    let rows: Vec<StretchMeans> = (0..t.len())
-        .filter_map(|centre| row(&stretch(t, centre)?, [theta, velocity, &torque], least_rad_s))
-        .collect();
-    if rows.is_empty() {
+    let mut columns: [Vec<f64>; TERMS.len()] = Default::default();
+    let mut torques = Vec::new();
+    for stretch in (0..t.len()).filter_map(|centre| stretch(t, centre)) {
+        let inside = stretch.first..stretch.first + stretch.weights.len();
+        let [theta, velocity, torque] = [theta, velocity, &torque[..]].map(|y| &y[inside.clone()]);
+        let sign = velocity[0].signum();
+        // Dry friction turns with the velocity: over a change of sign it has no one value.
+        if velocity.iter().all(|v| sign * v >= parameters.onset_rad_s) {
+            let terms = [
+                1.0,
+                average(&stretch.curvature, theta),
+                average(&stretch.slope, theta),
+                sign,
+                average(&stretch.weights, theta),
+            ];
+            columns.iter_mut().zip(terms).for_each(|(column, term)| column.push(term));
+            torques.push(average(&stretch.weights, torque));
+        }
+    }
+    if torques.is_empty() {
         return Err(FreeMotionError::no_slip(2.0 * HALF_S, parameters));
     }
-    // In the order of `TERMS`.
-    let terms: [fn(&StretchMeans) -> f64; 5] =
-        [|_| 1.0, |r| r.acceleration, |r| r.velocity, |r| r.sign, |r| r.angle];
-    let columns = terms.map(|term| rows.iter().map(term).collect::<Vec<f64>>());
-    let columns: [&[f64]; 5] = columns.each_ref().map(Vec::as_slice);
-    let torque: Vec<f64> = rows.iter().map(|r| r.torque).collect();
-    let fit = lsq::fit(&columns, &torque).map_err(|e| FreeMotionError::of_terms(e, &TERMS))?;
+    let columns = columns.each_ref().map(Vec::as_slice);
+    let fit = lsq::fit(&columns, &torques).map_err(|e| FreeMotionError::of_terms(e, &TERMS))?;
     let intervals = recording_fit(&columns, &fit, parameters.confidence)?;
-    Ok(PlantFit {
-        meta: trial.meta.clone(),
-        offset_nm: intervals.estimates[0],
-        inertia_kg_m2: intervals.estimates[1],
-        damping_nm_s_per_rad: intervals.estimates[2],
-        friction_nm: intervals.estimates[3],
-        stiffness_nm_per_rad: intervals.estimates[4],
+    let [offset, inertia, damping, friction, stiffness] =
+        [0, 1, 2, 3, 4].map(|j| intervals.estimates[j]);
+    let meta = trial.meta.clone();
+    Ok(FreePlant {
+        participant: meta.participant,
+        session: meta.session,
+        trial: meta.trial,
+        repeat: meta.repeat,
+        environment: meta.environment,
+        mode: meta.mode,
+        source: meta.source,
+        offset_nm: offset.estimate,
+        offset_std_error_nm: offset.std_error,
+        offset_ci_low_nm: offset.ci_low,
+        offset_ci_high_nm: offset.ci_high,
+        inertia_kg_m2: inertia.estimate,
+        inertia_std_error_kg_m2: inertia.std_error,
+        inertia_ci_low_kg_m2: inertia.ci_low,
+        inertia_ci_high_kg_m2: inertia.ci_high,
+        damping_nm_s_per_rad: damping.estimate,
+        damping_std_error_nm_s_per_rad: damping.std_error,
+        damping_ci_low_nm_s_per_rad: damping.ci_low,
+        damping_ci_high_nm_s_per_rad: damping.ci_high,
+        friction_nm: friction.estimate,
+        friction_std_error_nm: friction.std_error,
+        friction_ci_low_nm: friction.ci_low,
+        friction_ci_high_nm: friction.ci_high,
+        stiffness_nm_per_rad: stiffness.estimate,
+        stiffness_std_error_nm_per_rad: stiffness.std_error,
+        stiffness_ci_low_nm_per_rad: stiffness.ci_low,
+        stiffness_ci_high_nm_per_rad: stiffness.ci_high,
         r2: fit.r2,
-        rms_nm: (fit.rss / rows.len() as f64).sqrt(),
-        samples: rows.len(),
+        rms_nm: (fit.rss / torques.len() as f64).sqrt(),
+        samples: torques.len(),
         lags: intervals.lags,
         bandwidth_s: intervals.lags as f64 * sample_interval_s(t),
     })
@@ -91,39 +98,11 @@ pub fn plant_fit(trial: &Trial, parameters: &Parameters) -> Result<PlantFit, Fre
 /// The terms of the fit, in the order of its columns.
 const TERMS: [&str; 5] = ["the offset", "inertia", "damping", "friction", "stiffness"];
 
-/// The averages over one stretch.
-struct StretchMeans {
-    torque: f64,
-    acceleration: f64,
-    velocity: f64,
-    sign: f64,
-    angle: f64,
-}
-
-/// The averages of `[θ, θ̇, τ]` over `stretch`; `None` unless it slips one way throughout.
-fn row(
-    stretch: &Stretch,
-    [theta, velocity, torque]: [&[f64]; 3],
-    least_rad_s: f64,
-) -> Option<StretchMeans> {
-    let inside = stretch.first..stretch.first + stretch.weights.len();
-    let [theta, velocity, torque] = [theta, velocity, torque].map(|y| &y[inside.clone()]);
-    let sign = velocity[0].signum();
-    // Dry friction turns with the velocity: over a change of sign it has no one value.
-    let slips = velocity.iter().all(|v| sign * v >= least_rad_s);
-    slips.then(|| StretchMeans {
-        torque: average(&stretch.weights, torque),
-        acceleration: average(&stretch.curvature, theta),
-        velocity: average(&stretch.slope, theta),
-        sign,
-        angle: average(&stretch.weights, theta),
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::fit::tests::{parameters, trial};
+    use crate::plant_table;
 
     /// c, I, b, τ_c, κ.
     const PLANT: [f64; 5] = [2e-4, 3e-5, 2e-4, 6e-4, 1.3e-3];
@@ -158,20 +137,17 @@ mod tests {
         ])
     }
 
-    fn found(fit: &PlantFit) -> [Estimate; 5] {
-        [
+    fn check(step_rad: f64, relative: f64) {
+        let fit = plant_fit(&recording(step_rad), &parameters()).unwrap();
+        let found = [
             fit.offset_nm,
             fit.inertia_kg_m2,
             fit.damping_nm_s_per_rad,
             fit.friction_nm,
             fit.stiffness_nm_per_rad,
-        ]
-    }
-
-    fn check(step_rad: f64, relative: f64) {
-        let fit = plant_fit(&recording(step_rad), &parameters()).unwrap();
-        for (found, expect) in found(&fit).iter().zip(PLANT) {
-            assert!((found.estimate / expect - 1.0).abs() < relative, "{found:?} {expect}");
+        ];
+        for (found, expect) in found.iter().zip(PLANT) {
+            assert!((found / expect - 1.0).abs() < relative, "{found} {expect}");
         }
     }
 
@@ -215,5 +191,23 @@ mod tests {
         ]);
         let error = plant_fit(&without, &parameters()).unwrap_err().to_string();
         assert!(error.contains("no theta_rad was recorded"), "{error}");
+    }
+
+    #[test]
+    fn a_coefficient_whose_interval_holds_zero_is_said_to_be_unseen() {
+        let fit = FreePlant {
+            inertia_ci_low_kg_m2: -3.0,
+            inertia_ci_high_kg_m2: 1.0,
+            ..plant_fit(&recording(0.0), &parameters()).unwrap()
+        };
+        let table = plant_table(std::slice::from_ref(&fit)).unwrap();
+        assert_eq!(table.to_rows::<FreePlant>().unwrap(), [fit]);
+        let notes = table.notes().to_vec();
+        assert_eq!(notes.len(), 1);
+        assert!(
+            notes[0].starts_with("The inertia I is not identified: its interval"),
+            "{}",
+            notes[0]
+        );
     }
 }

@@ -2,12 +2,12 @@
 
 use crate::IdentifyError;
 use crate::fit::{Block, Problem, sum};
-use crate::profile::{Curve, Point};
+use crate::profile::Curve;
 use crate::slopes::Parameter;
-use crate::verdict::{inflation, verdict};
+use crate::verdict::verdict;
 use zwidth_numerics::expm::Matrix;
 use zwidth_numerics::nonlinear::Minimum;
-use zwidth_results::Identifiability;
+use zwidth_results::{Identifiability, PlantProfile};
 use zwidth_stats::student_t::critical_value;
 
 /// A fitted parameter; unit as the parameter.
@@ -28,7 +28,7 @@ pub struct Estimate {
     /// known, 1 at least; `None` for a parameter that the trials do not determine.
     pub inflation: Option<f64>,
     /// Its profile, by rising value; empty without standard error.
-    pub profile: Vec<Point>,
+    pub profile: Vec<PlantProfile>,
     /// Whether the trials say what it is.
     pub verdict: Identifiability,
 }
@@ -56,7 +56,7 @@ pub(crate) fn spread<const P: usize>(
 ) -> Option<Spread> {
     let all = sum(blocks);
     let inverse_all = inverse(&all.curvature, free)?;
-    let moved = moved(blocks, free)?;
+    let moved: Vec<[f64; P]> = moved(blocks, free).into_iter().collect::<Option<_>>()?;
     let variance = jackknife(&moved, j, j);
     let mut total = 0.0;
     let mut squares = 0.0;
@@ -74,19 +74,12 @@ pub(crate) fn spread<const P: usize>(
         .filter(|s| s.std_error.is_finite() && s.df > 0.0)
 }
 
-/// The covariance of all parameters by the same jackknife, V_jk = (G − 1)/G Σ_g (p_g − p̄)_j (p_g −
-/// p̄)_k; 0 for those that are not free. `None` where the trials do not determine the free ones, or
-/// not without one of them.
-pub(crate) fn covariance<const P: usize>(
+/// By how much the parameters move without each trial in turn, one Gauss–Newton step each, 0 for
+/// those that are not free; `None` where the other trials do not determine them.
+pub(crate) fn moved<const P: usize>(
     blocks: &[Block<P>],
     free: &[bool; P],
-) -> Option<[[f64; P]; P]> {
-    let moved = moved(blocks, free)?;
-    Some(core::array::from_fn(|j| core::array::from_fn(|k| jackknife(&moved, j, k))))
-}
-
-/// By how much the parameters move without each trial in turn, one Gauss–Newton step each.
-fn moved<const P: usize>(blocks: &[Block<P>], free: &[bool; P]) -> Option<Vec<[f64; P]>> {
+) -> Vec<Option<[f64; P]>> {
     (0..blocks.len())
         .map(|g| {
             let others =
@@ -99,8 +92,9 @@ fn moved<const P: usize>(blocks: &[Block<P>], free: &[bool; P]) -> Option<Vec<[f
         .collect()
 }
 
-/// (G − 1)/G times the sum of products of two parameters' departures from their means.
-fn jackknife<const P: usize>(moved: &[[f64; P]], j: usize, k: usize) -> f64 {
+/// The covariance V_jk = (G − 1)/G Σ_g (p_g − p̄)_j (p_g − p̄)_k of two parameters by the same
+/// jackknife; 0 for those that are not free.
+pub(crate) fn jackknife<const P: usize>(moved: &[[f64; P]], j: usize, k: usize) -> f64 {
     let n = moved.len() as f64;
     let [mean_j, mean_k] = [j, k].map(|j| moved.iter().map(|m| m[j]).sum::<f64>() / n);
     (n - 1.0) / n * moved.iter().map(|m| (m[j] - mean_j) * (m[k] - mean_k)).sum::<f64>()
@@ -119,24 +113,6 @@ pub(crate) fn free<const P: usize>(
 /// Whether a value sits on one of its bounds.
 pub(crate) fn on_bound(parameter: &Parameter, value: f64) -> bool {
     value <= parameter.lower || value >= parameter.upper
-}
-
-/// One Gauss–Newton step from `at` with the normal equations of some trials, over the parameters
-/// that are free and within the bounds; `None` where these trials do not determine them.
-pub(crate) fn stepped<const P: usize>(
-    parameters: &[Parameter; P],
-    at: &[f64; P],
-    free: &[bool; P],
-    block: &Block<P>,
-) -> Option<[f64; P]> {
-    let inverse = inverse(&block.curvature, free)?;
-    Some(core::array::from_fn(|j| {
-        if !free[j] {
-            return at[j];
-        }
-        let step = (0..P).map(|k| inverse[j][k] * block.gradient[k]).sum::<f64>();
-        (at[j] - step).clamp(parameters[j].lower, parameters[j].upper)
-    }))
 }
 
 /// The inverse over the free parameters, 0 elsewhere, by elimination of the matrix scaled to a
@@ -172,9 +148,11 @@ pub(crate) fn estimates<const P: usize>(
 ) -> Result<Vec<Estimate>, IdentifyError> {
     let all = sum(blocks);
     let free = free(problem.parameters, &minimum.parameters, &all);
-    let inflation = inflation(&all, &free);
+    let inverse = inverse(&all.curvature, &free);
     let mut estimates = Vec::with_capacity(P);
     for j in 0..P {
+        // (JᵀJ)⁻¹ times JᵀJ, diagonal entries; `None` where others stand in for it wholly.
+        let inflation = inverse.filter(|_| free[j]).map(|i| i[j][j] * all.curvature[j][j]);
         // One on its bound may leave it, to tell how far: the bracket that is left of its interval.
         let mut free = free;
         free[j] = all.curvature[j][j] > 0.0;
@@ -195,7 +173,7 @@ pub(crate) fn estimates<const P: usize>(
             std_error: spread.map(|s| s.std_error),
             df: spread.map(|s| s.df),
             interval,
-            inflation: inflation[j],
+            inflation,
             profile: curve.map(|curve| curve.points()).unwrap_or_default(),
             verdict: Identifiability::OnBound,
         };
@@ -253,7 +231,7 @@ mod tests {
     fn standard_error_degrees_of_freedom_interval_and_profile_are_those_of_numpy_and_scipy() {
         let found = fitted(-10.0);
         let one_off = |estimate: &Estimate, at: f64| {
-            *estimate.profile.iter().find(|p| (p.value - at).abs() < 1e-6).unwrap()
+            estimate.profile.iter().find(|p| (p.value - at).abs() < 1e-6).unwrap().clone()
         };
         for (estimate, [fitted, std_error, df, low, high]) in found.iter().zip(SCIPY) {
             let (ci_low, ci_high) = estimate.interval.unwrap();

@@ -1,8 +1,8 @@
 //! From recordings to parameters, and errors of trials that the fit has and has not seen.
 
 use crate::IdentifyError;
-use crate::estimate::{Estimate, covariance, estimates, free, stepped};
-use crate::fit::{Block, Problem, sum};
+use crate::estimate::{Estimate, estimates, free, jackknife, moved};
+use crate::fit::{Problem, sum};
 use crate::slopes::Parameter;
 use rayon::prelude::*;
 use zwidth_results::{FitPart, PlantTrialError};
@@ -60,8 +60,11 @@ pub fn identify<const P: usize>(
     let parts: Vec<FitPart> = (0..recordings.len())
         .map(|i| {
             let meta = recordings[i].meta;
-            let earlier = recordings[..i].iter().filter(|r| is_repeat(r.meta, meta)).count();
-            if earlier.is_multiple_of(2) { FitPart::Fitted } else { FitPart::HeldOut }
+            let earlier = recordings[..i].iter().map(|earlier| earlier.meta);
+            let repeats = earlier
+                .filter(|m| m.is_of_session_of(meta) && m.condition() == meta.condition())
+                .count();
+            if repeats.is_multiple_of(2) { FitPart::Fitted } else { FitPart::HeldOut }
         })
         .collect();
     let fitted: Vec<usize> = (0..parts.len()).filter(|i| parts[*i] == FitPart::Fitted).collect();
@@ -76,7 +79,15 @@ pub fn identify<const P: usize>(
     let minimum = problem.fit(&starts)?;
     let slopes = problem.slopes(&minimum.parameters);
     let blocks = problem.blocks(&minimum.parameters, &slopes);
-    let left_out = without_each(parameters, &minimum.parameters, &blocks);
+    let free = free(parameters, &minimum.parameters, &sum(&blocks));
+    let moved = moved(&blocks, &free);
+    let at = &minimum.parameters;
+    let left_out = |step: [f64; P]| -> [f64; P] {
+        core::array::from_fn(|j| match free[j] {
+            true => (at[j] + step[j]).clamp(parameters[j].lower, parameters[j].upper),
+            false => at[j],
+        })
+    };
     let errors = recordings.par_iter().enumerate().map(|(i, recording)| {
         let error = |p: &[f64; P]| judge(i, p).filter(|error| error.is_finite());
         // Blocks are of the fitted trials alone, in the order of their numbers.
@@ -92,37 +103,18 @@ pub fn identify<const P: usize>(
             source: meta.source,
             part: parts[i],
             rmse_by_eye_rad: error(&by_eye),
-            rmse_fitted_rad: error(&minimum.parameters),
-            rmse_left_out_rad: place.and_then(|k| left_out[k]).and_then(|p| error(&p)),
+            rmse_fitted_rad: error(at),
+            rmse_left_out_rad: place.and_then(|k| moved[k]).and_then(|p| error(&left_out(p))),
         }
     });
     Ok(Identified {
         estimates: estimates(&problem, &minimum, &blocks, &slopes, task.level)?,
         trials: errors.collect(),
-        covariance: covariance(&blocks, &free(parameters, &minimum.parameters, &sum(&blocks)))
-            .map(|rows| rows.iter().map(|row| row.to_vec()).collect()),
+        covariance: moved.iter().copied().collect::<Option<Vec<_>>>().map(|moved| {
+            (0..P).map(|j| (0..P).map(|k| jackknife(&moved, j, k)).collect()).collect()
+        }),
         converged: minimum.converged,
     })
-}
-
-/// Whether two trials repeat a condition, by one participant in one session.
-fn is_repeat(a: &TrialMeta, b: &TrialMeta) -> bool {
-    a.participant == b.participant && a.session == b.session && a.condition() == b.condition()
-}
-
-/// The parameters that the other trials give, for each; `None` where they do not determine them.
-fn without_each<const P: usize>(
-    parameters: &[Parameter; P],
-    at: &[f64; P],
-    blocks: &[Block<P>],
-) -> Vec<Option<[f64; P]>> {
-    let free = free(parameters, at, &sum(blocks));
-    (0..blocks.len())
-        .map(|k| {
-            let others = blocks.iter().enumerate().filter(|(i, _)| *i != k).map(|(_, block)| block);
-            stepped(parameters, at, &free, &sum(others))
-        })
-        .collect()
 }
 
 #[cfg(test)]

@@ -35,7 +35,6 @@ pub use bracket::{Bracket, Switching};
 pub use error::IdentifyError;
 pub use estimate::Estimate;
 pub use identify::{Identified, Recording, Task, identify};
-pub use profile::Point;
 pub use slopes::Parameter;
 pub use table::{covariances, estimates_table, held_out, nothing_fitted, profiles, threshold};
 

@@ -5,6 +5,7 @@ use crate::Parameter;
 use crate::estimate::{Spread, inverse};
 use crate::fit::{Block, Problem};
 use zwidth_numerics::nonlinear::Minimum;
+use zwidth_results::PlantProfile;
 
 /// The curve is drawn to `REACH` standard errors to either side, `STEPS` points per standard error.
 const REACH: i32 = 3;
@@ -20,18 +21,6 @@ const CLOSE: f64 = 1e-6;
 const ROUNDING: f64 = 1e-14;
 /// More such steps than it takes near the fit.
 const MAX_STEPS: usize = 10;
-
-/// One point of a profile.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Point {
-    /// Value at which the parameter is held.
-    pub value: f64,
-    /// Σ r² with the others fitted again, divided by that of the fit.
-    pub relative_error: f64,
-    /// Likelihood ratio, −2 ln: how much less likely the value is than the fit; 3.84 is the end of
-    /// a 95 % interval with many degrees of freedom.
-    pub likelihood_ratio: f64,
-}
 
 /// The profile of one parameter around a minimum.
 ///
@@ -84,7 +73,7 @@ impl<'p, 'd, const P: usize> Curve<'p, 'd, P> {
     }
 
     /// The likelihood ratio's curve, by rising value, within the bounds.
-    pub(crate) fn points(&self) -> Vec<Point> {
+    pub(crate) fn points(&self) -> Vec<PlantProfile> {
         let mut values: Vec<f64> = (-REACH * STEPS..=REACH * STEPS)
             .map(|step| {
                 self.inside(self.fitted() + f64::from(step) / f64::from(STEPS) * self.std_error)
@@ -114,7 +103,7 @@ impl<'p, 'd, const P: usize> Curve<'p, 'd, P> {
         Some(self.inside(self.fitted() + side * distance))
     }
 
-    fn at(&self, value: f64) -> Option<Point> {
+    fn at(&self, value: f64) -> Option<PlantProfile> {
         let minimum = self.minimum;
         let away = value - self.fitted();
         // From where the others go to first order, which is where they end in a linear model.
@@ -124,7 +113,10 @@ impl<'p, 'd, const P: usize> Curve<'p, 'd, P> {
             true => minimum.rss,
             false => self.refitted(start).or_else(|| self.problem.held(start, self.j, value))?,
         };
-        Some(Point {
+        let parameter = &self.problem.parameters[self.j];
+        Some(PlantProfile {
+            parameter: parameter.name,
+            unit: parameter.unit.into(),
             value,
             relative_error: rss / minimum.rss,
             likelihood_ratio: ((rss - minimum.rss) * self.scale).max(0.0),

@@ -78,17 +78,7 @@ pub fn covariances(identified: &Identified) -> Vec<PlantCovariance> {
 /// The profiles: how the error changes if a parameter is held at a value and the others are fitted
 /// again.
 pub fn profiles(estimates: &[Estimate]) -> Vec<PlantProfile> {
-    let mut rows = Vec::new();
-    for estimate in estimates {
-        rows.extend(estimate.profile.iter().map(|point| PlantProfile {
-            parameter: estimate.parameter.name,
-            unit: estimate.parameter.unit.into(),
-            value: point.value,
-            relative_error: point.relative_error,
-            likelihood_ratio: point.likelihood_ratio,
-        }));
-    }
-    rows
+    estimates.iter().flat_map(|estimate| estimate.profile.clone()).collect()
 }
 
 /// The forces between which the brake's let-go threshold lies, beside the one that was set; none

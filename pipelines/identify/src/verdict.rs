@@ -1,8 +1,7 @@
 //! Whether the trials determine a parameter.
 
 use crate::Estimate;
-use crate::estimate::{inverse, on_bound};
-use crate::fit::Block;
+use crate::estimate::on_bound;
 use zwidth_results::Identifiability;
 
 /// Above this variance inflation, 1/(1 − R²), the other parameters explain 99 % of what a parameter
@@ -32,28 +31,15 @@ pub(crate) fn verdict(estimate: &Estimate, curvature: f64) -> Identifiability {
     }
 }
 
-/// Variance inflation of each free parameter: (JᵀJ)⁻¹ times JᵀJ, diagonal entries; `None` where
-/// others stand in for it wholly.
-pub(crate) fn inflation<const P: usize>(all: &Block<P>, free: &[bool; P]) -> [Option<f64>; P] {
-    let inverse = inverse(&all.curvature, free);
-    core::array::from_fn(|j| inverse.filter(|_| free[j]).map(|i| i[j][j] * all.curvature[j][j]))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::Parameter;
-    use zwidth_results::PlantParameter;
+    use crate::testing::PARAMETERS;
 
     fn check(change: impl Fn(&mut Estimate), expect: Identifiability) {
         let mut estimate = Estimate {
-            parameter: Parameter {
-                name: PlantParameter::Mass,
-                unit: "kg",
-                by_eye: 1.0,
-                lower: 0.0,
-                upper: 10.0,
-            },
+            parameter: Parameter { lower: 0.0, ..PARAMETERS[0] },
             fitted: 2.0,
             std_error: Some(0.1),
             df: Some(5.0),

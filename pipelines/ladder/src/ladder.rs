@@ -61,14 +61,9 @@ pub struct Rung {
 impl Rung {
     /// The quantity that is furthest off, by its place, and how far over its bound.
     pub fn furthest(&self) -> Option<(usize, f64)> {
-        let mut furthest: Option<(usize, f64)> = None;
-        for (at, off) in self.worst.iter().copied().enumerate() {
-            // Of equal ones the first, which `max_by` would not give.
-            if furthest.is_none_or(|(_, most)| off > most) {
-                furthest = Some((at, off));
-            }
-        }
-        furthest
+        let all = self.worst.iter().copied().enumerate();
+        // Of equal ones the first, which `max_by` would not give.
+        all.reduce(|most, next| if next.1 > most.1 { next } else { most })
     }
 
     /// Whether nobody could feel the difference to the fullest model, at any point.

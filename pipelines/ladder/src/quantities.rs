@@ -2,6 +2,7 @@
 
 use crate::run::Course;
 use std::ops::Range;
+use zwidth_numerics::series::ends;
 use zwidth_study::{Measured, Perception};
 
 /// Half of the window over which a force counts, s: what is quicker is vibration.
@@ -76,9 +77,7 @@ fn jumps(t_s: &[f64], slow_n: &[f64]) -> Vec<bool> {
     let windows = windows(t_s);
     let mut jumps = Vec::with_capacity(windows.len());
     for window in &windows {
-        let (low, high) = slow_n[window.clone()]
-            .iter()
-            .fold((f64::MAX, f64::MIN), |(low, high), x| (low.min(*x), high.max(*x)));
+        let (low, high) = ends(&slow_n[window.clone()]);
         jumps.push(high - low > JUMP * largest);
     }
     windows.into_iter().map(|window| jumps[window].contains(&true)).collect()

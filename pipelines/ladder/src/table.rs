@@ -11,11 +11,10 @@ use zwidth_tables::{Table, TableError};
 pub fn models(ladder: &Ladder) -> Vec<LadderModel> {
     let scene = Arc::<str>::from(ladder.scene.as_str());
     let choice = ladder.choice().map(|rung| rung.set);
-    let mut models = Vec::with_capacity(ladder.rungs.len());
-    for rung in &ladder.rungs {
+    let models = ladder.rungs.iter().map(|rung| {
         let furthest = rung.furthest();
         let [steps, products, exponentials, decisions] = rung.counts;
-        models.push(LadderModel {
+        LadderModel {
             scene: scene.clone(),
             terms: rung.set,
             number_of_terms: rung.set.len(),
@@ -29,9 +28,9 @@ pub fn models(ladder: &Ladder) -> Vec<LadderModel> {
                 .and_then(|(at, _)| Some(ladder.quantities.get(at)?.name.as_str().into())),
             is_enough: rung.is_enough(),
             is_chosen: Some(rung.set) == choice,
-        });
-    }
-    models
+        }
+    });
+    models.collect()
 }
 
 /// The effect of each term on each quantity, and why the term is kept or not.
@@ -124,16 +123,10 @@ pub fn chosen(models: &[LadderModel]) -> Option<TermSet> {
 /// ones the first.
 fn strongest(ladder: &Ladder, q: &Quantity, term: LadderTerm) -> Option<(LadderTerm, f64)> {
     let own = ladder.switch(term)?;
-    let mut strongest: Option<(LadderTerm, f64)> = None;
-    for other in ladder.offered.terms().filter(|other| *other != term) {
-        let index = ladder.switch(other).and_then(|switch| q.variance.second(own, switch));
-        if let Some(index) = index
-            && strongest.is_none_or(|(_, most)| index > most)
-        {
-            strongest = Some((other, index));
-        }
-    }
-    strongest
+    let others = ladder.offered.terms().filter(|other| *other != term);
+    let indices =
+        others.filter_map(|other| Some((other, q.variance.second(own, ladder.switch(other)?)?)));
+    indices.reduce(|most, next| if next.1 > most.1 { next } else { most })
 }
 
 fn note(ladder: &Ladder) -> String {

@@ -36,56 +36,35 @@ pub struct Blinding {
     pub level: f64,
 }
 
-/// What the answers after trials of one mode were.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-struct Tally {
-    trials: usize,
-    right: usize,
-    wrong: usize,
-    unknown: usize,
-    /// Sum of the scores.
-    score: f64,
-}
-
-impl Tally {
-    /// Counts one more trial: its score is 1 if right, −1/(k − 1) if wrong with k modes to choose
-    /// from, 0 for "do not know".
-    fn add(&mut self, guess: &Guess) {
-        self.trials += 1;
+/// The row of a mode for the answers after some trials of it, as those of one participant.
+fn row(mode: &ModeId, guesses: &[&Guess]) -> BlindingIndex {
+    let mut row = BlindingIndex {
+        participant: None,
+        mode: mode.clone(),
+        participants: 0,
+        trials: guesses.len(),
+        right: 0,
+        wrong: 0,
+        do_not_know: 0,
+        index: None,
+        index_ci_low: None,
+        index_ci_high: None,
+    };
+    let mut sum = 0.0;
+    for guess in guesses {
         let (count, score) = match guess.answer.map(AnswerValue::whole) {
-            None => return,
-            Some(Some(0)) => (&mut self.unknown, 0.0),
-            Some(number) if number == Some(guess.number.into()) => (&mut self.right, 1.0),
-            Some(_) => (&mut self.wrong, all_wrong(guess.choices)),
+            None => continue,
+            Some(Some(0)) => (&mut row.do_not_know, 0.0),
+            Some(number) if number == Some(guess.number.into()) => (&mut row.right, 1.0),
+            Some(_) => (&mut row.wrong, all_wrong(guess.choices)),
         };
         *count += 1;
-        self.score += score;
+        sum += score;
     }
-
-    /// Its row, without an index.
-    fn row(&self, mode: &ModeId) -> BlindingIndex {
-        BlindingIndex {
-            participant: None,
-            mode: mode.clone(),
-            participants: 0,
-            trials: self.trials,
-            right: self.right,
-            wrong: self.wrong,
-            do_not_know: self.unknown,
-            index: None,
-            index_ci_low: None,
-            index_ci_high: None,
-        }
-    }
-
-    fn answered(&self) -> usize {
-        self.right + self.wrong + self.unknown
-    }
-
-    /// The mean score of the trials that were answered; `None` without one.
-    fn index(&self) -> Option<f64> {
-        (self.answered() > 0).then(|| self.score / self.answered() as f64)
-    }
+    let answered = row.right + row.wrong + row.do_not_know;
+    row.index = (answered > 0).then(|| sum / answered as f64);
+    row.participants = usize::from(answered > 0);
+    row
 }
 
 /// The index of somebody who is always wrong with k modes to choose from: −1/(k − 1). There are at
@@ -108,7 +87,7 @@ fn all_wrong(choices: u8) -> f64 {
 /// # Errors
 /// An answer that was not offered; a level outside (0, 1).
 pub fn blinding(input: &Blinding) -> Result<Vec<BlindingIndex>, LikertError> {
-    let mut tallies: BTreeMap<&ParticipantId, BTreeMap<&ModeId, Tally>> = BTreeMap::new();
+    let mut people: BTreeMap<&ParticipantId, BTreeMap<&ModeId, Vec<&Guess>>> = BTreeMap::new();
     for guess in &input.guesses {
         let offered = 0..=i16::from(guess.choices);
         if let Some(value) = guess.answer
@@ -120,21 +99,19 @@ pub fn blinding(input: &Blinding) -> Result<Vec<BlindingIndex>, LikertError> {
                 choices: guess.choices,
             });
         }
-        let own = tallies.entry(&guess.participant).or_default();
-        own.entry(&guess.mode).or_default().add(guess);
+        let own = people.entry(&guess.participant).or_default();
+        own.entry(&guess.mode).or_default().push(guess);
     }
     let mut rows: Vec<BlindingIndex> = Vec::new();
-    for (participant, own) in &tallies {
+    for (participant, own) in &people {
         // No row for a mode of which nobody asked this participant.
         let own = input.modes.iter().filter_map(|mode| Some((mode, own.get(mode)?)));
-        rows.extend(own.map(|(mode, tally)| BlindingIndex {
+        rows.extend(own.map(|(mode, guesses)| BlindingIndex {
             participant: Some((*participant).clone()),
-            participants: usize::from(tally.answered() > 0),
-            index: tally.index(),
-            ..tally.row(mode)
+            ..row(mode, guesses)
         }));
     }
-    if tallies.len() > 1 {
+    if people.len() > 1 {
         let over =
             input.modes.iter().filter_map(|mode| over_participants(input, mode, &rows).transpose());
         let over = over.collect::<Result<Vec<BlindingIndex>, LikertError>>()?;
@@ -163,22 +140,19 @@ fn over_participants(
     let own = own.iter().filter(|row| row.participant.is_some() && row.mode == *mode);
     let indices: Vec<f64> = own.filter_map(|row| row.index).collect();
     let mean = interval::mean(&indices, input.level)?;
-    let mut tally = Tally::default();
     let guesses: Vec<&Guess> = input.guesses.iter().filter(|g| g.mode == *mode).collect();
-    guesses.iter().for_each(|guess| tally.add(guess));
     // With the fewest modes to choose from a wrong answer counts most: no index lies below that.
     let fewest = guesses.iter().map(|g| g.choices).min();
     let lowest = fewest.map_or(-1.0, all_wrong);
     // People who all have one index tell nothing of how people differ.
     let spread = mean.interval.filter(|interval| interval.std_error > 0.0);
-    let row = BlindingIndex {
+    Ok((!guesses.is_empty()).then(|| BlindingIndex {
         participants: mean.n,
         index: mean.estimate,
         index_ci_low: spread.map(|interval| interval.ci_low.clamp(lowest, 1.0)),
         index_ci_high: spread.map(|interval| interval.ci_high.clamp(lowest, 1.0)),
-        ..tally.row(mode)
-    };
-    Ok((tally.trials > 0).then_some(row))
+        ..row(mode, &guesses)
+    }))
 }
 
 fn notes(input: &Blinding, participants: usize) -> Vec<(NoteKind, String)> {

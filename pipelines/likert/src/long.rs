@@ -25,13 +25,8 @@ pub fn long(counting: &[Answer], left_out: &[LeftOutAnswer]) -> Vec<GivenAnswer>
     });
     let mut rows: Vec<GivenAnswer> = rows.collect();
     // Of one question the answers stay in the order in which they were given: the last may count.
-    rows.sort_by(|a, b| {
-        (&a.participant, &a.session, a.trial, &a.question).cmp(&(
-            &b.participant,
-            &b.session,
-            b.trial,
-            &b.question,
-        ))
+    rows.sort_by_cached_key(|row| {
+        (row.participant.clone(), row.session.clone(), row.trial, row.question.clone())
     });
     rows
 }
@@ -68,22 +63,10 @@ pub fn long_table(rows: &[GivenAnswer], scheme: &Scheme) -> Result<Table, TableE
 #[cfg(test)]
 mod tests {
     use super::*;
-    use zwidth_study::Condition;
 
     #[test]
     fn every_answer_is_a_row_with_its_question() {
-        let answer = |question: &str, value: i16| Answer {
-            participant: "P01".parse().unwrap(),
-            session: "S01".parse().unwrap(),
-            trial: 3,
-            condition: Condition {
-                environment: "spring".parse().unwrap(),
-                mode: "hybrid".parse().unwrap(),
-            },
-            question: question.parse().unwrap(),
-            value: value.into(),
-            time_ms: None,
-        };
+        let answer = |question, value: i16| crate::tests::answer("P01", "hybrid", question, value);
         let study = zwidth_testing::study();
         let scheme = Scheme::of(&study);
         let rows = long(&[answer("felt", 4), answer("liked", 2)], &[]);
@@ -94,7 +77,7 @@ mod tests {
         let questions = ["felt", "liked"].map(|q| Some(q.to_owned()));
         assert_eq!(table.texts("question").unwrap(), questions);
         assert_eq!(table.integers("answer").unwrap(), [Some(4), Some(2)]);
-        assert_eq!(table.integers("trial").unwrap(), [Some(3), Some(3)]);
+        assert_eq!(table.integers("trial").unwrap(), [Some(7), Some(7)]);
         assert!(table.column("answer_time_s").is_err());
         let timed = Answer { time_ms: Some(2500), ..answer("felt", 4) };
         let table = long_table(&long(&[timed, answer("liked", 2)], &[]), &scheme).unwrap();

@@ -1,12 +1,11 @@
 //! The tally against a questionnaire collected by others.
 
-use crate::Scheme;
-use crate::{tally, tally_table};
+use crate::tests::answer;
+use crate::{Scheme, tally, tally_table};
 use std::path::PathBuf;
 use zwidth_store::Answer;
 use zwidth_study::{
-    AnswerScale, Condition, EnvironmentId, Mode, ModeId, ParticipantId, Question, QuestionId,
-    Scene, SessionId, Study, StudyId,
+    AnswerScale, AnswerValue, Mode, ModeId, Question, QuestionId, Scene, Study, StudyId,
 };
 use zwidth_tables::Table;
 
@@ -56,21 +55,6 @@ fn scheme(questions: &[(usize, Question)]) -> Scheme {
     Scheme::of(&study)
 }
 
-fn answer(row: &[String], value: &str, question: &QuestionId) -> Answer {
-    Answer {
-        participant: ParticipantId::new(row[PARTICIPANT].clone()).unwrap(),
-        session: SessionId::new("S01").unwrap(),
-        trial: 1,
-        condition: Condition {
-            environment: EnvironmentId::new("spring").unwrap(),
-            mode: ModeId::new(row[CONDITION].clone()).unwrap(),
-        },
-        question: question.clone(),
-        value: value.parse().unwrap(),
-        time_ms: None,
-    }
-}
-
 /// The counts 1 … 5 of the pooled row of `group`, for each mode.
 fn pooled(table: &Table, group: &str) -> Vec<[i64; 5]> {
     let flags = table.flags("pooled").unwrap();
@@ -94,7 +78,10 @@ fn pooled_counts_with_reversed_items_are_those_of_an_independent_count() {
     let questions = questions(&rows(folder.join("UXdata_questions2023-04-17.csv")));
     let people = rows(folder.join("UXdata2023-04-28.csv"));
     let of = |row: &Vec<String>| {
-        questions.iter().map(|(i, q)| answer(row, &row[*i], &q.id)).collect::<Vec<_>>()
+        let given = |i: usize| row[i].parse::<AnswerValue>().unwrap();
+        let (who, mode) = (&row[PARTICIPANT], &row[CONDITION]);
+        let all = questions.iter().map(|(i, q)| answer(who, mode, q.id.as_str(), given(*i)));
+        all.collect::<Vec<_>>()
     };
     let answers: Vec<Answer> = people.iter().flat_map(of).collect();
     assert_eq!((questions.len(), answers.len()), (45, 3600));

@@ -343,7 +343,7 @@ fn about_point(scales: &[&AnswerScale], point: u8) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use zwidth_study::SessionId;
+    use crate::tests::answer;
 
     /// The template's study with three questions: q1 and q2 (reversed) in a group, q3 alone.
     fn scheme() -> Scheme {
@@ -361,21 +361,6 @@ mod tests {
             question("q3", None, false),
         ];
         Scheme::of(&study)
-    }
-
-    fn answer(participant: &str, mode: &str, question: &str, value: i16) -> Answer {
-        Answer {
-            participant: ParticipantId::new(participant).unwrap(),
-            session: SessionId::new("S01").unwrap(),
-            trial: 7,
-            condition: Condition {
-                environment: EnvironmentId::new("spring").unwrap(),
-                mode: ModeId::new(mode).unwrap(),
-            },
-            question: QuestionId::new(question).unwrap(),
-            value: value.into(),
-            time_ms: None,
-        }
     }
 
     /// The table of some answers.
@@ -431,7 +416,7 @@ mod tests {
 
     #[test]
     fn the_order_of_the_answers_does_not_matter() {
-        let mut answers: Vec<_> = (1..=5).map(|v| answer("P01", "active", "q1", v)).collect();
+        let mut answers: Vec<_> = (1..=5_i16).map(|v| answer("P01", "active", "q1", v)).collect();
         let forward = tally(&answers, &scheme()).unwrap();
         answers.reverse();
         assert_eq!(tally(&answers, &scheme()).unwrap(), forward);

@@ -16,19 +16,28 @@ fn scheme() -> Scheme {
     Scheme::of(&Study::from_toml(&format!("{text}\n{more}")).unwrap())
 }
 
-fn given(question: &str, value: impl Into<AnswerValue>) -> Answer {
+pub(crate) fn answer(
+    participant: &str,
+    mode: &str,
+    question: &str,
+    value: impl Into<AnswerValue>,
+) -> Answer {
     Answer {
-        participant: "P01".parse().unwrap(),
+        participant: participant.parse().unwrap(),
         session: "S01".parse().unwrap(),
-        trial: 1,
+        trial: 7,
         condition: Condition {
             environment: "spring".parse().unwrap(),
-            mode: "active".parse().unwrap(),
+            mode: mode.parse().unwrap(),
         },
         question: question.parse().unwrap(),
         value: value.into(),
         time_ms: None,
     }
+}
+
+fn given(question: &str, value: impl Into<AnswerValue>) -> Answer {
+    answer("P01", "active", question, value)
 }
 
 /// The table of the counts.

@@ -7,7 +7,6 @@ use crate::gap::Gap;
 use crate::signals::Signals;
 use crate::{MetricsError, Plant};
 use zwidth_numerics::local::Derivator;
-use zwidth_numerics::phases::Phases;
 use zwidth_stats::interval::{Estimate, t_interval};
 use zwidth_study::Analysis;
 
@@ -57,10 +56,6 @@ pub(crate) fn actuator_discrepancy(
     else {
         return Ok(ActuatorDiscrepancy::default());
     };
-    let Phases { reversal, end, .. } = phases;
-    if reversal == end {
-        return Ok(ActuatorDiscrepancy::default());
-    }
     let Some(branches) = Branches::of(&theta, phases, analysis.grid_points) else {
         return Ok(ActuatorDiscrepancy::default());
     };
@@ -80,7 +75,7 @@ pub(crate) fn actuator_discrepancy(
     });
     let d: Vec<f64> = d.collect();
     let [gap, slower, later] =
-        [d, slower, later].map(|d| Gap::new(branches.grid.clone(), d, theta[reversal]));
+        [d, slower, later].map(|d| Gap::new(branches.grid.clone(), d, theta[phases.reversal]));
     let level = analysis.confidence;
     let mean = gap.mean()?;
     let felt = [lever_m * later.mean()?, slower.mean()?, 2.0];
@@ -144,7 +139,7 @@ fn carried(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::{LEVER_M, RATE_HZ, REST_RAD, in_spring, stroke, trial};
+    use crate::testing::{LEVER_M, RATE_HZ, REST_RAD, check, in_spring, stroke, trial};
     use crate::{Parameters, plant_metrics, trial_metrics};
     use core::f64::consts::TAU;
     use zwidth_store::Trial;
@@ -178,11 +173,6 @@ mod tests {
 
     fn found(trial: &Trial, plant: &Plant) -> ActuatorDiscrepancy {
         plant_metrics(trial, &in_spring(K, REST_RAD), Some(plant)).unwrap().discrepancy
-    }
-
-    fn check(found: Option<f64>, expect: f64, tolerance: f64) {
-        let found = found.unwrap();
-        assert!((found - expect).abs() < tolerance, "{found} against {expect}");
     }
 
     /// Appendix B: half a bow tie, (K X − F_m)² / 2 K X in the mean and K X − F_m at the reversal.

@@ -67,9 +67,6 @@ pub(crate) fn discrepancy(
         return Ok(Discrepancy::default());
     };
     let Phases { onset, reversal, end } = phases;
-    if reversal == end {
-        return Ok(Discrepancy::default());
-    }
     let Some(branches) = Branches::of(&theta, phases, grid_points) else {
         return Ok(Discrepancy::default());
     };
@@ -112,15 +109,15 @@ fn around(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::{LEVER_M, REST_RAD, in_spring, stroke, trial};
+    use crate::testing::{LEVER_M, REST_RAD, check, in_spring, stroke, trial};
     use crate::trial_metrics;
+    use zwidth_store::{Signal, Trial};
 
     /// K = 4 N/rad from rest at −45°.
     const K: f64 = 4.0;
 
-    fn check(found: Option<f64>, expect: f64, tolerance: f64) {
-        let found = found.unwrap();
-        assert!((found - expect).abs() < tolerance, "{found} against {expect}");
+    fn in_trial(trial: &Trial) -> Discrepancy {
+        trial_metrics(trial, &in_spring(K, REST_RAD)).unwrap().discrepancy
     }
 
     /// Forward min(K u, strong), backward min(K u, weak), u = θ − θ_rest: half a bow tie.
@@ -129,8 +126,7 @@ mod tests {
             let limit = if velocity > 0.0 { strong_n } else { weak_n };
             (K * (theta - REST_RAD)).min(limit)
         };
-        let trial = trial(&stroke(stroke_rad, 2.0), force);
-        trial_metrics(&trial, &in_spring(K, REST_RAD)).unwrap().discrepancy
+        in_trial(&trial(&stroke(stroke_rad, 2.0), force))
     }
 
     /// Thesis §5.3: reversal at 32° from rest at −45° gives 5.38 N by the brake, and 2.08 N by the
@@ -167,8 +163,7 @@ mod tests {
             let u = theta - REST_RAD - half;
             if u * velocity > 0.0 { K * u } else { (K * u).clamp(-weak_n, weak_n) }
         };
-        let trial = trial(&stroke(2.0 * half, 2.0), force);
-        let found = trial_metrics(&trial, &in_spring(K, REST_RAD)).unwrap().discrepancy;
+        let found = in_trial(&trial(&stroke(2.0 * half, 2.0), force));
         let triangle = (K * half - weak_n) * (K * half - weak_n) / (2.0 * K);
         // the closing chord cuts the corner left of the onset's angle, where D is at most K
         check(found.loop_area_j, LEVER_M * 2.0 * triangle, LEVER_M * 2e-2);
@@ -185,8 +180,7 @@ mod tests {
             let c = ((theta - middle) / a).clamp(-1.0, 1.0);
             b * (1.0 - c * c).sqrt() * if velocity < 0.0 { -1.0 } else { 1.0 }
         };
-        let trial = trial(&stroke(2.0 * a, 2.0), force);
-        let found = trial_metrics(&trial, &in_spring(K, REST_RAD)).unwrap().discrepancy;
+        let found = in_trial(&trial(&stroke(2.0 * a, 2.0), force));
         let ellipse = core::f64::consts::PI * a * b;
         check(found.loop_area_j, LEVER_M * ellipse, LEVER_M * ellipse * 5e-3);
         check(found.max_n, 2.0 * b, 1e-3);
@@ -203,8 +197,7 @@ mod tests {
     #[test]
     fn a_movement_that_is_cut_at_its_reversal_has_no_discrepancy() {
         let points: Vec<_> = stroke(1.0, 2.0).into_iter().filter(|p| p.0 <= 1.5).collect();
-        let trial = trial(&points, |theta, _| K * theta);
-        let found = trial_metrics(&trial, &in_spring(K, REST_RAD)).unwrap().discrepancy;
+        let found = in_trial(&trial(&points, |theta, _| K * theta));
         assert_eq!(found, Discrepancy::default());
     }
 
@@ -228,15 +221,10 @@ mod tests {
                 error = 0.95 * error + 0.05 * uniform();
                 f + error
             };
-            let force = trial
-                .samples
-                .get(zwidth_store::Signal::ForceEx)
-                .unwrap()
-                .iter()
-                .map(noisy)
-                .collect();
-            trial.samples.set(zwidth_store::Signal::ForceEx, force);
-            let d = trial_metrics(&trial, &in_spring(K, REST_RAD)).unwrap().discrepancy;
+            let force = trial.samples.get(Signal::ForceEx).unwrap();
+            let force = force.iter().map(noisy).collect();
+            trial.samples.set(Signal::ForceEx, force);
+            let d = in_trial(&trial);
             let range = d.loop_area_j.unwrap() / d.mean_n.unwrap();
             let ends = [
                 (d.mean_ci_low_n, d.mean_ci_high_n, 0.6),

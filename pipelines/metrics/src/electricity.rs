@@ -120,7 +120,7 @@ fn driven_j(signals: &Signals) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::{LEVER_M, REST_RAD, in_spring, stroke, trial};
+    use crate::testing::{LEVER_M, REST_RAD, in_spring, only, stroke, trial};
     use crate::trial_metrics;
     use zwidth_store::{Signal, Trial};
     use zwidth_study::{CURRENT_BRAKE, CURRENT_MOTOR};
@@ -241,14 +241,7 @@ mod tests {
 
     #[test]
     fn a_motor_whose_command_was_not_recorded_has_no_bound() {
-        let mut made = driven();
-        let mut samples = zwidth_store::Samples::default();
-        for signal in Signal::all().filter(|s| *s != Signal::ForceCmd) {
-            if let Some(values) = made.samples.get(signal) {
-                samples.set(signal, values.to_vec());
-            }
-        }
-        made.samples = samples;
+        let made = only(&driven(), Signal::all().filter(|s| *s != Signal::ForceCmd));
         let found = trial_metrics(&made, &with(Some(20.0), Some(8.0))).unwrap().electricity;
         assert_eq!(found, ElectricalEnergy::default());
     }

@@ -27,19 +27,23 @@ pub(crate) fn user_force(signals: &Signals) -> Result<UserForce, MetricsError> {
 
 #[cfg(test)]
 mod tests {
-    use crate::testing::{in_spring, stroke, trial};
+    use crate::testing::{in_spring, only, stroke, trial};
     use crate::trial_metrics;
-    use zwidth_store::{Samples, Signal};
+    use zwidth_store::{Signal, Trial};
+
+    /// A trial of times alone.
+    fn at(t: &[f64]) -> Trial {
+        let mut trial = only(&trial(&stroke(1.0, 0.5), |_, _| 0.0), []);
+        trial.samples.set(Signal::Time, t.to_vec());
+        trial
+    }
 
     /// A ramp from −1 to 3 N has the mean 1 N whenever it is sampled; NumPy's `trapezoid` says so too.
     #[test]
     fn a_force_alone_has_a_mean_over_time_and_a_largest_value() {
-        let mut held = trial(&stroke(1.0, 0.5), |_, _| 0.0);
         let t = [0.0, 0.1, 0.5, 1.0];
-        let mut samples = Samples::default();
-        samples.set(Signal::Time, t.to_vec());
-        samples.set(Signal::ForceEx, t.map(|t| 4.0 * t - 1.0).to_vec());
-        held.samples = samples;
+        let mut held = at(&t);
+        held.samples.set(Signal::ForceEx, t.map(|t| 4.0 * t - 1.0).to_vec());
         let found = trial_metrics(&held, &in_spring(4.0, 0.0)).unwrap().force;
         assert!((found.mean_n.unwrap() - 1.0).abs() < 1e-15, "{found:?}");
         assert_eq!(found.largest_n, Some(3.0));
@@ -50,10 +54,7 @@ mod tests {
 
     #[test]
     fn without_a_force_there_is_none_and_a_single_sample_is_its_own_mean() {
-        let mut held = trial(&stroke(1.0, 0.5), |_, _| 0.0);
-        let mut samples = Samples::default();
-        samples.set(Signal::Time, vec![0.0]);
-        held.samples = samples;
+        let mut held = at(&[0.0]);
         let found = trial_metrics(&held, &in_spring(4.0, 0.0)).unwrap().force;
         assert_eq!((found.mean_n, found.largest_n), (None, None));
         held.samples.set(Signal::ForceEx, vec![2.5]);

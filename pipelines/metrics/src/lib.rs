@@ -159,7 +159,7 @@ pub fn trial_metrics<'a>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::{REST_RAD, at_wall, in_spring, stroke, trial};
+    use crate::testing::{REST_RAD, at_wall, in_spring, only, stroke, trial};
     use std::cell::RefCell;
     use std::sync::{Arc, Weak};
     use zwidth_store::{Columns, Samples, Values};
@@ -180,13 +180,9 @@ mod tests {
 
     #[test]
     fn a_torque_only_recording_has_movement_and_null_forces() {
-        let mut trial = trial(&stroke(1.0, 0.5), |_, _| 0.0);
-        let mut samples = zwidth_store::Samples::default();
-        for signal in [Signal::Time, Signal::Theta, Signal::ThetaDot] {
-            samples.set(signal, trial.samples.get(signal).unwrap().to_vec());
-        }
-        samples.set(Signal::TorqueEx, vec![0.1; samples.len()]);
-        trial.samples = samples;
+        let trial = trial(&stroke(1.0, 0.5), |_, _| 0.0);
+        let mut trial = only(&trial, [Signal::Time, Signal::Theta, Signal::ThetaDot]);
+        trial.samples.set(Signal::TorqueEx, vec![0.1; trial.samples.len()]);
         let row = trial_metrics(&trial, &in_spring(4.0, 0.0)).unwrap();
         assert!(row.movement.onset_s.is_some());
         assert_eq!(row.discrepancy, Discrepancy::default());
@@ -275,14 +271,8 @@ mod tests {
             let columns = &Lent { samples: &made.samples, lent: RefCell::default() };
             let lent = Recorded { meta: &made.meta, columns };
             assert_eq!(trial_metrics(lent, &parameters), trial_metrics(&made, &parameters));
-            let mut few = Samples::default();
-            for signal in PLANT_SIGNALS {
-                if let Some(values) = made.samples.get(signal) {
-                    few.set(signal, values.to_vec());
-                }
-            }
-            let few = Recorded { meta: &made.meta, columns: &few };
-            let [lent, few, held] = [lent, few, (&made).into()]
+            let few = only(&made, PLANT_SIGNALS);
+            let [lent, few, held] = [lent, (&few).into(), (&made).into()]
                 .map(|trial| plant_metrics(trial, &parameters, Some(&plant)).unwrap());
             assert!(held.energy.closed_loops.is_some() && held.discrepancy.mean_n.is_some());
             assert_eq!(lent, held);

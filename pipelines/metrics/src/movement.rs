@@ -156,7 +156,7 @@ fn arrivals(theta: &[f64], limit: f64, sign: f64, retreat: f64) -> i64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::{RATE_HZ, REST_RAD, in_spring, stroke, trial};
+    use crate::testing::{RATE_HZ, REST_RAD, in_spring, only, stroke, trial};
     use crate::trial_metrics;
     use zwidth_store::{Signal, Trial};
 
@@ -235,13 +235,8 @@ mod tests {
 
     #[test]
     fn without_a_velocity_the_recording_stands_in_for_the_movement() {
-        let mut trial = trial(&stroke(1.2, 2.0), |_, _| 0.0);
-        let mut samples = zwidth_store::Samples::default();
-        for signal in [Signal::Time, Signal::Theta] {
-            samples.set(signal, trial.samples.get(signal).unwrap().to_vec());
-        }
-        trial.samples = samples;
-        let found = metrics(&trial);
+        let trial = trial(&stroke(1.2, 2.0), |_, _| 0.0);
+        let found = metrics(&only(&trial, [Signal::Time, Signal::Theta]));
         assert_eq!((found.onset_s, found.velocity_forward_peak_rad_s), (None, None));
         assert!(found.reversal_s.is_some());
     }

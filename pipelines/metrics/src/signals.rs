@@ -144,24 +144,11 @@ fn force_updates(columns: &dyn Columns) -> Option<(Arc<Vec<f64>>, Updates)> {
 
 /// An actuator is on where its flag is set or its commanded voltage is not 0.
 fn on(voltage: Option<&[f64]>, flags: Option<&[f64]>, bit: u16) -> Option<Vec<bool>> {
-    Some(match (voltage, flags) {
-        (Some(volts), Some(flags)) => volts
-            .iter()
-            .zip(flags)
-            .map(|(volts, flags)| is_powered(*volts) | is_flagged(*flags, bit))
-            .collect(),
-        (Some(volts), None) => volts.iter().map(|volts| is_powered(*volts)).collect(),
-        (None, flags) => flags?.iter().map(|flags| is_flagged(*flags, bit)).collect(),
-    })
-}
-
-fn is_powered(volts: f64) -> bool {
-    volts.abs() > 0.0
-}
-
-fn is_flagged(flags: f64, bit: u16) -> bool {
+    let is_powered = |i: usize| voltage.is_some_and(|volts| volts[i].abs() > 0.0);
     // whole numbers of 16 bits: the store has checked
-    flags as i32 & i32::from(bit) != 0
+    let is_flagged = |i: usize| flags.is_some_and(|f| f[i] as i32 & i32::from(bit) != 0);
+    let samples = 0..voltage.or(flags)?.len();
+    Some(samples.map(|i| is_powered(i) || is_flagged(i)).collect())
 }
 
 #[cfg(test)]

@@ -229,13 +229,12 @@ fn returned_energy(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::{REST_RAD, at_wall, in_spring, stroke, trial};
+    use crate::testing::{REST_RAD, at_wall, check, in_spring, stroke, trial};
     use crate::trial_metrics;
-    use zwidth_store::Signal;
+    use zwidth_store::{Signal, Trial};
 
-    fn check(found: Option<f64>, expect: f64, tolerance: f64) {
-        let found = found.unwrap();
-        assert!((found - expect).abs() < tolerance, "{found} against {expect}");
+    fn in_trial(trial: &Trial) -> SpringRendering {
+        trial_metrics(trial, &in_spring(4.0, REST_RAD)).unwrap().spring
     }
 
     #[test]
@@ -244,7 +243,7 @@ mod tests {
         let mut trial = trial(&points, |theta, _| 0.3 + 4.2 * (theta - REST_RAD));
         let cmd = points.iter().map(|p| 4.2 * (p.1 - REST_RAD)).collect();
         trial.samples.set(Signal::ForceCmd, cmd);
-        let found = trial_metrics(&trial, &in_spring(4.0, REST_RAD)).unwrap().spring;
+        let found = in_trial(&trial);
         check(found.stiffness_n_per_rad, 4.2, 1e-12);
         check(found.stiffness_error_n_per_rad, 0.2, 1e-12);
         check(found.force_at_rest_n, 0.3, 1e-12);
@@ -261,11 +260,9 @@ mod tests {
         let points = stroke(stroke_rad, 2.0);
         let mut trial = trial(&points, |_, _| 0.0);
         trial.samples.set(Signal::ForceEx, points.iter().map(|p| p.0).collect());
-        let parameters = in_spring(4.0, REST_RAD);
-        let found = trial_metrics(&trial, &parameters).unwrap().spring.return_force_n;
-        let v = parameters.analysis.offset_rad_s;
+        let v = in_spring(4.0, REST_RAD).analysis.offset_rad_s;
         let begins_s = 0.5 + 1.0 + libm::asin(2.0 * v / (stroke_rad * omega)) / omega;
-        check(found, begins_s, 1.1e-3);
+        check(in_trial(&trial).return_force_n, begins_s, 1.1e-3);
     }
 
     #[test]
@@ -278,8 +275,7 @@ mod tests {
                 (last.0 + f64::from(i) * 1e-3, last.1, if i % 2 == 0 { -0.1 } else { 0.1 })
             }),
         );
-        let found = trial_metrics(&trial(&points, |_, _| 1.0), &in_spring(4.0, REST_RAD)).unwrap();
-        assert_eq!(found.spring.return_force_n, None);
+        assert_eq!(in_trial(&trial(&points, |_, _| 1.0)).return_force_n, None);
     }
 
     /// A motor of 2.08 N on 4 N/rad from −45° on saturates at −15.2°; friction of 0.2 N lies under
@@ -287,9 +283,7 @@ mod tests {
     #[test]
     fn a_saturated_spring_keeps_its_slope_and_tells_where_it_saturates() {
         let force = |theta: f64, _: f64| 0.2 + (4.0 * (theta - REST_RAD)).min(2.08);
-        let found = trial_metrics(&trial(&stroke(1.3, 2.0), force), &in_spring(4.0, REST_RAD))
-            .unwrap()
-            .spring;
+        let found = in_trial(&trial(&stroke(1.3, 2.0), force));
         check(found.stiffness_n_per_rad, 4.0, 1e-12);
         check(found.force_at_rest_n, 0.2, 1e-12);
         check(found.r2, 1.0, 1e-12);
@@ -322,11 +316,8 @@ mod tests {
 
     #[test]
     fn a_spring_that_does_not_saturate_has_no_saturation() {
-        let found = trial_metrics(
-            &trial(&stroke(1.3, 2.0), |theta, _| 4.0 * theta),
-            &in_spring(4.0, REST_RAD),
-        );
-        assert_eq!(found.unwrap().spring.saturation, Saturation::default());
+        let found = in_trial(&trial(&stroke(1.3, 2.0), |theta, _| 4.0 * theta));
+        assert_eq!(found.saturation, Saturation::default());
     }
 
     /// Backward 2.08 N at most: given back 2.08 X − 2.08²/2K of K X²/2.
@@ -337,8 +328,7 @@ mod tests {
             let u = k * (theta - REST_RAD);
             if velocity > 0.0 { u } else { u.min(weak) }
         };
-        let found =
-            trial_metrics(&trial(&stroke(x, 2.0), force), &in_spring(k, REST_RAD)).unwrap().spring;
+        let found = in_trial(&trial(&stroke(x, 2.0), force));
         let share = (weak * x - weak * weak / (2.0 * k)) / (k * x * x / 2.0);
         check(found.returned_energy_share, share, 2e-3);
     }
@@ -348,13 +338,8 @@ mod tests {
         let way_in: Vec<_> = stroke(1.2, 2.0).into_iter().take_while(|p| p.0 <= 1.5).collect();
         let held = (1..200).map(|i| (1.5 + f64::from(i) / 1000.0, way_in[1500].1, 0.0));
         let stays: Vec<_> = way_in.iter().copied().chain(held).collect();
-        let share = |points: &[(f64, f64, f64)]| {
-            let parameters = in_spring(4.0, REST_RAD);
-            trial_metrics(&trial(points, |_, _| 1.0), &parameters)
-                .unwrap()
-                .spring
-                .returned_energy_share
-        };
+        let share =
+            |points: &[(f64, f64, f64)]| in_trial(&trial(points, |_, _| 1.0)).returned_energy_share;
         assert_eq!(share(&stays).map(f64::to_bits), Some(0.0_f64.to_bits()));
         assert_eq!(share(&way_in[..1300]), None);
     }

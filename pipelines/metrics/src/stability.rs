@@ -71,7 +71,7 @@ fn actuator_switches(signals: &Signals, Phases { onset, end, .. }: Phases) -> Op
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::{REST_RAD, in_spring, stroke, trial};
+    use crate::testing::{REST_RAD, check, in_spring, stroke, trial};
     use crate::trial_metrics;
     use core::f64::consts::TAU;
     use zwidth_results::RecordedStability;
@@ -79,11 +79,6 @@ mod tests {
 
     fn of(trial: &Trial) -> Stability {
         trial_metrics(trial, &in_spring(4.0, REST_RAD)).unwrap().stability
-    }
-
-    fn check(found: Option<f64>, expect: f64, tolerance: f64) {
-        let found = found.unwrap();
-        assert!((found - expect).abs() < tolerance, "{found} against {expect}");
     }
 
     /// A stroke of 1.2 rad in 3 s on which θ swings by ±0.02 rad at 12 Hz from 1.25 s to 2.75 s,

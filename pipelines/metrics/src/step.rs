@@ -2,6 +2,7 @@
 
 use crate::signals::Signals;
 use serde::Serialize;
+use zwidth_numerics::series::ends;
 use zwidth_study::REFERENCE;
 
 /// A step of the reference is at least this share of the reference's whole range, so that ripple of
@@ -84,9 +85,7 @@ fn response(signals: &Signals) -> Option<StepResponse> {
 
 /// The first sample with the new value of the first step.
 fn step(reference: &[f64]) -> Option<usize> {
-    let (low, high) = reference
-        .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), r| (low.min(*r), high.max(*r)));
+    let (low, high) = ends(reference);
     let least = STEP * (high - low);
     reference.windows(2).position(|w| least > 0.0 && (w[1] - w[0]).abs() >= least).map(|i| i + 1)
 }
@@ -119,13 +118,13 @@ fn crossing(t: &[f64], share: &[f64], after: usize, level: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::{in_spring, trial};
+    use crate::testing::{check, in_spring, trial};
     use crate::trial_metrics;
     use libm::{cos, exp, log, sin, sqrt};
     use zwidth_study::REFERENCE;
 
     /// Half a second at 0.1 rad, then 4 s to the next set-point; `y` is 0 at first and 1 at rest.
-    fn check(step_rad: f64, stays_short_by: f64, y: impl Fn(f64) -> f64) -> StepResponse {
+    fn respond(step_rad: f64, stays_short_by: f64, y: impl Fn(f64) -> f64) -> StepResponse {
         let time = |i: u32| f64::from(i) * 1e-3;
         let reference = |t: f64| if t < 0.5 { 0.1 } else { 0.1 + step_rad };
         let theta = |t: f64| 0.1 + (step_rad - stays_short_by) * y((t - 0.5).max(0.0));
@@ -136,22 +135,17 @@ mod tests {
         trial_metrics(&made, &in_spring(4.0, 0.0)).unwrap().step
     }
 
-    #[track_caller]
-    fn near(found: Option<f64>, expect: f64, within: f64) {
-        assert!((found.unwrap() - expect).abs() < within, "{found:?} for {expect}");
-    }
-
     /// 1 − e^(−t/τ): rise τ ln 9, settling τ ln 50, no overshoot.
     #[test]
     fn a_first_order_lag_has_its_closed_form() {
         let tau = 0.08;
         for (step_rad, short) in [(0.5, 0.0), (-0.5, 0.0), (0.5, 0.05)] {
-            let found = check(step_rad, short, |t| 1.0 - exp(-t / tau));
-            near(found.step_rad, step_rad, 1e-12);
-            near(found.rise_s, tau * log(9.0), 1e-5);
-            near(found.settling_s, tau * log(50.0), 1e-4);
-            near(found.overshoot_share, 0.0, 1e-12);
-            near(found.steady_error_rad, short, 1e-12);
+            let found = respond(step_rad, short, |t| 1.0 - exp(-t / tau));
+            check(found.step_rad, step_rad, 1e-12);
+            check(found.rise_s, tau * log(9.0), 1e-5);
+            check(found.settling_s, tau * log(50.0), 1e-4);
+            check(found.overshoot_share, 0.0, 1e-12);
+            check(found.steady_error_rad, short, 1e-12);
         }
     }
 
@@ -164,18 +158,18 @@ mod tests {
             1.0 - exp(-zeta * omega * t)
                 * (cos(damped * t) + zeta * omega / damped * sin(damped * t))
         };
-        let found = check(0.4, 0.0, y);
+        let found = respond(0.4, 0.0, y);
         let expect = exp(-core::f64::consts::PI * zeta / sqrt(1.0 - zeta * zeta));
-        near(found.overshoot_share, expect, 1e-5);
+        check(found.overshoot_share, expect, 1e-5);
         // The envelope bounds when it settles.
         assert!(found.settling_s.unwrap() < -log(0.02 * sqrt(1.0 - zeta * zeta)) / (zeta * omega));
     }
 
     #[test]
     fn where_nothing_follows_only_the_error_is_told_and_without_a_step_nothing() {
-        let found = check(0.4, 0.4, |_| 0.0);
-        near(found.steady_error_rad, 0.4, 1e-12);
+        let found = respond(0.4, 0.4, |_| 0.0);
+        check(found.steady_error_rad, 0.4, 1e-12);
         assert_eq!((found.rise_s, found.overshoot_share, found.settling_s), (None, None, None));
-        assert_eq!(check(0.0, 0.0, |_| 0.0), StepResponse::default());
+        assert_eq!(respond(0.0, 0.0, |_| 0.0), StepResponse::default());
     }
 }

@@ -33,6 +33,23 @@ pub(crate) fn trial(points: &[(f64, f64, f64)], force: impl Fn(f64, f64) -> f64)
     Trial { meta: meta(), file: TrialFile::new(), samples }
 }
 
+/// The trial with no other signals than these.
+pub(crate) fn only(trial: &Trial, signals: impl IntoIterator<Item = Signal>) -> Trial {
+    let mut samples = Samples::default();
+    for signal in signals {
+        if let Some(values) = trial.samples.get(signal) {
+            samples.set(signal, values.to_vec());
+        }
+    }
+    Trial { samples, ..trial.clone() }
+}
+
+#[track_caller]
+pub(crate) fn check(found: Option<f64>, expect: f64, tolerance: f64) {
+    let found = found.unwrap();
+    assert!((found - expect).abs() < tolerance, "{found} against {expect}");
+}
+
 pub(crate) fn meta() -> TrialMeta {
     zwidth_testing::meta(1, "hybrid")
 }

@@ -306,14 +306,9 @@ pub(crate) fn contacts(theta: &[f64], wall: f64) -> Vec<Contact> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::{LEVER_M, REST_RAD, at_wall, stroke, trial};
+    use crate::testing::{LEVER_M, REST_RAD, at_wall, check, stroke, trial};
     use crate::trial_metrics;
     use zwidth_store::Signal;
-
-    fn check(found: Option<f64>, expect: f64, tolerance: f64) {
-        let found = found.unwrap();
-        assert!((found - expect).abs() < tolerance, "{found} against {expect}");
-    }
 
     fn contact(
         points: &[(f64, f64, f64)],

@@ -16,13 +16,16 @@ use zwidth_tables::Table;
 /// Standard deviations between bias and limits: 95 % of normal differences lie between the limits.
 const LIMIT_SDS: f64 = 1.96;
 
+/// A number of a trial, if it has one.
+type Number = fn(&ReplayedPeak) -> Option<f64>;
+
 /// The bound below which a difference does not matter.
 #[derive(Clone, Copy)]
 enum Bound {
     /// One bound for every trial.
     Fixed(f64),
     /// A share of the mean of a recorded number.
-    ShareOf(fn(&ReplayedPeak) -> Option<f64>, f64),
+    ShareOf(Number, f64),
 }
 
 /// The smallest change of a finger joint's angle that can be told: 2.5° (Tan, Srinivasan, Eberman &
@@ -34,39 +37,12 @@ const FORCE: Bound = Bound::ShareOf(|row| row.peak_recorded_n, 0.07);
 /// A tenth of a second: assumed.
 const TIME: Bound = Bound::Fixed(0.1);
 
-/// A quantity that is compared: its unit, the difference of each trial, and its bound.
-struct Quantity {
-    quantity: AgreementOf,
-    unit: &'static str,
-    difference: fn(&ReplayedPeak) -> Option<f64>,
-    bound: Bound,
-}
-
-const QUANTITIES: [Quantity; 4] = [
-    Quantity {
-        quantity: AgreementOf::PeakAngle,
-        unit: "rad",
-        difference: |row| row.peak_error_rad,
-        bound: ANGLE,
-    },
-    Quantity {
-        quantity: AgreementOf::PeakForce,
-        unit: "N",
-        difference: |row| row.peak_error_n,
-        bound: FORCE,
-    },
-    Quantity {
-        quantity: AgreementOf::PeakTime,
-        unit: "s",
-        difference: |row| row.peak_time_error_s,
-        bound: TIME,
-    },
-    Quantity {
-        quantity: AgreementOf::ReversalTime,
-        unit: "s",
-        difference: |row| row.reversal_error_s,
-        bound: TIME,
-    },
+/// The quantities that are compared: the unit, the difference of each trial, and the bound.
+const QUANTITIES: [(AgreementOf, &str, Number, Bound); 4] = [
+    (AgreementOf::PeakAngle, "rad", |row| row.peak_error_rad, ANGLE),
+    (AgreementOf::PeakForce, "N", |row| row.peak_error_n, FORCE),
+    (AgreementOf::PeakTime, "s", |row| row.peak_time_error_s, TIME),
+    (AgreementOf::ReversalTime, "s", |row| row.reversal_error_s, TIME),
 ];
 
 const NOTES: [&str; 2] = [
@@ -106,10 +82,10 @@ pub fn agreement(
 ) -> Result<Vec<ReplayAgreement>, ReplayError> {
     let mut agreements = Vec::new();
     for group in groups(replays) {
-        let values = |number: fn(&ReplayedPeak) -> Option<f64>| -> Vec<f64> {
+        let values = |number: Number| -> Vec<f64> {
             replays.iter().filter(|row| group.has(row)).filter_map(number).collect()
         };
-        for Quantity { quantity, unit, difference, bound } in QUANTITIES {
+        for (quantity, unit, difference, bound) in QUANTITIES {
             let differences = values(difference);
             if differences.is_empty() {
                 continue;

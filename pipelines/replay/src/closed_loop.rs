@@ -2,7 +2,7 @@
 
 use crate::scene::Rendering;
 use crate::{Parameters, WhyNot};
-use zwidth_dynamics::{Aim, Command, Driven, DrivenParameters, DynamicsError, Series, Start};
+use zwidth_dynamics::{Aim, Command, Driven, DrivenParameters, DynamicsError, ModelScene, Series};
 use zwidth_numerics::series::{cumulative_trapezoid, interpolate};
 
 /// The force on the lever from each sample to the next.
@@ -51,22 +51,21 @@ fn means(t: &[f64], series: &Series) -> Vec<f64> {
 pub(crate) fn run(
     held: &Held,
     t: &[f64],
-    lever_m: f64,
-    stops_rad: Option<[f64; 2]>,
-    start: Start,
+    scene: &ModelScene,
     parameters: &Parameters,
 ) -> Result<(Vec<f64>, Vec<f64>), DynamicsError> {
+    let lever_m = scene.plant.lever_m;
     let mut plant = Driven::new(DrivenParameters {
         inertia_kg_m2: parameters.mass_kg * lever_m * lever_m,
         lever_m,
-        stops_rad,
+        stops_rad: scene.plant.stops_rad,
         friction: Some(parameters.friction()),
         back_emf_ns_per_rad: None,
         motor_lag_s: None, // the user's force comes with the motor's, and does not lag
         brake_lag_on_off_s: parameters.brake_lag_on_off_s(),
         hand: None,
     })?;
-    plant.place(start.theta_rad, 0.0)?;
+    plant.place(scene.start.theta_rad, 0.0)?;
     let mut theta_rad = vec![plant.state().theta_rad];
     let mut theta_dot_rad_s = vec![0.0];
     for (i, pair) in t.windows(2).enumerate() {

@@ -11,14 +11,14 @@ const HALF_S: f64 = 0.025;
 
 /// The departure of the model's θ̇.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct VelocityError {
+pub(crate) struct VelocityError {
     /// √mean (θ̇_model − θ̇)², rad/s.
-    pub rmse_rad_s: f64,
+    pub(crate) rmse_rad_s: f64,
     /// The RMSE over the recording's range, max θ̇ − min θ̇; `None` for a lever that never moves.
-    pub nrmse: Option<f64>,
+    pub(crate) nrmse: Option<f64>,
     /// Standard deviation of the model's θ̇ over that of the recorded one: above 1 the model's
     /// velocity varies more (thesis §4.3). `None` for a lever that never moves.
-    pub sd_ratio: Option<f64>,
+    pub(crate) sd_ratio: Option<f64>,
 }
 
 /// Compares the velocities of two courses of θ at times `t`; all three of one length.
@@ -43,26 +43,26 @@ pub(crate) fn compare_velocities(
 
 /// A model's signal y against the recorded one. Errors are model less recording.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Comparison {
+pub(crate) struct Comparison {
     /// √mean (ŷ − y)², unit of y.
-    pub rmse: f64,
+    pub(crate) rmse: f64,
     /// The RMSE over the recording's range, max y − min y; `None` for a constant recording.
-    pub nrmse: Option<f64>,
+    pub(crate) nrmse: Option<f64>,
     /// Variance accounted for, 1 − var(ŷ − y) / var(y): 1 for a perfect model, and for one that is
     /// off by a constant; below 0 for one that is worse than the recording's mean. `None` for
     /// a constant recording.
-    pub vaf: Option<f64>,
+    pub(crate) vaf: Option<f64>,
     /// The delay of the model, s: where the cross-correlation is highest within ±0.5 s. `None` if
     /// there is no highest value.
-    pub lag_s: Option<f64>,
+    pub(crate) lag_s: Option<f64>,
     /// Largest y of the recording, unit of y.
-    pub peak_recorded: f64,
+    pub(crate) peak_recorded: f64,
     /// Largest ŷ less it.
-    pub peak_error: f64,
+    pub(crate) peak_error: f64,
     /// Time of the first sample with the recording's largest y, s.
-    pub peak_time_recorded_s: f64,
+    pub(crate) peak_time_recorded_s: f64,
     /// Time of the first sample with the model's largest ŷ, less it, s.
-    pub peak_time_error_s: f64,
+    pub(crate) peak_time_error_s: f64,
 }
 
 /// Compares two signals at times `t`; all three of one length, with at least one sample.

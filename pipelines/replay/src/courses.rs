@@ -83,20 +83,11 @@ fn is_finite(course: &Course) -> bool {
 
 /// The note on a model's plant.
 fn note(how: &str, plant: &Parameters) -> String {
-    let Parameters {
-        mass_kg,
-        damping_ns_per_rad,
-        friction_n,
-        motor_lag_s,
-        brake_on_s,
-        brake_off_s,
-    } = *plant;
-    let lags_ms = [motor_lag_s, brake_on_s, brake_off_s].map(|lag_s| 1e3 * lag_s);
+    let Parameters { mass_kg, damping_ns_per_rad, friction_n, .. } = plant;
+    let lags_ms @ [motor, on, off] =
+        [plant.motor_lag_s, plant.brake_on_s, plant.brake_off_s].map(|lag_s| 1e3 * lag_s);
     let lags = match lags_ms.iter().any(|lag| *lag > 0.0) {
-        true => format!(
-            ", lags {:.2} ms (motor), {:.1} and {:.1} ms (brake on, off)",
-            lags_ms[0], lags_ms[1], lags_ms[2]
-        ),
+        true => format!(", lags {motor:.2} ms (motor), {on:.1} and {off:.1} ms (brake on, off)"),
         false => String::new(),
     };
     format!(
@@ -107,26 +98,21 @@ fn note(how: &str, plant: &Parameters) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::{rendering, simulated};
-    use crate::{replay, rows};
-    use zwidth_results::ModelPlant;
-    use zwidth_study::Analysis;
+    use crate::testing::{rendering, replays, simulated};
 
     #[test]
     fn the_typical_trial_has_the_median_error_and_the_lower_of_two() {
-        let rendering = rendering("hybrid");
         let of = |trial: u32, mass_kg: f64| {
             let plant = Parameters { mass_kg, ..Parameters::BY_EYE };
             let mut made = simulated("hybrid", &plant);
             made.meta.trial = trial;
-            replay(&made, &rendering, &Analysis::default(), ModelPlant::ByEye, &Parameters::BY_EYE)
-                .unwrap()
+            replays(&made)
         };
         // The further the plant's mass from that by eye, the larger the error.
         let trials = [of(4, 0.5), of(7, 0.1), of(9, 0.2), of(12, 0.9)];
-        let number = |n: usize| typical(&rows(&trials[..n].concat()), &"hybrid".parse().unwrap());
+        let number = |n: usize| typical(&trials[..n].concat(), &"hybrid".parse().unwrap());
         assert_eq!([1, 2, 3, 4].map(number), [Some(4), Some(7), Some(9), Some(9)]);
-        assert_eq!(typical(&rows(&trials.concat()), &"active".parse().unwrap()), None);
+        assert_eq!(typical(&trials.concat(), &"active".parse().unwrap()), None);
     }
 
     #[test]

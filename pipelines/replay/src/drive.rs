@@ -15,7 +15,7 @@ pub struct Drive {
     /// Time of the first sample, s; everything else counts from there.
     pub(crate) began_s: f64,
     recorded: Course,
-    scene: ModelScene,
+    pub(crate) scene: ModelScene,
     held: Result<Held, WhyNot>,
 }
 
@@ -94,72 +94,46 @@ impl Drive {
         causality: Causality,
         parameters: &Parameters,
     ) -> Result<Course, ReplayError> {
+        let recorded = &self.recorded;
+        let t_s = &recorded.t_s;
         match causality {
-            Causality::ForceDriven => Ok(self.force_driven(parameters.put(&self.scene))?),
-            // What a lag holds is a state, and a prescribed motion has none.
-            Causality::PositionDriven => {
-                self.position_driven(parameters.without_lags().put(&self.scene))
+            Causality::ForceDriven => {
+                let system = System::new(parameters.put(&self.scene))?;
+                let run = Exact::default().run(&system, &Grid::Times(t_s.clone()))?;
+                let feedback_n = (0..run.len()).map(|i| {
+                    let forces = run.forces(&system, i);
+                    -(forces.motor_n + forces.brake_n)
+                });
+                Ok(Course {
+                    theta_rad: run.theta_rad().collect(),
+                    theta_dot_rad_s: run.theta_dot_rad_s().collect(),
+                    feedback_n: Some(feedback_n.collect()),
+                    ..recorded.clone()
+                })
             }
-            Causality::ClosedLoop => self.closed_loop(parameters),
+            Causality::PositionDriven => {
+                // What a lag holds is a state, and a prescribed motion has none.
+                let system = System::new(parameters.without_lags().put(&self.scene))?;
+                let theta_rad = &recorded.theta_rad;
+                let theta_dot = central_differences(t_s, theta_rad)?;
+                let theta_ddot = central_differences(t_s, &theta_dot)?;
+                let forces: Vec<_> = (0..t_s.len())
+                    .map(|i| system.prescribed(theta_rad[i], theta_dot[i], theta_ddot[i]))
+                    .collect();
+                Ok(Course {
+                    force_ex_n: forces.iter().map(|f| f.external_n).collect(),
+                    feedback_n: Some(forces.iter().map(|f| -(f.motor_n + f.brake_n)).collect()),
+                    theta_dot_rad_s: theta_dot,
+                    ..recorded.clone()
+                })
+            }
+            Causality::ClosedLoop => {
+                let held = self.held.as_ref().map_err(|why| *why)?;
+                let (theta_rad, theta_dot_rad_s) =
+                    closed_loop::run(held, t_s, &self.scene, parameters)?;
+                Ok(Course { theta_rad, theta_dot_rad_s, feedback_n: None, ..recorded.clone() })
+            }
         }
-    }
-
-    /// θ (rad) of the model driven by force, at any times: from 0 on, increasing.
-    ///
-    /// # Errors
-    /// Times that do not increase; parameters that make no model, or a model that diverges.
-    pub fn theta_at(
-        &self,
-        t_s: &[f64],
-        parameters: &Parameters,
-    ) -> Result<Vec<f64>, DynamicsError> {
-        theta_at(&self.scene, t_s, parameters)
-    }
-
-    fn force_driven(&self, scene: ModelScene) -> Result<Course, DynamicsError> {
-        let system = System::new(scene)?;
-        let run = Exact::default().run(&system, &Grid::Times(self.recorded.t_s.clone()))?;
-        let feedback_n = (0..run.len()).map(|i| {
-            let forces = run.forces(&system, i);
-            -(forces.motor_n + forces.brake_n)
-        });
-        Ok(Course {
-            t_s: self.recorded.t_s.clone(),
-            theta_rad: run.theta_rad().collect(),
-            theta_dot_rad_s: run.theta_dot_rad_s().collect(),
-            force_ex_n: self.recorded.force_ex_n.clone(),
-            feedback_n: Some(feedback_n.collect()),
-        })
-    }
-
-    fn position_driven(&self, scene: ModelScene) -> Result<Course, ReplayError> {
-        let system = System::new(scene)?;
-        let Course { t_s, theta_rad, .. } = &self.recorded;
-        let theta_dot = central_differences(t_s, theta_rad)?;
-        let theta_ddot = central_differences(t_s, &theta_dot)?;
-        let forces: Vec<_> = (0..t_s.len())
-            .map(|i| system.prescribed(theta_rad[i], theta_dot[i], theta_ddot[i]))
-            .collect();
-        Ok(Course {
-            t_s: t_s.clone(),
-            theta_rad: theta_rad.clone(),
-            force_ex_n: forces.iter().map(|f| f.external_n).collect(),
-            feedback_n: Some(forces.iter().map(|f| -(f.motor_n + f.brake_n)).collect()),
-            theta_dot_rad_s: theta_dot,
-        })
-    }
-
-    fn closed_loop(&self, parameters: &Parameters) -> Result<Course, ReplayError> {
-        let held = self.held.as_ref().map_err(|why| *why)?;
-        let Course { t_s, force_ex_n, .. } = &self.recorded;
-        let lever_m = self.scene.plant.lever_m;
-        let stops_rad = self.scene.plant.stops_rad;
-        let start = self.scene.start;
-        let (theta_rad, theta_dot_rad_s) =
-            closed_loop::run(held, t_s, lever_m, stops_rad, start, parameters)?;
-        let t_s = t_s.clone();
-        let force_ex_n = force_ex_n.clone();
-        Ok(Course { t_s, theta_rad, theta_dot_rad_s, force_ex_n, feedback_n: None })
     }
 }
 
@@ -167,7 +141,9 @@ impl Drive {
 /// the hand.
 const LEAST_STEP_S: f64 = 0.004;
 
-fn theta_at(
+/// θ (rad) of a scene's model with these parameters driven by force, at any times: from 0 on,
+/// increasing.
+pub(crate) fn theta_at(
     scene: &ModelScene,
     t_s: &[f64],
     parameters: &Parameters,
@@ -236,7 +212,7 @@ mod tests {
         let whole = drive.run(Causality::ForceDriven, &Parameters::BY_EYE).unwrap();
         let every: Vec<usize> = (0..whole.t_s.len()).step_by(7).collect();
         let times: Vec<f64> = every.iter().map(|i| whole.t_s[*i]).collect();
-        let found = drive.theta_at(&times, &Parameters::BY_EYE).unwrap();
+        let found = theta_at(&drive.scene, &times, &Parameters::BY_EYE).unwrap();
         for (found, i) in found.iter().zip(every) {
             assert!((found - whole.theta_rad[i]).abs() < 1e-9, "{found} at sample {i}");
         }

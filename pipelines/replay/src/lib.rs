@@ -1,8 +1,8 @@
 //! Stage: drives the model with recorded forces, and measures how far it departs from the recording
 //! (thesis §4.3, Fig. 24).
 //!
-//! [`replay`] turns one trial into three [`TrialReplay`]s, one per
-//! [`Causality`](zwidth_results::Causality); [`rows`] are those of its table, and [`agreement`]
+//! [`replay`] turns one trial into three rows of its table, one per
+//! [`Causality`](zwidth_results::Causality), and [`agreement`]
 //! says for all trials together how far peaks and times agree (Bland & Altman). [`Drive`] is a
 //! trial prepared for replay with any [`Parameters`], for figures and for judging fits; [`Balance`]
 //! gives the force that the recorded motion of a trial needs, for fits. Pure: trials in memory,
@@ -42,7 +42,6 @@ mod updates;
 
 pub use agreement::{agreement, agreement_table};
 pub use balance::Balance;
-pub use compare::{Comparison, VelocityError};
 pub use courses::{course_notes, courses, typical};
 pub use drive::{Course, Drive, Judged};
 pub use error::{ReplayError, WhyNot};

@@ -1,37 +1,16 @@
 //! One trial in three causalities.
 
-use crate::compare::{VelocityError, compare, compare_velocities};
-use crate::{Comparison, Course, Drive, Parameters, Rendering, ReplayError};
+use crate::compare::{compare, compare_velocities};
+use crate::{Course, Drive, Parameters, Rendering, ReplayError};
 use zwidth_dynamics::DynamicsError;
 use zwidth_numerics::activity::activity;
 use zwidth_numerics::phases::phases;
-use zwidth_results::{Causality, ModelPlant, ReplayOutcome};
+use zwidth_results::{Causality, ModelPlant, ReplayOutcome, ReplayedTrial};
 use zwidth_store::Trial;
-use zwidth_study::{Analysis, TrialMeta};
+use zwidth_study::Analysis;
 
-/// One trial in one causality.
-#[derive(Debug, Clone, PartialEq)]
-pub struct TrialReplay {
-    /// The trial.
-    pub meta: TrialMeta,
-    /// The input and the output.
-    pub causality: Causality,
-    /// The origin of the model's plant.
-    pub which: ModelPlant,
-    /// The model's plant.
-    pub parameters: Parameters,
-    /// Whether it was replayed, or why not.
-    pub outcome: ReplayOutcome,
-    /// The signal that came out, θ (rad) or F_ex (N), against the recorded one; `None` unless it
-    /// was replayed. Times are the trial's.
-    pub comparison: Option<Comparison>,
-    /// How far θ̇ departs; `None` where θ is given, or unless it was replayed.
-    pub velocity: Option<VelocityError>,
-    /// First time of the recording's largest θ between onset and end, s; `None` without movement.
-    pub reversal_recorded_s: Option<f64>,
-    /// That of the model, less it; `None` where θ is given, or one of the two does not move.
-    pub reversal_error_s: Option<f64>,
-}
+/// One trial in one causality: a row of the stage's table.
+pub type TrialReplay = ReplayedTrial;
 
 /// A lever that turns by more than this, rad, has diverged: more than six times the prototype's
 /// work space.
@@ -70,22 +49,43 @@ pub fn replay_with(
         Err(ReplayError::WhyNot(why)) => Err(why),
         other => Ok(other?),
     };
+    let meta = &trial.meta;
     let mut replays = Vec::new();
     for causality in Causality::ALL.iter().copied() {
-        let empty = TrialReplay {
-            meta: trial.meta.clone(),
+        let empty = ReplayedTrial {
+            participant: meta.participant.clone(),
+            session: meta.session.clone(),
+            trial: meta.trial,
+            repeat: meta.repeat,
+            environment: meta.environment.clone(),
+            mode: meta.mode.clone(),
+            source: meta.source,
             causality,
-            which,
-            parameters: *parameters,
+            model: which,
             outcome: ReplayOutcome::Diverged,
-            comparison: None,
-            velocity: None,
+            mass_kg: parameters.mass_kg,
+            damping_n_s_per_rad: parameters.damping_ns_per_rad,
+            friction_n: parameters.friction_n,
+            nrmse: None,
+            vaf: None,
+            lag_s: None,
+            rmse_rad: None,
+            rmse_n: None,
+            peak_recorded_rad: None,
+            peak_error_rad: None,
+            peak_recorded_n: None,
+            peak_error_n: None,
+            peak_time_recorded_s: None,
+            peak_time_error_s: None,
+            velocity_rmse_rad_s: None,
+            velocity_nrmse: None,
+            velocity_sd_ratio: None,
             reversal_recorded_s: None,
             reversal_error_s: None,
         };
         replays.push(match &drive {
-            Err(why) => TrialReplay { outcome: (*why).into(), ..empty },
-            Ok(drive) => replayed(drive, analysis, empty, force_driven)?,
+            Err(why) => ReplayedTrial { outcome: (*why).into(), ..empty },
+            Ok(drive) => replayed(drive, analysis, parameters, empty, force_driven)?,
         });
     }
     Ok(replays)
@@ -95,47 +95,53 @@ pub fn replay_with(
 fn replayed(
     drive: &Drive,
     analysis: &Analysis,
-    empty: TrialReplay,
+    parameters: &Parameters,
+    empty: ReplayedTrial,
     force_driven: &dyn Fn(&Drive) -> Result<Course, ReplayError>,
-) -> Result<TrialReplay, ReplayError> {
+) -> Result<ReplayedTrial, ReplayError> {
     let recorded = drive.recorded();
     let turned_s = reversal_s(recorded, analysis);
-    let empty = TrialReplay { reversal_recorded_s: turned_s.map(|t| t + drive.began_s), ..empty };
+    let empty = ReplayedTrial { reversal_recorded_s: turned_s.map(|t| t + drive.began_s), ..empty };
     let run = match empty.causality {
         Causality::ForceDriven => force_driven(drive),
-        other => drive.run(other, &empty.parameters),
+        other => drive.run(other, parameters),
     };
     let model = match run {
         Ok(model) if has_diverged(&model) => return Ok(empty),
         // A model that runs away may end in numbers that are not finite, or in ever shorter events.
         Err(ReplayError::Dynamics(
             DynamicsError::NotFinite { .. } | DynamicsError::TooMuchWork { .. },
-        )) => {
-            return Ok(empty);
-        }
-        Err(ReplayError::WhyNot(why)) => {
-            return Ok(TrialReplay { outcome: why.into(), ..empty });
-        }
+        )) => return Ok(empty),
+        Err(ReplayError::WhyNot(why)) => return Ok(ReplayedTrial { outcome: why.into(), ..empty }),
         other => other?,
     };
     // Where θ is given, the force comes out, and neither velocity nor reversal can depart.
     let moves = empty.causality != Causality::PositionDriven;
     let [recorded_signal, model_signal] =
         [recorded, &model].map(|course| if moves { &course.theta_rad } else { &course.force_ex_n });
-    let mut comparison = compare(&recorded.t_s, recorded_signal, model_signal)?;
-    // A drive counts from its first sample, the table by the trial's clock.
-    comparison.peak_time_recorded_s += drive.began_s;
-    let velocity = match moves {
-        true => Some(compare_velocities(&recorded.t_s, &recorded.theta_rad, &model.theta_rad)?),
-        false => None,
-    };
+    let found = compare(&recorded.t_s, recorded_signal, model_signal)?;
+    let velocity = moves
+        .then(|| compare_velocities(&recorded.t_s, &recorded.theta_rad, &model.theta_rad))
+        .transpose()?;
     let turns = reversal_s(&model, analysis).zip(turned_s).filter(|_| moves);
-    let reversal_error_s = turns.map(|(model, recorded)| model - recorded);
-    Ok(TrialReplay {
+    Ok(ReplayedTrial {
         outcome: ReplayOutcome::Replayed,
-        comparison: Some(comparison),
-        velocity,
-        reversal_error_s,
+        nrmse: found.nrmse,
+        vaf: found.vaf,
+        lag_s: found.lag_s,
+        rmse_rad: moves.then_some(found.rmse),
+        rmse_n: (!moves).then_some(found.rmse),
+        peak_recorded_rad: moves.then_some(found.peak_recorded),
+        peak_error_rad: moves.then_some(found.peak_error),
+        peak_recorded_n: (!moves).then_some(found.peak_recorded),
+        peak_error_n: (!moves).then_some(found.peak_error),
+        // A drive counts from its first sample, the table by the trial's clock.
+        peak_time_recorded_s: Some(found.peak_time_recorded_s + drive.began_s),
+        peak_time_error_s: Some(found.peak_time_error_s),
+        velocity_rmse_rad_s: velocity.map(|velocity| velocity.rmse_rad_s),
+        velocity_nrmse: velocity.and_then(|velocity| velocity.nrmse),
+        velocity_sd_ratio: velocity.and_then(|velocity| velocity.sd_ratio),
+        reversal_error_s: turns.map(|(model, recorded)| model - recorded),
         ..empty
     })
 }
@@ -157,46 +163,41 @@ fn has_diverged(model: &Course) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::{delayed, rendering, simulated};
+    use crate::testing::{delayed, rendering, replayed_with, replays, simulated};
     use zwidth_store::Signal;
-
-    fn rows(trial: &Trial) -> Vec<TrialReplay> {
-        let rendering = rendering(trial.meta.mode.as_str());
-        replay(trial, &rendering, &Analysis::default(), ModelPlant::ByEye, &Parameters::BY_EYE)
-            .unwrap()
-    }
 
     #[test]
     fn a_trial_of_the_same_model_replays_without_error_or_lag() {
         for mode in ["active", "passive", "hybrid"] {
-            let row = &rows(&simulated(mode, &Parameters::BY_EYE))[0];
-            let found = row.comparison.unwrap();
-            assert!(found.vaf.unwrap() > 1.0 - 1e-9, "{mode}: {found:?}");
-            assert!(found.lag_s.unwrap().abs() < 1e-9, "{mode}: {found:?}");
-            assert!(found.peak_error.abs() < 1e-9 && found.peak_time_error_s.abs() < 1e-9);
-            assert!(row.reversal_error_s.unwrap().abs() < 1e-9);
-            let velocity = row.velocity.unwrap();
-            assert!(velocity.rmse_rad_s < 1e-9, "{mode}: {velocity:?}");
-            assert!((velocity.sd_ratio.unwrap() - 1.0).abs() < 1e-9, "{mode}: {velocity:?}");
+            let row = &replays(&simulated(mode, &Parameters::BY_EYE))[0];
+            assert!(row.vaf.unwrap() > 1.0 - 1e-9, "{mode}: {row:?}");
+            for error in [
+                row.lag_s,
+                row.peak_error_rad,
+                row.peak_time_error_s,
+                row.reversal_error_s,
+                row.velocity_rmse_rad_s,
+            ] {
+                assert!(error.unwrap().abs() < 1e-9, "{mode}: {row:?}");
+            }
+            assert!((row.velocity_sd_ratio.unwrap() - 1.0).abs() < 1e-9, "{mode}: {row:?}");
         }
     }
 
     #[test]
     fn the_plant_s_own_commands_move_it_as_it_moved() {
         for mode in ["active", "passive"] {
-            let row = &rows(&simulated(mode, &Parameters::BY_EYE))[2];
+            let row = &replays(&simulated(mode, &Parameters::BY_EYE))[2];
             // commands are held for 5 ms where the model's own follow the spring at once
-            let found = row.comparison.unwrap();
-            assert!(found.vaf.unwrap() > 0.99, "{mode}: {found:?}");
+            assert!(row.vaf.unwrap() > 0.99, "{mode}: {row:?}");
         }
     }
 
     #[test]
     fn the_motion_gives_the_force_that_made_it() {
-        let row = &rows(&simulated("active", &Parameters::BY_EYE))[1];
-        let found = row.comparison.unwrap();
-        assert!(found.vaf.unwrap() > 0.999, "{found:?}");
-        assert_eq!((row.reversal_error_s, row.velocity), (None, None));
+        let row = &replays(&simulated("active", &Parameters::BY_EYE))[1];
+        assert!(row.vaf.unwrap() > 0.999, "{row:?}");
+        assert_eq!((row.reversal_error_s, row.velocity_rmse_rad_s), (None, None));
     }
 
     /// Given the motion, a motor that takes 53 µs gives what one without a lag gives.
@@ -204,17 +205,15 @@ mod tests {
     fn lags_do_not_take_the_actuators_out_of_the_force_that_a_motion_needs() {
         let plant = Parameters { motor_lag_s: 53e-6, brake_on_s: 0.015, ..Parameters::BY_EYE };
         let trial = simulated("active", &Parameters::BY_EYE);
-        let rendering = rendering("active");
-        let which = ModelPlant::Fitted;
-        let row = &replay(&trial, &rendering, &Analysis::default(), which, &plant).unwrap()[1];
-        assert!(row.comparison.unwrap().vaf.unwrap() > 0.999, "{row:?}");
+        let row = &replayed_with(&trial, &rendering("active"), &plant)[1];
+        assert!(row.vaf.unwrap() > 0.999, "{row:?}");
     }
 
     #[test]
     fn a_motion_that_was_recorded_late_has_a_model_that_comes_early() {
         for samples in [4, 20] {
-            let row = &rows(&delayed(&simulated("active", &Parameters::BY_EYE), samples))[0];
-            let found = row.comparison.unwrap().lag_s.unwrap();
+            let row = &replays(&delayed(&simulated("active", &Parameters::BY_EYE), samples))[0];
+            let found = row.lag_s.unwrap();
             let expect = -(samples as f64) * crate::testing::STEP_S;
             assert!((found - expect).abs() < 5e-4, "{found} instead of {expect}");
         }
@@ -228,17 +227,15 @@ mod tests {
             friction_n: 0.1,
             ..Parameters::BY_EYE
         };
-        let found = rows(&simulated("active", &heavy))[0].comparison.unwrap();
-        assert!(found.vaf.unwrap() < 0.999 && found.rmse > 1e-3, "{found:?}");
+        let row = &replays(&simulated("active", &heavy))[0];
+        assert!(row.vaf.unwrap() < 0.999 && row.rmse_rad.unwrap() > 1e-3, "{row:?}");
     }
 
     #[test]
     fn what_is_missing_is_a_word_in_the_row() {
         let whole = simulated("active", &Parameters::BY_EYE);
         let words = |trial: &Trial, rendering: &Rendering| {
-            let analysis = Analysis::default();
-            let rows = replay(trial, rendering, &analysis, ModelPlant::ByEye, &Parameters::BY_EYE)
-                .unwrap();
+            let rows = replayed_with(trial, rendering, &Parameters::BY_EYE);
             rows.iter().map(|r| r.outcome.as_str()).collect::<Vec<_>>()
         };
         let calibrated = rendering("active");
@@ -257,7 +254,7 @@ mod tests {
         let free = Rendering { stops_rad, rendered, ..rendering("active") };
         let trial = simulated("active", &Parameters::BY_EYE);
         let light = Parameters { damping_ns_per_rad: 1e-3, ..Parameters::BY_EYE };
-        let rows = replay(&trial, &free, &Analysis::default(), ModelPlant::ByEye, &light).unwrap();
-        assert_eq!((rows[0].outcome, rows[0].comparison), (ReplayOutcome::Diverged, None));
+        let rows = replayed_with(&trial, &free, &light);
+        assert_eq!((rows[0].outcome, rows[0].vaf), (ReplayOutcome::Diverged, None));
     }
 }

@@ -1,6 +1,7 @@
 //! The runs that the page's sliders for the plant's parameters show: trials driven by their
 //! recorded force, through the model at every point of a grid.
 
+use crate::drive::theta_at;
 use crate::{Drive, Parameters, Rendering, ReplayError};
 use zwidth_results::PlantRun;
 use zwidth_store::Trial;
@@ -46,7 +47,7 @@ pub fn runs(
         let times = kept_samples(recorded.t_s.len());
         runs.extend(times.iter().map(|i| row(*i, &recorded.theta_rad, None)));
         for plant in &plants {
-            let Ok(theta) = drive.theta_at(&recorded.t_s, plant) else { continue };
+            let Ok(theta) = theta_at(&drive.scene, &recorded.t_s, plant) else { continue };
             let pairs = theta.iter().zip(&recorded.theta_rad);
             let squares: f64 = pairs.map(|(model, seen)| (model - seen) * (model - seen)).sum();
             let error = (squares / theta.len() as f64).sqrt();

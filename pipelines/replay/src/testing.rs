@@ -1,10 +1,11 @@
 //! Trials made by the model itself, for the tests of this crate.
 
-use crate::Parameters;
 use crate::scene::Rendering;
+use crate::{Parameters, replay};
 use zwidth_dynamics::{Exact, Grid, Series, Solver, Start, System};
+use zwidth_results::{ModelPlant, ReplayedTrial};
 use zwidth_store::{Samples, Signal, Trial, TrialFile};
-use zwidth_study::{Calibration, Scene, Spring, Study};
+use zwidth_study::{Analysis, Calibration, Scene, Spring, Study};
 
 /// Time between samples, s.
 pub(crate) const STEP_S: f64 = 0.005;
@@ -92,4 +93,18 @@ pub(crate) fn without(samples: &Samples, missing: Signal) -> Samples {
         }
     }
     rest
+}
+
+/// A trial's replays in a rendering with a plant.
+pub(crate) fn replayed_with(
+    trial: &Trial,
+    rendering: &Rendering,
+    plant: &Parameters,
+) -> Vec<ReplayedTrial> {
+    replay(trial, rendering, &Analysis::default(), ModelPlant::ByEye, plant).unwrap()
+}
+
+/// Those as its mode renders, with the plant by eye.
+pub(crate) fn replays(trial: &Trial) -> Vec<ReplayedTrial> {
+    replayed_with(trial, &rendering(trial.meta.mode.as_str()), &Parameters::BY_EYE)
 }

@@ -20,13 +20,12 @@ impl Median {
     /// The median of the answers as participants gave them: the tally turns those to a question
     /// that counts the other way round.
     pub(crate) fn turned_back(self, question: &Question) -> Self {
-        let [low, high] =
-            [self.low, self.high].map(|answer| self.scale.score(answer, question.reversed));
-        // On a scale that is turned the lower of two answers becomes the higher.
-        match question.reversed {
-            true => Self { low: high, high: low, ..self },
-            false => self,
+        if !question.reversed {
+            return self;
         }
+        // On a scale that is turned the lower of two answers becomes the higher.
+        let [high, low] = [self.low, self.high].map(|answer| self.scale.score(answer, true));
+        Self { low, high, ..self }
     }
 
     /// `4 (agree)`, or `3 to 4` where the two middle answers differ. What has decimals is rounded.
@@ -53,19 +52,9 @@ pub(crate) fn question_of<'s>(study: &'s Setup, environment: &Environment) -> Op
         .find_map(|id| study.questions.iter().find(|q| q.id == *id && q.is_rating()))
 }
 
-/// The median answer to the environment's question in a mode, by the tally; `None` without a
-/// question or an answer.
+/// The median answer to a question in an environment and a mode, by the tally; `None` without an
+/// answer.
 pub(crate) fn median(
-    study: &Setup,
-    tally: &[AnswerTally],
-    environment: &Environment,
-    mode: &Mode,
-) -> Option<Median> {
-    median_of(tally, environment, mode, question_of(study, environment)?)
-}
-
-/// The median answer to any question in an environment and a mode; `None` without an answer.
-pub(crate) fn median_of(
     tally: &[AnswerTally],
     environment: &Environment,
     mode: &Mode,

@@ -2,6 +2,7 @@
 
 use crate::findings::Finding;
 use crate::gallery::Shown;
+use crate::people::capital;
 use serde::Serialize;
 use zwidth_results::{
     Compared, Mean, ModeDifference, RedrawnDifference, Role, UnitOfAnalysis, Verdict,
@@ -89,22 +90,19 @@ pub fn matrix(study: &Setup, metrics: &[ComparedMetric]) -> Matrix {
             }
         }
         if matrix.caption.is_empty() && !metric.means.is_empty() {
-            matrix.caption = caption(&metric.metric.unit_of_analysis);
+            matrix.caption = match &metric.metric.unit_of_analysis {
+                UnitOfAnalysis::TrialsOf(who) => format!(
+                    "Mean ± standard deviation within {who}; in brackets the number of trials. \
+                     Nothing is said of anybody else."
+                ),
+                UnitOfAnalysis::Participants => {
+                    "Mean ± standard deviation over participants; in brackets their number."
+                        .to_owned()
+                }
+            };
         }
     }
     matrix
-}
-
-fn caption(unit: &UnitOfAnalysis) -> String {
-    match unit {
-        UnitOfAnalysis::TrialsOf(who) => format!(
-            "Mean ± standard deviation within {who}; in brackets the number of trials. \
-             Nothing is said of anybody else."
-        ),
-        UnitOfAnalysis::Participants => {
-            format!("Mean ± standard deviation over {unit}; in brackets their number.")
-        }
-    }
 }
 
 /// What the contrasts of the first of `metrics` say, the primary one if it is there: first the answer,
@@ -121,12 +119,12 @@ pub fn contrasts(study: &Setup, metrics: &[ComparedMetric]) -> Vec<Finding> {
         );
         return if modes.len() > 1 { vec![finding(first, text)] } else { Vec::new() };
     }
-    let primary = differences(study, first);
     let mut findings = vec![finding(first, answer(study, first, &words))];
-    findings.extend(primary.iter().map(|difference| finding(first, difference.sentence(&words))));
+    let rows = first.contrasts.iter();
+    findings.extend(rows.map(|row| finding(first, difference(study, first, row, Some(&words)))));
     for metric in others.iter().filter(|metric| !metric.contrasts.is_empty()) {
-        let briefs: Vec<String> =
-            differences(study, metric).iter().map(Difference::in_brief).collect();
+        let rows = metric.contrasts.iter();
+        let briefs: Vec<String> = rows.map(|row| difference(study, metric, row, None)).collect();
         let words = metric.words(study.coordinate);
         let text = format!("Exploratory, {words}: {}.", briefs.join("; "));
         findings.push(finding(metric, text));
@@ -145,9 +143,9 @@ const NAMED: usize = 4;
 /// test, that nothing was tested.
 fn answer(study: &Setup, metric: &ComparedMetric, words: &str) -> String {
     let contrasts = metric.contrasts;
-    let (within, the) = match &metric.metric.unit_of_analysis {
-        UnitOfAnalysis::TrialsOf(who) => (format!("Within {who}, "), "the"),
-        UnitOfAnalysis::Participants => (String::new(), "The"),
+    let within = match &metric.metric.unit_of_analysis {
+        UnitOfAnalysis::TrialsOf(who) => format!("Within {who}, "),
+        UnitOfAnalysis::Participants => String::new(),
     };
     let role = match (metric.metric.role, metric.is_primary_by_default) {
         (Role::Primary, false) => "the primary metric",
@@ -155,21 +153,22 @@ fn answer(study: &Setup, metric: &ComparedMetric, words: &str) -> String {
         (Role::Exploratory, _) => "exploratory: not the primary metric",
     };
     if contrasts.iter().all(|row| row.p_adjusted.is_none()) {
-        let start = if within.is_empty() { "It" } else { "it" };
-        return format!(
-            "{within}{start} was not tested whether {} modes differ in {words} ({role}): none of {} contrasts has a test.",
-            the.to_lowercase(),
+        return capital(&format!(
+            "{within}it was not tested whether the modes differ in {words} ({role}): none of {} contrasts has a test.",
             contrasts.len()
-        );
+        ));
     }
     let better = match metric.metric.better {
         Better::Neither => String::new(),
         better => format!(", {} is better", better.as_str()),
     };
-    let mut text = format!("{within}{words} ({role}{better}; {}): ", size(metric));
-    if let Some(first) = text.chars().next() {
-        text.replace_range(..first.len_utf8(), &first.to_uppercase().to_string());
-    }
+    // `n = 4 participants`, `n = 3 to 4 participants`: over all contrasts.
+    let sizes = contrasts.iter().map(|row| row.n);
+    let least = sizes.clone().min().unwrap_or(0);
+    let most = sizes.max().unwrap_or(0);
+    let n = if least == most { least.to_string() } else { format!("{least} to {most}") };
+    let unit = &metric.metric.unit_of_analysis;
+    let mut text = capital(&format!("{within}{words} ({role}{better}; n = {n} {unit}): "));
     let directed: Vec<String> =
         contrasts.iter().take(NAMED).map(|row| directed(study, metric, row)).collect();
     text += &directed.join("; ");
@@ -234,109 +233,60 @@ fn environment_label(study: &Setup, id: &EnvironmentId) -> String {
     environment.map_or_else(|| id.to_string(), |environment| environment.label.clone())
 }
 
-/// `n = 4 participants`, `n = 3 to 4 participants`: over all contrasts.
-fn size(metric: &ComparedMetric) -> String {
-    let sizes = metric.contrasts.iter().map(|row| row.n);
-    let least = sizes.clone().min().unwrap_or(0);
-    let most = sizes.max().unwrap_or(0);
-    let n = if least == most { least.to_string() } else { format!("{least} to {most}") };
-    format!("n = {n} {}", metric.metric.unit_of_analysis)
-}
-
-/// A difference between two modes in one environment, in words.
-struct Difference {
-    place: String,
-    amount: String,
-    interval: Option<String>,
-    n: String,
-    /// `t(5) = −3.21`, between participants.
-    test: Option<String>,
-    /// `= 0.0123` or `< 0.001`, adjusted.
-    p: Option<String>,
-    /// `g_av = −1.4`, likewise.
-    effect: Option<String>,
-    verdict: Verdict,
-    /// Why there is no test, or no claim.
-    remark: Option<String>,
-    /// `below what is felt: −0.03 JND (−0.05 to −0.01)`, where a difference that is just noticed is known.
-    size: Option<String>,
-}
-
-impl Difference {
-    fn sentence(&self, metric: &str) -> String {
-        let Self { place, amount, n, .. } = self;
-        let interval = self.interval.as_ref().map(|ends| format!("interval {ends}, "));
-        let p = self.p.as_ref().map(|p| format!("adjusted p {p}"));
-        let more: String = [self.test.clone(), p, self.effect.clone()]
-            .into_iter()
-            .flatten()
-            .map(|part| format!(", {part}"))
-            .collect();
-        let is_open = self.verdict == Verdict::Undecided && self.remark.is_none();
-        let why = if is_open { NEITHER } else { "" };
-        let size = self.size.as_ref().map(|size| format!("; {size}")).unwrap_or_default();
-        format!(
-            "{place}: the difference in {metric} is {amount} ({}n = {n}{more}): {}{why}{size}.",
-            interval.unwrap_or_default(),
-            self.judged(),
-        )
-    }
-
-    fn in_brief(&self) -> String {
-        let Self { place, amount, .. } = self;
-        let interval = self.interval.as_ref().map(|ends| format!("{ends}, ")).unwrap_or_default();
-        let size = self.size.as_ref().map(|size| format!(", {size}")).unwrap_or_default();
-        format!("{place}: {amount} ({interval}{}{size})", self.judged())
-    }
-
-    /// The verdict, and why it is no claim.
-    fn judged(&self) -> String {
-        let verdict = self.verdict.as_str();
-        self.remark.as_ref().map_or_else(|| verdict.to_owned(), |why| format!("{verdict}: {why}"))
-    }
-}
-
-/// Every contrast.
-fn differences(study: &Setup, metric: &ComparedMetric) -> Vec<Difference> {
+/// A difference between two modes in one environment: in a sentence of its own if the metric's
+/// `words` are given, else in brief.
+fn difference(
+    study: &Setup,
+    metric: &ComparedMetric,
+    row: &ModeDifference,
+    words: Option<&str>,
+) -> String {
     let (unit, factor) = shown_unit(&metric.metric.unit, study.coordinate);
-    let differences = metric.contrasts.iter().map(|row| {
-        // The standard error sets the digits of the difference and of its interval.
-        let error = row.difference_std_error.map(|error| error * factor);
-        let shown = |value: f64| number(value * factor, error);
-        // Of several effect sizes the first is reported.
-        let effects = [("g_av", row.g_av), ("g_z", row.g_z), ("d_av", row.d_av), ("d_z", row.d_z)];
-        let label = environment_label(study, &row.environment);
-        Difference {
-            place: format!("{label}, {}", contrast_label(&study.modes, &row.contrast)),
-            amount: with_unit(&shown(row.difference), &unit),
-            interval: row
-                .difference_ci_low
-                .zip(row.difference_ci_high)
-                .map(|(low, high)| format!("{} to {}", shown(low), shown(high))),
-            n: format!("{} {}", row.n, row.unit_of_analysis),
-            test: row
-                .statistic
-                .zip(row.df)
-                .map(|(t, df)| format!("t({}) = {}", number(df, None), number(t, None))),
-            p: row.p_adjusted.map(p_value),
-            effect: effects
-                .into_iter()
-                .find_map(|(name, effect)| Some(format!("{name} = {}", number(effect?, None)))),
-            verdict: row.verdict,
-            remark: row.remark.as_ref().map(ToString::to_string),
-            size: row.size.map(|size| {
-                let jnds =
-                    [row.difference_jnd, row.difference_jnd_ci_low, row.difference_jnd_ci_high];
-                let [jnds, low, high] =
-                    jnds.map(|jnds| jnds.map_or_else(String::new, |jnds| number(jnds, None)));
-                format!("{}: {jnds} JND ({low} to {high})", size.as_str())
-            }),
-        }
+    // The standard error sets the digits of the difference and of its interval.
+    let error = row.difference_std_error.map(|error| error * factor);
+    let shown = |value: f64| number(value * factor, error);
+    let environment = environment_label(study, &row.environment);
+    let place = format!("{environment}, {}", contrast_label(&study.modes, &row.contrast));
+    let amount = with_unit(&shown(row.difference), &unit);
+    let interval = row.difference_ci_low.zip(row.difference_ci_high);
+    let interval = interval.map(|(low, high)| format!("{} to {}, ", shown(low), shown(high)));
+    // The verdict, and why it is no claim.
+    let why = row.remark.as_ref().map(|why| format!(": {why}")).unwrap_or_default();
+    let verdict = format!("{}{why}", row.verdict.as_str());
+    // Where a difference that is just noticed is known: `below what is felt: −0.03 JND (−0.05 to −0.01)`.
+    let size = row.size.map(|size| {
+        let jnds = [row.difference_jnd, row.difference_jnd_ci_low, row.difference_jnd_ci_high];
+        let [jnds, low, high] =
+            jnds.map(|jnds| jnds.map_or_else(String::new, |jnds| number(jnds, None)));
+        format!("{}: {jnds} JND ({low} to {high})", size.as_str())
     });
-    differences.collect()
+    let Some(words) = words else {
+        let interval = interval.unwrap_or_default();
+        let size = size.map(|size| format!(", {size}")).unwrap_or_default();
+        return format!("{place}: {amount} ({interval}{verdict}{size})");
+    };
+    let interval = interval.map(|ends| format!("interval {ends}")).unwrap_or_default();
+    // Of several effect sizes the first is reported.
+    let effects = [("g_av", row.g_av), ("g_z", row.g_z), ("d_av", row.d_av), ("d_z", row.d_z)];
+    let more = [
+        row.statistic
+            .zip(row.df)
+            .map(|(t, df)| format!(", t({}) = {}", number(df, None), number(t, None))),
+        row.p_adjusted.map(|p| format!(", adjusted p {}", p_value(p))),
+        effects
+            .into_iter()
+            .find_map(|(name, effect)| Some(format!(", {name} = {}", number(effect?, None)))),
+    ];
+    let more: String = more.into_iter().flatten().collect();
+    let is_open = row.verdict == Verdict::Undecided && row.remark.is_none();
+    let why = if is_open { ", neither a difference nor its absence was shown" } else { "" };
+    let size = size.map(|size| format!("; {size}")).unwrap_or_default();
+    format!(
+        "{place}: the difference in {words} is {amount} ({interval}n = {} {}{more}): \
+         {verdict}{why}{size}.",
+        row.n, row.unit_of_analysis,
+    )
 }
-
-const NEITHER: &str = ", neither a difference nor its absence was shown";
 
 #[cfg(test)]
 pub(crate) mod tests {
@@ -423,6 +373,17 @@ pub(crate) mod tests {
         }
     }
 
+    /// A metric without any results.
+    pub(crate) fn without_results(metric: &Compared) -> ComparedMetric<'_> {
+        ComparedMetric {
+            metric,
+            is_primary_by_default: false,
+            means: &[],
+            contrasts: &[],
+            redrawn: &[],
+        }
+    }
+
     fn past(of: UnitOfAnalysis) -> Compared {
         metric("past_rad", "rad", "angle past the wall", of)
     }
@@ -436,13 +397,8 @@ pub(crate) mod tests {
         is_primary_by_default: bool,
         row: ModeDifference,
     ) -> Vec<String> {
-        let metric = ComparedMetric {
-            metric,
-            is_primary_by_default,
-            means: &[],
-            contrasts: &[row],
-            redrawn: &[],
-        };
+        let metric =
+            ComparedMetric { is_primary_by_default, contrasts: &[row], ..without_results(metric) };
         contrasts(&study(), &[metric]).into_iter().map(|found| found.text.to_string()).collect()
     }
 
@@ -456,13 +412,7 @@ pub(crate) mod tests {
         let metric = past(UnitOfAnalysis::Participants);
         let hybrid = Mean { n: 5, ..mean(&metric, "hybrid", 0.1, Some(0.025)) };
         let means = [mean(&metric, "active", 0.2, Some(0.012)), hybrid];
-        let metric = ComparedMetric {
-            metric: &metric,
-            is_primary_by_default: false,
-            means: &means,
-            contrasts: &[],
-            redrawn: &[],
-        };
+        let metric = ComparedMetric { means: &means, ..without_results(&metric) };
         let matrix = matrix(&study(), &[metric]);
         let row = MatrixRow {
             metric: "angle past the wall (°)".to_owned(),

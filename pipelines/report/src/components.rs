@@ -6,46 +6,39 @@ use zwidth_study::{Coordinate, Setup};
 /// The parts of the device, one row per component, with its function and what `study.toml` says
 /// about it.
 pub fn components(study: &Setup) -> Vec<Component> {
-    let motor_v = study.modes.iter().filter_map(|mode| mode.motor_max_v).reduce(f64::max);
-    let motor = motor_v.map(|volts| Component {
-        component: "motor".to_owned(),
-        function: "drives and resists".to_owned(),
-        voltage_max_v: Some(volts),
-        mass_kg: study.masses.map(|masses| masses.motor_kg),
-        resistance_ohm: study.resistances.motor_ohm,
-        rate_hz: None,
-    });
-    let brake_v = study.modes.iter().filter_map(|mode| mode.brake_max_v).reduce(f64::max);
-    let brake = brake_v.map(|volts| Component {
-        component: "brake".to_owned(),
-        function: "resists".to_owned(),
-        voltage_max_v: Some(volts),
-        mass_kg: study.masses.map(|masses| masses.brake_kg),
-        resistance_ohm: study.resistances.brake_ohm,
-        rate_hz: None,
-    });
-    motor.into_iter().chain(brake).chain(sensors(study)).collect()
-}
-
-fn sensors(study: &Setup) -> [Component; 3] {
-    let position = match study.coordinate {
-        Coordinate::Rotational => ("angle sensor", "measures the lever's angle"),
-        Coordinate::Linear { .. } => ("position sensor", "measures where the slide is"),
-    };
-    let rates = [None, study.device.force_rate_hz, Some(study.control.rate_hz)];
-    let names = [
-        position,
-        ("force sensor", "measures the user's force"),
-        ("control loop", "turns angle and force into voltages"),
-    ];
-    std::array::from_fn(|place| Component {
-        component: names[place].0.to_owned(),
-        function: names[place].1.to_owned(),
+    let part = |component: &str, function: &str| Component {
+        component: component.to_owned(),
+        function: function.to_owned(),
         voltage_max_v: None,
         mass_kg: None,
         resistance_ohm: None,
-        rate_hz: rates[place],
-    })
+        rate_hz: None,
+    };
+    let motor = study.motor_max_v().map(|volts| Component {
+        voltage_max_v: Some(volts),
+        mass_kg: study.masses.map(|masses| masses.motor_kg),
+        resistance_ohm: study.resistances.motor_ohm,
+        ..part("motor", "drives and resists")
+    });
+    let brake = study.brake_max_v().map(|volts| Component {
+        voltage_max_v: Some(volts),
+        mass_kg: study.masses.map(|masses| masses.brake_kg),
+        resistance_ohm: study.resistances.brake_ohm,
+        ..part("brake", "resists")
+    });
+    let position = match study.coordinate {
+        Coordinate::Rotational => part("angle sensor", "measures the lever's angle"),
+        Coordinate::Linear { .. } => part("position sensor", "measures where the slide is"),
+    };
+    let force = Component {
+        rate_hz: study.device.force_rate_hz,
+        ..part("force sensor", "measures the user's force")
+    };
+    let control = Component {
+        rate_hz: Some(study.control.rate_hz),
+        ..part("control loop", "turns angle and force into voltages")
+    };
+    motor.into_iter().chain(brake).chain([position, force, control]).collect()
 }
 
 #[cfg(test)]

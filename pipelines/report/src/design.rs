@@ -1,19 +1,25 @@
 //! Tables of what was planned: the modes as used, the device.
 
-use crate::actuation::{acting, force_n};
 use zwidth_results::{Fact, ModeForces};
-use zwidth_study::{ActuatorKind, Calibration, Coordinate, Resistances, Setup, VelocityFilter};
+use zwidth_study::{ActuatorKind, Calibration, ModeLaw, Resistances, Setup, VelocityFilter};
 use zwidth_tables::shown_unit;
 
 /// Motor and brake as each mode uses them, one row per mode: highest voltages, what acts while
 /// compressing and while decompressing, and its largest force by `calibration`.
 pub fn mode_forces(study: &Setup, calibration: &Calibration) -> Vec<ModeForces> {
     let rows = study.modes.iter().map(|mode| {
-        let ways = acting(mode);
-        let [compressing, decompressing] =
-            [0, 1].map(|way| ways[way].map(|(actuator, _)| on_way(actuator, way).to_owned()));
-        let [compressing_max_n, decompressing_max_n] =
-            ways.map(|drive| drive.map(|drive| force_n(calibration, drive)));
+        // A mode of both has the brake on the way in and the motor on the way back (thesis §2.2).
+        let drives = mode.law().map(ModeLaw::drives);
+        let ways = [0, 1].map(|way| match drives?[way] {
+            ActuatorKind::Motor => Some(("motor", calibration.motor.force_n(mode.motor_max_v?))),
+            ActuatorKind::Brake => {
+                // It acts against the motion alone: on the way back that is no force of a spring.
+                let words = ["brake", "brake, against the return"][way];
+                Some((words, calibration.brake.force_n(mode.brake_max_v?)))
+            }
+        });
+        let [compressing, decompressing] = ways.map(|way| Some(way?.0.to_owned()));
+        let [compressing_max_n, decompressing_max_n] = ways.map(|way| Some(way?.1));
         ModeForces {
             mode: mode.label.clone(),
             motor_max_v: mode.motor_max_v,
@@ -27,57 +33,39 @@ pub fn mode_forces(study: &Setup, calibration: &Calibration) -> Vec<ModeForces> 
     rows.collect()
 }
 
-/// A brake acts against the motion alone: on the way back that is not the force of a spring.
-fn on_way(drive: ActuatorKind, way: usize) -> &'static str {
-    if drive == ActuatorKind::Brake && way == 1 {
-        "brake, against the return"
-    } else {
-        drive.as_str()
-    }
-}
-
 /// The device and its control loop, as `study.toml` has them.
 pub fn device_facts(study: &Setup) -> Vec<Fact> {
     let device = &study.device;
     let control = &study.control;
-    let factor = shown_unit("rad", study.coordinate).1;
-    let unit = match study.coordinate {
-        Coordinate::Rotational => "°",
-        Coordinate::Linear { .. } => "mm",
-    };
+    let (unit, factor) = shown_unit("rad", study.coordinate);
     let [low, high] =
         [device.theta_min_rad, device.theta_max_rad].map(|angle| angle.map(|rad| factor * rad));
     let mut facts = vec![
         Fact::new("lever length, axis to finger", device.lever_m.map(|m| m * 1e3), "mm"),
-        Fact::new("work space, lower end", low, unit),
-        Fact::new("work space, upper end", high, unit),
+        Fact::new("work space, lower end", low, &unit),
+        Fact::new("work space, upper end", high, &unit),
         Fact::new("new values of the force sensor", device.force_rate_hz, "Hz"),
         Fact::new("tick of the control loop", Some(1e3 / control.rate_hz), "ms"),
         Fact::new("user force below which the brake lets go", Some(control.let_go_n), "N"),
         Fact::new("limit of the force on a finger", Some(control.force_limit_n), "N"),
-        velocity(control.velocity),
+        match control.velocity {
+            VelocityFilter::Difference => Fact::new("velocity from angles", None, "")
+                .remarked("difference of the last two angles"),
+            VelocityFilter::SecondOrder { cutoff_hz } => {
+                Fact::new("velocity from angles", Some(cutoff_hz), "Hz")
+                    .remarked("differentiator with a second-order low-pass; its cut-off")
+            }
+        },
     ];
     if let Some(masses) = study.masses {
         facts.push(Fact::new("motor, mass", Some(masses.motor_kg * 1e3), "g"));
         facts.push(Fact::new("brake, mass", Some(masses.brake_kg * 1e3), "g"));
     }
     let Resistances { motor_ohm, brake_ohm } = study.resistances;
-    let ohms = [("motor, resistance", motor_ohm), ("brake, resistance", brake_ohm)];
-    facts.extend(
-        ohms.into_iter().filter(|o| o.1.is_some()).map(|(what, r)| Fact::new(what, r, "Ω")),
-    );
-    facts
-}
-
-fn velocity(filter: VelocityFilter) -> Fact {
-    match filter {
-        VelocityFilter::Difference => Fact::new("velocity from angles", None, "")
-            .remarked("difference of the last two angles"),
-        VelocityFilter::SecondOrder { cutoff_hz } => {
-            Fact::new("velocity from angles", Some(cutoff_hz), "Hz")
-                .remarked("differentiator with a second-order low-pass; its cut-off")
-        }
+    for (what, ohm) in [("motor, resistance", motor_ohm), ("brake, resistance", brake_ohm)] {
+        facts.extend(ohm.map(|ohm| Fact::new(what, Some(ohm), "Ω")));
     }
+    facts
 }
 
 #[cfg(test)]

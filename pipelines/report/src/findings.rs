@@ -7,11 +7,13 @@ use crate::columns::{
 };
 use crate::evidence::NOTHING_RETURNED;
 use crate::gallery::Shown;
-use crate::people::{count, simulated};
+use crate::people::simulated;
 use crate::trials::Trials;
 use std::collections::BTreeSet;
 use zwidth_results::{AnswerTally, Sentence};
-use zwidth_study::{Coordinate, Environment, Mode, ParticipantId, SessionId, Setup, in_a_sentence};
+use zwidth_study::{
+    Coordinate, Environment, Mode, ParticipantId, SessionId, Setup, counted, in_a_sentence,
+};
 use zwidth_tables::{Measured, TableError, given, quantity};
 
 /// One sentence.
@@ -48,22 +50,18 @@ pub fn findings(
 ) -> Result<Vec<Finding>, TableError> {
     let mut findings = Vec::new();
     for environment in &study.environments {
-        let mut tried = Vec::new();
-        for mode in &study.modes {
-            let trials = Trials::of(metrics, Some(&environment.id), &mode.id);
-            if trials.len() > 0 {
-                tried.push((mode, trials));
-            }
-        }
-        let shown = Shown::Modes(environment.id.clone());
+        let modes = study.modes.iter();
+        let tried: Vec<(&Mode, Trials)> = modes
+            .map(|mode| (mode, Trials::of(metrics, Some(&environment.id), &mode.id)))
+            .filter(|(_, trials)| trials.len() > 0)
+            .collect();
+        let mut texts = Vec::new();
         for (mode, trials) in &tried {
-            let text = spring_by_mode(environment, mode, trials, study.coordinate)?;
-            findings.extend(text.map(|text| Finding::new(text, shown.clone())));
+            texts.extend(spring_by_mode(environment, mode, trials, study.coordinate)?);
         }
-        findings.extend(
-            wall_by_mode(environment, &tried, study.coordinate)?
-                .map(|text| Finding::new(text, shown)),
-        );
+        texts.extend(wall_by_mode(environment, &tried, study.coordinate)?);
+        let shown = Shown::Modes(environment.id.clone());
+        findings.extend(texts.into_iter().map(|text| Finding::new(text, shown.clone())));
     }
     findings.extend(both(study, metrics)?);
     findings.extend(steadiness(study, metrics, doubted)?);
@@ -83,11 +81,10 @@ fn spring_by_mode(
     let Some(spring) = environment.scene.spring() else { return Ok(None) };
     let mut parts = Vec::new();
     if let Some(stiffness) = trials.mean(STIFFNESS)? {
-        let unit = "N/rad";
         parts.push(format!(
             "compressing gave {} where {} were asked for ({})",
-            quantity(stiffness.mean, unit, coordinate),
-            given(spring.stiffness_n_per_rad, unit, coordinate),
+            quantity(stiffness.mean, "N/rad", coordinate),
+            given(spring.stiffness_n_per_rad, "N/rad", coordinate),
             stiffness.words()
         ));
     }
@@ -117,12 +114,8 @@ fn spring_by_mode(
         Some(share) => parts.push(format!("{:.0} % of the work put in came back", 100.0 * share)),
         None => {}
     }
-    Ok(Some(format!(
-        "{}, {}: {}.",
-        environment.label,
-        in_a_sentence(&mode.label),
-        parts.join("; ")
-    )))
+    let mode = in_a_sentence(&mode.label);
+    Ok(Some(format!("{}, {mode}: {}.", environment.label, parts.join("; "))))
 }
 
 /// How far each mode let the lever past the wall, the least first.
@@ -134,38 +127,30 @@ fn wall_by_mode(
     let mut past = Vec::new();
     for (mode, trials) in tried {
         let Some(rad) = trials.mean(PAST_WALL)? else { continue };
+        let mut rigidity = String::new();
+        if let Some(mean) = trials.mean(RIGIDITY)? {
+            // A mean of lower bounds and values is a lower bound.
+            let sign = if trials.any(RIGIDITY_AT_LEAST)? { "≥ " } else { "" };
+            rigidity += &format!(", rigidity {sign}{}", given(mean.mean, "N/rad", coordinate));
+        }
+        if let Some(mean) = trials.mean(HOLD_RIGIDITY)? {
+            rigidity += &format!(", ≥ {} once held", given(mean.mean, "N/rad", coordinate));
+        }
         let text = format!(
-            "{} with {} (reached in {} of {} trials{})",
+            "{} with {} (reached in {} of {} trials{rigidity})",
             quantity(rad.mean, "rad", coordinate),
             in_a_sentence(&mode.label),
             rad.trials,
-            trials.len(),
-            rigidity(trials, coordinate)?
+            trials.len()
         );
         past.push((rad.mean, text));
     }
     past.sort_by(|a, b| a.0.total_cmp(&b.0));
     let list: Vec<String> = past.into_iter().map(|(_, text)| text).collect();
-    let text = format!(
-        "{}: past the wall the lever went, on average, {}.",
-        environment.label,
-        list.join(", ")
-    );
-    Ok((!list.is_empty()).then_some(text))
-}
-
-/// `, rigidity 103 N/rad, ≥ 1270 N/rad once held`; a mean of lower bounds and values is a lower
-/// bound.
-fn rigidity(trials: &Trials, coordinate: Coordinate) -> Result<String, TableError> {
-    let mut text = String::new();
-    if let Some(mean) = trials.mean(RIGIDITY)? {
-        let sign = if trials.any(RIGIDITY_AT_LEAST)? { "≥ " } else { "" };
-        text += &format!(", rigidity {sign}{}", given(mean.mean, "N/rad", coordinate));
-    }
-    if let Some(mean) = trials.mean(HOLD_RIGIDITY)? {
-        text += &format!(", ≥ {} once held", given(mean.mean, "N/rad", coordinate));
-    }
-    Ok(text)
+    Ok((!list.is_empty()).then(|| {
+        let list = list.join(", ");
+        format!("{}: past the wall the lever went, on average, {list}.", environment.label)
+    }))
 }
 
 /// Of the modes that gave work back, the one that let the lever least far past a wall: what the
@@ -207,15 +192,24 @@ fn steadiness(
             swung.push(format!("{} of {n} with {}", n - still, in_a_sentence(&mode.label)));
         }
     }
-    let [doubtful_swung, doubtful] = doubtful(metrics, doubted)?;
+    // Of the trials with a verdict, those that are to be read with care.
+    let verdicts = metrics.words(STABILITY)?;
+    let trials = metrics.trials().iter().zip(verdicts).filter(|(trial, _)| {
+        doubted.contains(&(trial.participant.clone(), trial.session.clone(), trial.trial))
+    });
+    let verdicts: Vec<&str> = trials.filter_map(|(_, verdict)| verdict).collect();
+    let doubtful = verdicts.len();
+    let doubtful_swung = verdicts.iter().filter(|verdict| **verdict != SMOOTH).count();
     let n = all - smooth;
     let swung = swung.join(", ");
     let care = "listed under “Read with care” for clock, angle or velocity";
     let text = match (all, n) {
         (0, _) => return Ok(None),
         (_, 0) => {
-            let but = (doubtful > 0)
-                .then(|| format!(" Of these, {doubtful} {} {care}.", is_are(doubtful)));
+            let but = match doubtful {
+                0 => String::new(),
+                _ => format!(" Of these, {doubtful} {} {care}.", is_are(doubtful)),
+            };
             let spoken_of = match (all, metrics.trials().len() - all) {
                 (1, 0) => "the one trial; it was smooth".to_owned(),
                 (1, others) => format!(
@@ -228,23 +222,21 @@ fn steadiness(
                     all + others
                 ),
             };
-            format!("No fast oscillation was found in {spoken_of}.{}", but.unwrap_or_default())
+            format!("No fast oscillation was found in {spoken_of}.{but}")
         }
         _ if doubtful_swung == n => format!(
             "The lever seems to swing fast in {n} of {all} trials: {swung}. All of these are {care}: \
              the swing may be noise."
         ),
         _ => {
-            let but = (doubtful_swung > 0).then(|| {
-                format!(
-                    " Of these, {doubtful_swung} {} {care}: there the swing may be noise.",
-                    is_are(doubtful_swung)
-                )
-            });
-            format!(
-                "The lever swung fast in {n} of {all} trials: {swung}.{}",
-                but.unwrap_or_default()
-            )
+            let but = match doubtful_swung {
+                0 => String::new(),
+                some => format!(
+                    " Of these, {some} {} {care}: there the swing may be noise.",
+                    is_are(some)
+                ),
+            };
+            format!("The lever swung fast in {n} of {all} trials: {swung}.{but}")
         }
     };
     Ok(Some(Finding::new(text, Shown::Metrics)))
@@ -254,17 +246,6 @@ fn is_are(n: usize) -> &'static str {
     if n == 1 { "is" } else { "are" }
 }
 
-/// How many trials with a verdict are to be read with care: those that swung, and all.
-fn doubtful(metrics: &Measured, doubted: &TrialNames) -> Result<[usize; 2], TableError> {
-    let verdicts = metrics.words(STABILITY)?;
-    let trials = metrics.trials().iter().zip(verdicts).filter(|(trial, _)| {
-        doubted.contains(&(trial.participant.clone(), trial.session.clone(), trial.trial))
-    });
-    let verdicts: Vec<&str> = trials.filter_map(|(_, verdict)| verdict).collect();
-    let swung = verdicts.iter().filter(|verdict| **verdict != SMOOTH).count();
-    Ok([swung, verdicts.len()])
-}
-
 /// The median answer of each mode, one sentence per environment.
 fn answers(study: &Setup, tally: &[AnswerTally], simulated: bool) -> Vec<Finding> {
     let mut findings = Vec::new();
@@ -272,16 +253,17 @@ fn answers(study: &Setup, tally: &[AnswerTally], simulated: bool) -> Vec<Finding
         let mut list = Vec::new();
         let Some(question) = question_of(study, environment) else { continue };
         for mode in &study.modes {
-            let Some(median) = median(study, tally, environment, mode) else { continue };
+            let Some(median) = median(tally, environment, mode, question) else { continue };
             let median = median.turned_back(question);
-            let counted = count(median.answers, "answer");
-            let people = median.participants;
-            let whose = (people > 1).then(|| format!(" of {people} participants"));
+            let whose = match median.participants {
+                0 | 1 => String::new(),
+                people => format!(" of {people} participants"),
+            };
             list.push(format!(
-                "{} with {} ({counted}{})",
+                "{} with {} ({}{whose})",
                 median.words(),
                 in_a_sentence(&mode.label),
-                whose.unwrap_or_default()
+                counted(median.answers, "answers")
             ));
         }
         let whose = if simulated { "simulated answer" } else { "answer" };
@@ -304,12 +286,21 @@ mod tests {
         Setup::of(&zwidth_testing::study())
     }
 
+    /// The sentences on a study whose trials of these numbers are in doubt.
+    fn texts_of(
+        study: &Setup,
+        rows: &[MetricsRow],
+        tally: Option<&[AnswerTally]>,
+        doubted: &[u32],
+    ) -> Vec<String> {
+        let name = |trial: &u32| ("P01".parse().unwrap(), "S01".parse().unwrap(), *trial);
+        let doubted = doubted.iter().map(name).collect();
+        let found = findings(study, &metrics(rows), tally, &doubted).unwrap();
+        found.into_iter().map(|finding| finding.text.to_string()).collect()
+    }
+
     fn texts(rows: &[MetricsRow], tally: Option<&[AnswerTally]>) -> Vec<String> {
-        findings(&study(), &metrics(rows), tally, &TrialNames::new())
-            .unwrap()
-            .into_iter()
-            .map(|f| f.text.to_string())
-            .collect()
+        texts_of(&study(), rows, tally, &[])
     }
 
     #[test]
@@ -337,35 +328,25 @@ mod tests {
     fn a_swing_of_a_trial_in_doubt_carries_the_mark() {
         let swung = || MetricsRow { stability: "limit cycle", ..row("spring", "active") };
         let rows = [swung(), swung(), row("spring", "active")];
-        let told = |doubted: &[u32]| {
-            let name = |trial: &u32| ("P01".parse().unwrap(), "S01".parse().unwrap(), *trial);
-            let doubted = doubted.iter().map(name).collect();
-            findings(&study(), &metrics(&rows), None, &doubted)
-                .unwrap()
-                .pop()
-                .unwrap()
-                .text
-                .to_string()
+        let last = |rows: &[MetricsRow], doubted: &[u32]| {
+            texts_of(&study(), rows, None, doubted).pop().unwrap()
         };
         let plain = "The lever swung fast in 2 of 3 trials: 2 of 3 with active.";
-        assert_eq!(told(&[]), plain);
-        assert_eq!(told(&[3]), plain, "the trial in doubt did not swing");
+        assert_eq!(last(&rows, &[]), plain);
+        assert_eq!(last(&rows, &[3]), plain, "the trial in doubt did not swing");
         let care = "listed under “Read with care” for clock, angle or velocity";
         assert_eq!(
-            told(&[1]),
+            last(&rows, &[1]),
             format!("{plain} Of these, 1 is {care}: there the swing may be noise.")
         );
         let all = format!(
             "The lever seems to swing fast in 2 of 3 trials: 2 of 3 with active. All of these are {care}: \
              the swing may be noise."
         );
-        assert_eq!(told(&[1, 2]), all);
-        let smooth = [row("spring", "active")];
-        let doubted = [("P01".parse().unwrap(), "S01".parse().unwrap(), 1)].into();
-        let found = findings(&study(), &metrics(&smooth), None, &doubted).unwrap();
-        let last = &found.last().unwrap().text.to_string();
+        assert_eq!(last(&rows, &[1, 2]), all);
+        let smooth = last(&[row("spring", "active")], &[1]);
         let one = "found in the one trial; it was smooth.";
-        assert!(last.ends_with(&format!("{one} Of these, 1 is {care}.")), "{last}");
+        assert!(smooth.ends_with(&format!("{one} Of these, 1 is {care}.")), "{smooth}");
     }
 
     /// 292.75 N/rad on a slide whose L is 1 m are 0.293 N/mm.
@@ -374,10 +355,10 @@ mod tests {
         let mut study = study();
         study.coordinate = Coordinate::Linear { lever_m: 1.0 };
         let rows = [MetricsRow { stiffness: Some(292.75), ..row("spring", "active") }];
-        let found = findings(&study, &metrics(&rows), None, &TrialNames::new()).unwrap();
+        let found = texts_of(&study, &rows, None, &[]);
         let start =
             "Spring, active: compressing gave 0.293\u{a0}N/mm where 0.004\u{a0}N/mm were asked for";
-        assert!(found[0].text.to_string().starts_with(start), "{}", found[0].text);
+        assert!(found[0].starts_with(start), "{}", found[0]);
     }
 
     #[test]
@@ -426,13 +407,8 @@ mod tests {
         // The tally turns answers to a reversed question; the sentence has them as they were given.
         let mut turned = study();
         turned.questions.iter_mut().for_each(|question| question.reversed = true);
-        let rows = metrics(&[row("spring", "active")]);
-        let told = findings(&turned, &rows, Some(&tally), &TrialNames::new()).unwrap();
-        assert!(
-            told[2].text.to_string().contains("answer was 2 (disagree) with active"),
-            "{}",
-            told[2].text
-        );
+        let found = texts_of(&turned, &[row("spring", "active")], Some(&tally), &[]);
+        assert!(found[2].contains("answer was 2 (disagree) with active"), "{}", found[2]);
         let of = |source| {
             texts(&[MetricsRow { source, ..row("spring", "active") }], Some(&tally))[2].clone()
         };

@@ -59,22 +59,6 @@ impl Shown {
             _ => Asked::Else,
         }
     }
-
-    /// The name of the table that holds the same numbers.
-    fn table(&self) -> &'static str {
-        match self {
-            Self::Modes(_) | Self::Metrics => "metrics",
-            Self::Conditions => "conditions",
-            Self::Compared(_) | Self::Sessions(_) | Self::Learning(_) => "comparison",
-            Self::Answers => "likert",
-            Self::Forces => "modes",
-            Self::Replays(_) => "replay",
-            Self::Weight => "weight",
-            Self::Statements => "thesis",
-            Self::Trade(_) => "trade_summary",
-            Self::Ladder => "ladder",
-        }
-    }
 }
 
 /// What there is to look at in a study.
@@ -92,13 +76,14 @@ impl Gallery {
     /// The figure that shows it, from the summary's folder on, with `/`; the table if there is no
     /// such figure.
     pub fn file(&self, shown: &Shown) -> String {
-        let figure = self.figure(shown).filter(|figure| self.figures.contains(figure));
-        figure.map_or_else(|| self.table(shown), |figure| format!("figures/{figure}.png"))
+        let (figure, table) = self.places(shown);
+        let figure = figure.filter(|figure| self.figures.contains(figure));
+        figure.map_or_else(|| self.table_file(table), |figure| format!("figures/{figure}.png"))
     }
 
     /// The table that holds the same numbers, from the summary's folder on.
     pub fn table(&self, shown: &Shown) -> String {
-        self.table_file(shown.table())
+        self.table_file(self.places(shown).1)
     }
 
     /// The file of a table, from the summary's folder on: Markdown, or where that is not made CSV.
@@ -107,31 +92,32 @@ impl Gallery {
         format!("tables/{name}.{extension}")
     }
 
-    fn figure(&self, shown: &Shown) -> Option<String> {
-        match shown {
-            Shown::Modes(environment) => self.session_figure("modes", environment),
-            Shown::Replays(environment) => self.session_figure("replay", environment),
-            Shown::Answers => ["likert", "ratings"]
-                .into_iter()
-                .find(|stem| self.figures.contains(*stem))
-                .map(str::to_owned),
-            Shown::Compared(metric) => Some(format!("compare.{metric}")),
-            Shown::Sessions(metric) => Some(format!("sessions.{metric}")),
-            Shown::Learning(metric) => Some(format!("learning.{metric}")),
-            Shown::Forces => Some("rendering_range".to_owned()),
-            Shown::Trade(scene) => Some(format!("trade.{scene}")),
-            Shown::Conditions
-            | Shown::Metrics
-            | Shown::Weight
-            | Shown::Statements
-            | Shown::Ladder => None,
-        }
-    }
-
-    fn session_figure(&self, kind: &str, environment: &EnvironmentId) -> Option<String> {
+    /// The figure that would show it, if one could, and the table that holds the same numbers.
+    fn places(&self, shown: &Shown) -> (Option<String>, &'static str) {
         // Of several sessions no single figure shows what a sentence says of all.
-        let [participant, session] = self.only_session.as_ref()?;
-        Some(format!("{kind}.{participant}.{session}.{environment}"))
+        let of_session = |kind: &str, environment: &EnvironmentId| {
+            let [participant, session] = self.only_session.as_ref()?;
+            Some(format!("{kind}.{participant}.{session}.{environment}"))
+        };
+        match shown {
+            Shown::Modes(environment) => (of_session("modes", environment), "metrics"),
+            Shown::Conditions => (None, "conditions"),
+            Shown::Metrics => (None, "metrics"),
+            Shown::Answers => {
+                let stems = ["likert", "ratings"];
+                let stem = stems.into_iter().find(|stem| self.figures.contains(*stem));
+                (stem.map(str::to_owned), "likert")
+            }
+            Shown::Compared(metric) => (Some(format!("compare.{metric}")), "comparison"),
+            Shown::Sessions(metric) => (Some(format!("sessions.{metric}")), "comparison"),
+            Shown::Learning(metric) => (Some(format!("learning.{metric}")), "comparison"),
+            Shown::Forces => (Some("rendering_range".to_owned()), "modes"),
+            Shown::Replays(environment) => (of_session("replay", environment), "replay"),
+            Shown::Weight => (None, "weight"),
+            Shown::Statements => (None, "thesis"),
+            Shown::Trade(scene) => (Some(format!("trade.{scene}")), "trade_summary"),
+            Shown::Ladder => (None, "ladder"),
+        }
     }
 }
 

@@ -7,7 +7,6 @@
 //! is the summary as a page with the trials in it. No files and no clock: data in, text and tables
 //! out.
 
-mod actuation;
 mod answers;
 mod columns;
 mod compared;
@@ -33,28 +32,28 @@ pub use columns::metric_columns;
 pub use compared::{ComparedMetric, Matrix, MatrixRow, contrasts, matrix};
 pub use components::components;
 pub use design::{device_facts, mode_forces};
-pub use evidence::{Known, notes};
+pub use evidence::{Derived, Known, notes};
 pub use findings::{Finding, TrialNames, findings};
 pub use gallery::{Asked, Gallery, Shown};
 pub use methods::{MethodsForm, MethodsPart, Recorded, methods};
 pub use model::model_facts;
 pub use page::{
-    Columns, Contents, Course, Estimating, Event, Page, PageHtml, TURNED, Turn, TurnedError,
-    condition_script, page_html, single_file, turned_script,
+    Columns, Contents, Course, Estimating, Event, Page, PageHtml, TURNED, Turn, condition_script,
+    page_html, single_file, turned_script,
 };
 pub use pros_cons::pros_cons;
 pub use ranges::uneven_ranges;
 pub use runs::{laddered, traded};
 pub use sessions::{changes, learned};
 pub use survey::survey;
-pub use thesis::{Derived, HOW_JUDGED, Told, replayed, replayed_columns, statements, told};
+pub use thesis::{HOW_JUDGED, Told, replayed, replayed_columns, statements, told};
 pub use weight::{WEIGHT_NOTES, is_weighed, weight_facts};
 
-use people::{count, counting, participants, sources};
+use people::{amounts, participants, sources};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use zwidth_results::Sentence;
-use zwidth_study::Source;
+use zwidth_study::{Source, counted};
 use zwidth_tables::escape_markdown as escape;
 
 /// Version of the tables' form: raised when a table would be another from the same data.
@@ -143,6 +142,11 @@ impl Made {
             question: Asked::Else,
         }
     }
+
+    /// Its file's name: `modes.P01.S01.spring.svg`.
+    fn name(&self) -> &str {
+        self.path.rsplit('/').next().unwrap_or_default()
+    }
 }
 
 /// Something that was left out, or is to be read with care.
@@ -172,48 +176,35 @@ pub fn summary_markdown(summary: &Summary) -> String {
     if let Some(figure) = summary.figures.iter().find(|figure| figure.path == VERDICTS_FIGURE) {
         parts.push(format!("![{}]({})", escape(&figure.caption.to_string()), figure.path));
     }
-    if !summary.matrix.rows.is_empty() {
-        parts.push(format!("## The modes compared\n\n{}", grid(&summary.matrix)));
-    }
-    if !summary.shown.is_empty() {
-        parts.push(section("What the trials show", &summary.shown, tell, ""));
-    }
-    if !summary.statements.is_empty() {
-        let sentence = escape(&summary.statements);
-        let line = |judged: &Told| linked(&judged.text(), &judged.path);
-        let lines = section("The thesis' statements", &summary.judged, line, "");
-        // Between the heading and the list; `trim_end`, because the list may be empty.
-        parts.push(lines.replacen("\n\n", &format!("\n\n{sentence}\n\n"), 1).trim_end().to_owned());
-    }
-    if !summary.plan.is_empty() {
-        parts.push(section(PLAN, &summary.plan, |sentence| escape(sentence), ""));
-    }
-    if !summary.runs.is_empty() {
-        parts.push(section(RUNS, &summary.runs, tell, ""));
-    }
-    parts.extend([
-        listed("Figures", &summary.figures, "No figure was made.")
-            + &on_demand(summary.undrawn).map(|text| format!("\n\n{text}")).unwrap_or_default(),
-        listed("Tables", &summary.tables, "No table was made."),
-        section("Left out", &summary.left_out, remark, nothing(summary)),
-    ]);
-    if !summary.care.is_empty() {
-        parts.push(section("Read with care", &summary.care, remark, ""));
-    }
-    if !summary.limits.is_empty() {
-        parts.push(section(
-            "What these data cannot show",
-            &summary.limits,
-            |limit| escape(limit),
-            "",
-        ));
+    let joined = |texts: [Option<String>; 2]| -> String {
+        texts.into_iter().flatten().collect::<Vec<_>>().join("\n\n")
+    };
+    let statements = (!summary.statements.is_empty()).then(|| {
+        let judged = bullets(&summary.judged, |told| linked(&told.text(), &told.path));
+        joined([Some(escape(&summary.statements)), judged])
+    });
+    let figures = listed(&summary.figures, "No figure was made.");
+    let sections = [
+        ("The modes compared", grid(&summary.matrix)),
+        ("What the trials show", bullets(&summary.shown, tell)),
+        ("The thesis' statements", statements),
+        (PLAN, bullets(&summary.plan, |sentence| escape(sentence))),
+        (RUNS, bullets(&summary.runs, tell)),
+        ("Figures", Some(joined([Some(figures), on_demand(summary.undrawn)]))),
+        ("Tables", Some(listed(&summary.tables, "No table was made."))),
+        ("Left out", bullets(&summary.left_out, remark).or(Some(nothing(summary).to_owned()))),
+        ("Read with care", bullets(&summary.care, remark)),
+        ("What these data cannot show", bullets(&summary.limits, |limit| escape(limit))),
+    ];
+    for (title, body) in sections {
+        parts.extend(body.map(|body| format!("## {title}\n\n{body}")));
     }
     parts.join("\n\n") + "\n"
 }
 
 /// Where figures of single sessions are, where no run makes them.
 pub(crate) fn on_demand(undrawn: usize) -> Option<String> {
-    let sessions = count(undrawn, "session");
+    let sessions = counted(undrawn, "sessions");
     (undrawn > 0).then(|| {
         format!(
             "Figures of single sessions (modes, loops, repeats, replay) are made on demand, of {sessions}: `zwidth figure \
@@ -224,43 +215,37 @@ pub(crate) fn on_demand(undrawn: usize) -> Option<String> {
 
 /// Device, participants, sessions, trials and sweeps, as far as there are any.
 fn what_it_is(summary: &Summary) -> String {
-    let counts = [
-        (summary.participants, count(summary.participants, "participant")),
-        (summary.sessions, count(summary.sessions, "session")),
-        (summary.trials, counting(summary.trials)),
-        (summary.sweeps, count(summary.sweeps, "sweep")),
-    ];
-    let counted: Vec<String> =
-        counts.into_iter().filter(|(n, _)| *n > 0).map(|(_, words)| words).collect();
-    let counted = if counted.is_empty() {
-        "no trial that counts, no sweep".to_owned()
-    } else {
-        counted.join(", ")
+    let Summary { participants, sessions, trials, sweeps, .. } = *summary;
+    let counted = match amounts([participants, sessions, trials, sweeps], "sweeps").as_slice() {
+        [] => "no trial that counts, no sweep".to_owned(),
+        amounts => amounts.join(", "),
     };
     let device = (!summary.device.is_empty()).then(|| format!("Device: {}. ", summary.device));
     format!("{}Data: {counted}.", device.unwrap_or_default())
 }
 
-/// The matrix as a table.
-fn grid(matrix: &Matrix) -> String {
-    let head = ["metric", "environment"].map(str::to_owned).into_iter();
-    let head: Vec<String> =
-        head.chain(matrix.modes.iter().map(|(_, label)| escape(label))).collect();
-    let rule = vec!["---".to_owned(); head.len()];
-    let rows = matrix.rows.iter().map(|row| {
-        let cells = row.cells.iter().map(|cell| cell.as_deref().unwrap_or(NO_MEAN));
-        [row.metric.as_str(), &row.label].into_iter().chain(cells).map(escape).collect()
-    });
-    let lines = [head, rule].into_iter().chain(rows);
-    let lines: Vec<String> =
-        lines.map(|cells: Vec<String>| format!("| {} |", cells.join(" | "))).collect();
-    format!("{}\n\n{}", lines.join("\n"), escape(&matrix.caption))
+/// The matrix as a table, if there is anything in it.
+fn grid(matrix: &Matrix) -> Option<String> {
+    let line = |cells: &[&str]| {
+        let cells: Vec<String> = cells.iter().map(|cell| escape(cell)).collect();
+        format!("| {} |", cells.join(" | "))
+    };
+    let labels = matrix.modes.iter().map(|(_, label)| label.as_str());
+    let head: Vec<&str> = ["metric", "environment"].into_iter().chain(labels).collect();
+    let mut lines = vec![line(&head), format!("|{}", " --- |".repeat(head.len()))];
+    for row in &matrix.rows {
+        let means = row.cells.iter().map(|cell| cell.as_deref().unwrap_or(NO_MEAN));
+        let cells: Vec<&str> = [row.metric.as_str(), &row.label].into_iter().chain(means).collect();
+        lines.push(line(&cells));
+    }
+    let table = format!("{}\n\n{}", lines.join("\n"), escape(&matrix.caption));
+    (!matrix.rows.is_empty()).then_some(table)
 }
 
-fn section<T>(title: &str, items: &[T], line: impl Fn(&T) -> String, none: &str) -> String {
+/// A list of the items, if there are any.
+fn bullets<T>(items: &[T], line: impl Fn(&T) -> String) -> Option<String> {
     let lines: Vec<String> = items.iter().map(|item| format!("- {}", line(item))).collect();
-    let body = if lines.is_empty() { none.to_owned() } else { lines.join("\n") };
-    format!("## {title}\n\n{body}")
+    (!lines.is_empty()).then(|| lines.join("\n"))
 }
 
 /// More files than these are listed by kind, not one by one.
@@ -268,17 +253,12 @@ const MOST_LISTED: usize = 100;
 
 /// Figures or tables; where they are many, those of a kind in one line: how many, the first and the
 /// last.
-fn listed(title: &str, files: &[Made], none: &str) -> String {
+fn listed(files: &[Made], none: &str) -> String {
     if files.len() <= MOST_LISTED {
-        return section(title, files, link_to, none);
+        return bullets(files, link_to).unwrap_or_else(|| none.to_owned());
     }
-    let mut kinds: Vec<(&str, Vec<&Made>)> = Vec::new();
-    for one in files {
-        match kinds.iter_mut().find(|(kind, _)| *kind == kind_of(&one.path)) {
-            Some((_, of_kind)) => of_kind.push(one),
-            None => kinds.push((kind_of(&one.path), vec![one])),
-        }
-    }
+    // `modes` of `figures/modes.P01.S01.spring.svg`.
+    let kinds = groups(files, |one| one.name().split('.').next().unwrap_or_default());
     let lines = kinds.iter().map(|(kind, of_kind)| match of_kind.as_slice() {
         [first, .., last] => format!(
             "- {}: {} files, from {} to {}",
@@ -290,13 +270,22 @@ fn listed(title: &str, files: &[Made], none: &str) -> String {
         few => few.iter().map(|one| format!("- {}", link_to(one))).collect(),
     });
     let lines: Vec<String> = lines.collect();
-    format!("## {title}\n\n{} files of {} kinds.\n\n{}", files.len(), kinds.len(), lines.join("\n"))
+    format!("{} files of {} kinds.\n\n{}", files.len(), kinds.len(), lines.join("\n"))
 }
 
-/// `modes` of `figures/modes.P01.S01.spring.svg`.
-fn kind_of(path: &str) -> &str {
-    let name = path.rsplit('/').next().unwrap_or(path);
-    name.split('.').next().unwrap_or(name)
+/// Figures or tables by their kind, kinds and those of one in their order.
+fn groups<'a>(
+    files: impl IntoIterator<Item = &'a Made>,
+    kind_of: impl Fn(&'a Made) -> &'a str,
+) -> Vec<(&'a str, Vec<&'a Made>)> {
+    let mut groups: Vec<(&str, Vec<&Made>)> = Vec::new();
+    for file in files {
+        match groups.iter_mut().find(|(kind, _)| *kind == kind_of(file)) {
+            Some((_, group)) => group.push(file),
+            None => groups.push((kind_of(file), vec![file])),
+        }
+    }
+    groups
 }
 
 fn link_to(file: &Made) -> String {
@@ -339,9 +328,7 @@ mod tests {
             participants: 2,
             sessions: 4,
             trials: 142,
-            sweeps: 0,
             sources: BTreeMap::from([(Source::Recorded, 142)]),
-            matrix: Matrix::default(),
             shown: vec![Made::new(
                 "tables/conditions.md",
                 "In none of 142 trials did the lever swing fast.",
@@ -359,24 +346,33 @@ mod tests {
                 "Spring, active: exact is the cheapest run.",
             )],
             figures: vec![Made::new("figures/spring.svg", "Spring: θ, F, θ̇, mean of six")],
-            undrawn: 0,
             tables: vec![Made::new("tables/metrics.md", "Metrics, one row per trial")],
             left_out: vec![Remark {
                 what: "P01 S01 trial 17".to_owned(),
                 why: "excluded: cable caught".to_owned(),
             }],
-            care: Vec::new(),
             limits: vec!["Two participants cannot show an effect after Holm.".to_owned()],
-            plan: Vec::new(),
+            ..Summary::default()
+        }
+    }
+
+    #[track_caller]
+    fn check(summary: Summary, expect: &[&str]) {
+        let text = summary_markdown(&summary);
+        for expect in expect {
+            assert!(text.contains(expect), "{text}");
         }
     }
 
     #[test]
-    fn each_sentence_of_the_plan_is_a_line_of_its_own_section() {
+    fn the_plan_and_what_is_to_be_read_with_care_have_sections_of_their_own() {
         let plan = ["Not as planned.", "Deviation: alpha was 0.05, is 0.01."].map(str::to_owned);
-        let text = summary_markdown(&Summary { plan: plan.to_vec(), ..sample() });
         let expect = "\n\n## The deposited plan\n\n- Not as planned.\n- Deviation: alpha was 0.05, is 0.01.\n\n## What a";
-        assert!(text.contains(expect), "{text}");
+        check(Summary { plan: plan.to_vec(), ..sample() }, &[expect]);
+        let what = "P01 S01 trial 2".to_owned();
+        let care = vec![Remark { what, why: "61.0° lies outside".to_owned() }];
+        let expect = "\n\n## Read with care\n\n- P01 S01 trial 2: 61.0° lies outside\n\n## What";
+        check(Summary { care, ..sample() }, &[expect]);
     }
 
     #[test]
@@ -429,53 +425,29 @@ Of 2 statements, 1 is supported.
         };
         let likert = Made::new("figures/likert.svg", "answers");
         let figures: Vec<Made> = (1..=150).map(figure).chain([likert]).collect();
-        let text = summary_markdown(&Summary { figures, ..sample() });
-        assert!(
-            text.contains(
-                "## Figures\n\n151 files of 2 kinds.\n\n- modes: 150 files, from [P001 in"
-            ),
-            "{text}"
-        );
-        assert!(
-            text.contains(" to [P150 in the spring](figures/modes.P150.S01.spring.svg)\n"),
-            "{text}"
-        );
-        assert!(text.contains("\n- [answers](figures/likert.svg)\n"), "{text}");
+        let expect = [
+            "## Figures\n\n151 files of 2 kinds.\n\n- modes: 150 files, from [P001 in",
+            " to [P150 in the spring](figures/modes.P150.S01.spring.svg)\n",
+            "\n- [answers](figures/likert.svg)\n",
+        ];
+        check(Summary { figures, ..sample() }, &expect);
     }
 
     #[test]
     fn one_participant_is_said_to_stand_for_nobody_else() {
-        let text =
-            summary_markdown(&Summary { participants: 1, sessions: 1, trials: 1, ..sample() });
-        assert!(text.contains("1 participant, 1 session, 1 trial that counts."), "{text}");
-        assert!(text.contains("describes this one participant and nobody else"), "{text}");
+        let expect = [
+            "1 participant, 1 session, 1 trial that counts.",
+            "describes this one participant and nobody else",
+        ];
+        check(Summary { participants: 1, sessions: 1, trials: 1, ..sample() }, &expect);
     }
 
     #[test]
     fn simulated_data_are_called_so_before_anything_else() {
-        let text = summary_markdown(&Summary {
-            sources: BTreeMap::from([(Source::Twin, 142)]),
-            ..sample()
-        });
-        assert_eq!(
-            text.lines().nth(2),
-            Some("**All data are simulated: nothing here was measured.**")
-        );
-    }
-
-    #[test]
-    fn what_is_to_be_read_with_care_has_a_section_of_its_own() {
-        let care = vec![Remark {
-            what: "P01 S01 trial 2".to_owned(),
-            why: "61.0° lies outside".to_owned(),
-        }];
-        let text = summary_markdown(&Summary { care, ..sample() });
-        assert!(
-            text.contains(
-                "\n\n## Read with care\n\n- P01 S01 trial 2: 61.0° lies outside\n\n## What"
-            ),
-            "{text}"
-        );
+        let sources = BTreeMap::from([(Source::Twin, 142)]);
+        let text = summary_markdown(&Summary { sources, ..sample() });
+        let mark = "**All data are simulated: nothing here was measured.**";
+        assert_eq!(text.lines().nth(2), Some(mark));
     }
 
     #[test]

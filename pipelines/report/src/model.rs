@@ -8,7 +8,18 @@ use zwidth_results::Fact;
 pub fn model_facts(scene: &ModelScene) -> Vec<Fact> {
     let mut facts =
         vec![Fact::new("M_O, mass of the object (spring)", Some(scene.plant.mass_kg), "kg")];
-    facts.extend(scene.environment.zones.iter().flat_map(|zone| demand(zone.demand)));
+    for zone in &scene.environment.zones {
+        let Demand::Spring { stiffness_n_per_rad, damping_ns_per_rad, rest_rad } = zone.demand
+        else {
+            continue;
+        };
+        facts.extend([
+            Fact::new("K_O, stiffness of the object", Some(stiffness_n_per_rad), "N/rad"),
+            Fact::new("B_O, damping of the object", Some(damping_ns_per_rad), "N·s/rad"),
+            Fact::new("θ_rest, angle of the object at rest", Some(rest_rad.to_degrees()), "°")
+                .remarked("not in the thesis' table"),
+        ]);
+    }
     if let Some(finger) = &scene.finger {
         facts.extend([
             Fact::new("M_F, mass of the finger", Some(finger.mass_kg), "kg"),
@@ -17,11 +28,22 @@ pub fn model_facts(scene: &ModelScene) -> Vec<Fact> {
             Fact::new("L_F0, length of the finger at rest", finger.length_m.map(|m| m * 1e3), "mm"),
         ]);
     }
+    let (largest, shape) = match &scene.input {
+        // They go from 0 to twice their amplitude: equations (5) to (7).
+        Input::Step { magnitude, .. } => {
+            (Some(2.0 * magnitude), "steps between 0 and 2a, equation (5)")
+        }
+        Input::Ramp { magnitude, .. } => {
+            (Some(2.0 * magnitude), "ramps between 0 and 2a, equation (6)")
+        }
+        Input::Sine { magnitude, .. } => (Some(2.0 * magnitude), "a + a sin(ω t), equation (7)"),
+        Input::Line { .. } => (None, "a straight line"),
+        Input::Series(_) => (None, "recorded"),
+    };
     facts.extend([
         Fact::new("T, length of the simulation", Some(scene.duration_s), "s"),
         Fact::new("h, step", Some(scene.step_s * 1e3), "ms"),
-        Fact::new("F_ex, user force, largest", largest(&scene.input), "N")
-            .remarked(shape(&scene.input)),
+        Fact::new("F_ex, user force, largest", largest, "N").remarked(shape),
     ]);
     if let Some([low, high]) = scene.plant.stops_rad {
         facts.push(Fact::new("θ_min, lower stop", Some(low.to_degrees()), "°"));
@@ -31,49 +53,14 @@ pub fn model_facts(scene: &ModelScene) -> Vec<Fact> {
         Fact::new("L, lever", Some(scene.plant.lever_m), "m").remarked("not in the thesis' table"),
         Fact::new("F_m, largest motor force", Some(scene.motor.max_n), "N")
             .remarked("not in the thesis' table"),
-        Fact::new("F_b, largest brake force", Some(scene.brake.max_n), "N")
-            .remarked(brake(scene.brake.law)),
+        Fact::new("F_b, largest brake force", Some(scene.brake.max_n), "N").remarked(
+            match scene.brake.law {
+                BrakeLaw::Coulomb => "not in the thesis' table; set-valued",
+                BrakeLaw::Thesis => "not in the thesis' table; on while θ̇ > 0",
+            },
+        ),
     ]);
     facts
-}
-
-fn demand(demand: Demand) -> Vec<Fact> {
-    match demand {
-        Demand::Spring { stiffness_n_per_rad, damping_ns_per_rad, rest_rad } => vec![
-            Fact::new("K_O, stiffness of the object", Some(stiffness_n_per_rad), "N/rad"),
-            Fact::new("B_O, damping of the object", Some(damping_ns_per_rad), "N·s/rad"),
-            Fact::new("θ_rest, angle of the object at rest", Some(rest_rad.to_degrees()), "°")
-                .remarked("not in the thesis' table"),
-        ],
-        Demand::Full | Demand::FullUp => Vec::new(),
-    }
-}
-
-fn largest(input: &Input) -> Option<f64> {
-    match input {
-        Input::Step { magnitude, .. }
-        | Input::Ramp { magnitude, .. }
-        // They go from 0 to twice their amplitude: equations (5) to (7).
-        | Input::Sine { magnitude, .. } => Some(2.0 * magnitude),
-        Input::Line { .. } | Input::Series(_) => None,
-    }
-}
-
-fn shape(input: &Input) -> &'static str {
-    match input {
-        Input::Step { .. } => "steps between 0 and 2a, equation (5)",
-        Input::Ramp { .. } => "ramps between 0 and 2a, equation (6)",
-        Input::Sine { .. } => "a + a sin(ω t), equation (7)",
-        Input::Line { .. } => "a straight line",
-        Input::Series(_) => "recorded",
-    }
-}
-
-fn brake(law: BrakeLaw) -> &'static str {
-    match law {
-        BrakeLaw::Coulomb => "not in the thesis' table; set-valued",
-        BrakeLaw::Thesis => "not in the thesis' table; on while θ̇ > 0",
-    }
 }
 
 #[cfg(test)]

@@ -1,22 +1,26 @@
 //! Sentences on whom the data are about and where they come from.
 
 use std::collections::BTreeMap;
-use zwidth_study::Source;
+use zwidth_study::{Source, counted};
 use zwidth_tables::Measured;
 
-/// `1 sweep`, `3 sweeps`.
-pub(crate) fn count(n: usize, noun: &str) -> String {
-    counted(n, noun, &format!("{noun}s"))
+/// Participants, sessions, trials that count and sweeps in words, as far as there are any.
+pub(crate) fn amounts(counts: [usize; 4], sweeps: &str) -> Vec<String> {
+    let trials = "trials that count";
+    let units = ["participants", "sessions", trials, sweeps];
+    let present = counts.into_iter().zip(units).filter(|(n, _)| *n > 0);
+    let words = present.map(|(n, units)| match n {
+        1 if units == trials => "1 trial that counts".to_owned(),
+        _ => counted(n, units),
+    });
+    words.collect()
 }
 
-/// `1 trial that counts`, `3 trials that count`.
-pub(crate) fn counting(trials: usize) -> String {
-    counted(trials, "trial that counts", "trials that count")
-}
-
-/// A number with the words for one or for several.
-pub(crate) fn counted(n: usize, one: &str, several: &str) -> String {
-    format!("{n} {}", if n == 1 { one } else { several })
+/// A text whose first letter is large.
+pub(crate) fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    let first = letters.next().map(|first| first.to_uppercase().to_string());
+    first.unwrap_or_default() + letters.as_str()
 }
 
 /// With one participant, nothing is known of anybody else.
@@ -37,24 +41,22 @@ pub(crate) struct Origins {
 pub(crate) fn sources(sources: &BTreeMap<Source, usize>) -> Option<Origins> {
     let present: Vec<(Source, usize)> =
         sources.iter().map(|(s, n)| (*s, *n)).filter(|(_, n)| *n > 0).collect();
-    match present.as_slice() {
-        [] => None,
+    let (mark, text) = match present.as_slice() {
+        [] => return None,
         [(source, _)] if source.is_simulated() => {
-            let mark = Some("All data are simulated: nothing here was measured.");
-            Some(Origins { mark, text: String::new() })
+            (Some("All data are simulated: nothing here was measured."), String::new())
         }
-        [(source, _)] => {
-            Some(Origins { mark: None, text: format!("All data were {}.", origin(*source)) })
-        }
+        [(source, _)] => (None, format!("All data were {}.", origin(*source))),
         several => {
             let total: usize = several.iter().map(|(_, n)| n).sum();
             let parts: Vec<String> =
                 several.iter().map(|(s, n)| format!("{n} {}", origin(*s))).collect();
-            let text = format!("Of {total} recordings: {}.", parts.join(", "));
             let simulated = several.iter().any(|(s, _)| s.is_simulated());
-            Some(Origins { mark: simulated.then_some("Some data are simulated."), text })
+            let mark = simulated.then_some("Some data are simulated.");
+            (mark, format!("Of {total} recordings: {}.", parts.join(", ")))
         }
-    }
+    };
+    Some(Origins { mark, text })
 }
 
 /// Whether any of the trials is simulated.
@@ -76,11 +78,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn one_thing_is_not_many() {
-        assert_eq!(count(1, "session"), "1 session");
-        assert_eq!(count(0, "session"), "0 sessions");
-        assert_eq!(counting(1), "1 trial that counts");
-        assert_eq!(counting(2), "2 trials that count");
+    fn one_thing_is_not_many_and_nothing_is_not_told() {
+        assert_eq!(amounts([1, 0, 1, 0], "sweeps"), ["1 participant", "1 trial that counts"]);
+        let words = amounts([0, 2, 2, 1], "sweeps");
+        assert_eq!(words, ["2 sessions", "2 trials that count", "1 sweep"]);
     }
 
     #[test]

@@ -1,33 +1,53 @@
 //! The thesis' Table 1: pros and cons of brake and motor, each beside the study's own evidence.
 
-use crate::actuation::{active, passive};
 use crate::columns::{
     CONTACTS, CONTACTS_ACTIVE, ENERGY, ENERGY_AT_MOST, FORCE_PER_POWER, LOOPS, LOOPS_ACTIVE,
     PAST_WALL, RETURNED, SMOOTH, STABILITY, STIFFNESS,
 };
-use crate::evidence::{Evidence, Known, NOTHING_RETURNED, Verdict, a_spring, a_wall};
+use crate::evidence::{Known, NOTHING_RETURNED, Place, Verdict, with_law};
 use crate::trials::{Mean, Trials};
 use zwidth_results::ProOrCon;
-use zwidth_study::{Coordinate, Environment, Mode, Resistances};
+use zwidth_study::{Coordinate, Environment, ModeLaw, Resistances};
 use zwidth_tables::{TableError, given, quantity, shown_unit};
 
+/// What speaks for or against a claim.
+struct Evidence {
+    metric: String,
+    value: f64,
+    unit: String,
+    remark: String,
+    verdict: Verdict,
+}
+
+/// The evidence for a claim, if the study has any.
+type Outcome = Result<Option<Evidence>, TableError>;
+
 /// Finds the evidence for a claim.
-type Find = fn(&Known) -> Result<Option<Evidence>, TableError>;
+type Find = fn(&Known) -> Outcome;
 
 /// Actuation, side, claim (thesis Table 1), and where the study's evidence comes from.
 const CLAIMS: [(&str, &str, &str, Find); 11] = [
-    ("passive", "pro", "High force to energy consumption ratio", |data| efficiency(data, [1, 0])),
-    ("passive", "pro", "Lightweight", |data| Ok(mass(data, true))),
+    ("passive", "pro", "High force to energy consumption ratio", |data| efficiency(data, BRAKE)),
+    ("passive", "pro", "Lightweight", |data| Ok(mass(data, BRAKE))),
     ("passive", "pro", "Safe", brake_never_gives),
-    ("passive", "con", "Only resistive forces", brake_returns_nothing),
-    ("passive", "con", "Can not render stiffness", brake_has_no_way_back),
+    ("passive", "con", "Only resistive forces", |data| {
+        returned(data, ModeLaw::Passive, |_, _| Ok(String::new()))
+    }),
+    ("passive", "con", "Can not render stiffness", |data| {
+        returned(data, ModeLaw::Passive, stiffness_of_the_way_in)
+    }),
     ("active", "pro", "Easy to control", motor_is_smooth),
-    ("active", "pro", "Can resist and amplify", motor_returns),
-    ("active", "con", "Low force to energy consumption ratio", |data| efficiency(data, [0, 1])),
-    ("active", "con", "Heavy", |data| Ok(mass(data, false))),
+    ("active", "pro", "Can resist and amplify", |data| {
+        returned(data, ModeLaw::Active, |_, _| Ok(NO_HELP.to_owned()))
+    }),
+    ("active", "con", "Low force to energy consumption ratio", |data| efficiency(data, MOTOR)),
+    ("active", "con", "Heavy", |data| Ok(mass(data, MOTOR))),
     ("active", "con", "Unsafe/weak trade off", motor_is_weak),
     ("active", "con", "Can not render infinite stiffness", motor_passes_the_wall),
 ];
+
+/// What the work that comes back does not show.
+const NO_HELP: &str = ": it drives the lever back; no environment asked it to help a push";
 
 /// The pros and cons of the thesis' Table 1, each beside the study's own metric and whether that
 /// supports or contradicts it; `not measured` if the study has no such metric.
@@ -43,7 +63,7 @@ pub fn pros_cons(data: Known) -> Result<Vec<ProOrCon>, TableError> {
             side: side.to_owned(),
             claim: claim.to_owned(),
             verdict: evidence.as_ref().map_or(Verdict::NotMeasured, |e| e.verdict),
-            value: evidence.as_ref().and_then(|e| e.value),
+            value: evidence.as_ref().map(|e| e.value),
             metric: evidence.as_ref().map(|e| e.metric.clone()),
             unit: evidence.as_ref().map(|e| e.unit.clone()),
             remark: evidence.map(|e| e.remark.into()),
@@ -52,64 +72,58 @@ pub fn pros_cons(data: Known) -> Result<Vec<ProOrCon>, TableError> {
     Ok(rows)
 }
 
-/// The largest force of brake and motor as used, over the power that they take at rest.
-struct Efficiency {
+/// The two actuators, by their places in arrays of both.
+const MOTOR: usize = 0;
+const BRAKE: usize = 1;
+/// Their names.
+const ACTUATORS: [&str; 2] = ["motor", "brake"];
+
+/// All trials with that actuator alone.
+fn alone<'a>(data: &Known<'a>, actuator: usize) -> Option<Trials<'a>> {
+    let mode = with_law(data.study, [ModeLaw::Active, ModeLaw::Passive][actuator])?;
+    Some(Trials::of(data.metrics?, None, &mode.id))
+}
+
+/// The mean of a metric over the trials with that actuator alone.
+fn mean_alone(data: &Known, actuator: usize, column: &str) -> Result<Option<Mean>, TableError> {
+    alone(data, actuator).map_or(Ok(None), |trials| trials.mean(column))
+}
+
+/// Motor and brake as used alone.
+struct Used {
     brake_n: f64,
     brake_v: f64,
     motor_n: f64,
     motor_v: f64,
 }
 
-impl Efficiency {
+impl Used {
+    /// Their highest voltages, and the forces there.
     fn of(data: &Known) -> Option<Self> {
-        let motor_v = active(data.study)?.motor_max_v?;
-        let brake_v = passive(data.study)?.brake_max_v?;
+        let motor_v = with_law(data.study, ModeLaw::Active)?.motor_max_v?;
+        let brake_v = with_law(data.study, ModeLaw::Passive)?.brake_max_v?;
         let motor_n = data.calibration.motor.force_n(motor_v);
         let brake_n = data.calibration.brake.force_n(brake_v);
         Some(Self { brake_n, brake_v, motor_n, motor_v })
     }
-
-    /// N/W of the motor and of the brake, by U² / R; none where the resistance is not known.
-    fn force_per_power(&self, data: &Known) -> [Option<f64>; 2] {
-        let Resistances { motor_ohm, brake_ohm } = data.study.resistances;
-        let motor = (self.motor_n, self.motor_v, motor_ohm);
-        let brake = (self.brake_n, self.brake_v, brake_ohm);
-        [motor, brake].map(|(force_n, volts, ohm)| Some(force_n * ohm? / (volts * volts)))
-    }
 }
-
-/// Names of the actuators in their order in [`Efficiency::force_per_power`].
-const ACTUATORS: [&str; 2] = ["motor", "brake"];
 
 /// What one of the two actuators gives for its power beside the other: in the trials with it alone,
 /// where those of both have recorded currents; else at rest, where U² / R is what a winding takes.
-fn efficiency(data: &Known, pair: [usize; 2]) -> Result<Option<Evidence>, TableError> {
-    let at_rest = at_rest(data, pair)?;
-    match in_trials(data, pair, at_rest.as_ref())? {
-        Some(evidence) => Ok(Some(evidence)),
-        None => Ok(at_rest),
-    }
-}
-
-/// Commanded force over the power that trials took by their recorded currents.
-fn in_trials(
-    data: &Known,
-    [own, other]: [usize; 2],
-    at_rest: Option<&Evidence>,
-) -> Result<Option<Evidence>, TableError> {
-    let column = FORCE_PER_POWER;
-    let (Some(mine), Some(beside)) = (alone(data, own, column)?, alone(data, other, column)?)
-    else {
-        return Ok(None);
-    };
-    let shares = if own == 0 { [mine.mean, beside.mean] } else { [beside.mean, mine.mean] };
-    let took = took(data, own)?.map(|text| format!("; {text}")).unwrap_or_default();
+fn efficiency(data: &Known, own: usize) -> Outcome {
+    let at_rest = at_rest(data, own)?;
+    let other = 1 - own;
+    let mine = mean_alone(data, own, FORCE_PER_POWER)?;
+    let beside = mean_alone(data, other, FORCE_PER_POWER)?;
+    let (Some(mine), Some(beside)) = (mine, beside) else { return Ok(at_rest) };
+    let (motor, brake) = if own == MOTOR { (mine, beside) } else { (beside, mine) };
+    let took = took(data, own)?;
     // `at_rest` may hold a resistance instead, in Ω.
-    let rest = at_rest.filter(|e| e.unit == "N/W").and_then(|e| e.value);
-    let rest = rest.map(|share| format!("; {AT_REST} {share:.2} N/W")).unwrap_or_default();
+    let rest = at_rest.filter(|e| e.unit == "N/W");
+    let rest = rest.map(|e| format!("; {AT_REST} {:.2} N/W", e.value)).unwrap_or_default();
     Ok(Some(Evidence {
         metric: format!("commanded force over power, {} alone", ACTUATORS[own]),
-        value: Some(mine.mean),
+        value: mine.mean,
         unit: "N/W".to_owned(),
         remark: format!(
             "by recorded currents ({}); the {} has {:.2} N/W{took}{rest}",
@@ -117,7 +131,7 @@ fn in_trials(
             ACTUATORS[other],
             beside.mean
         ),
-        verdict: Verdict::of(shares[1] > shares[0]),
+        verdict: Verdict::of(brake.mean > motor.mean),
     }))
 }
 
@@ -125,16 +139,15 @@ fn in_trials(
 const AT_REST: &str = "at rest, by voltage and resistance:";
 
 /// The largest force over U² / R.
-fn at_rest(data: &Known, [own, other]: [usize; 2]) -> Result<Option<Evidence>, TableError> {
-    let Some(efficiency) = Efficiency::of(data) else { return Ok(None) };
-    let shares = efficiency.force_per_power(data);
-    let Some(motor) = shares[0] else { return Ok(None) };
-    let Some(brake) = shares[1] else {
-        // F R / U² of the brake set equal to the motor's, and solved for R.
-        let even_ohm = motor * efficiency.brake_v * efficiency.brake_v / efficiency.brake_n;
+fn at_rest(data: &Known, own: usize) -> Outcome {
+    let Resistances { motor_ohm, brake_ohm } = data.study.resistances;
+    let (Some(used), Some(motor_ohm)) = (Used::of(data), motor_ohm) else { return Ok(None) };
+    let motor = used.motor_n * motor_ohm / (used.motor_v * used.motor_v);
+    let Some(brake_ohm) = brake_ohm else {
         return Ok(Some(Evidence {
             metric: "brake's resistance from which on it gives more for its power".to_owned(),
-            value: Some(even_ohm),
+            // F R / U² of the brake set equal to the motor's, and solved for R.
+            value: motor * used.brake_v * used.brake_v / used.brake_n,
             unit: "Ω".to_owned(),
             remark: format!(
                 "{AT_REST} the motor has {motor:.2} N/W; the brake's resistance is not known"
@@ -142,169 +155,133 @@ fn at_rest(data: &Known, [own, other]: [usize; 2]) -> Result<Option<Evidence>, T
             verdict: Verdict::Undecided,
         }));
     };
+    let brake = used.brake_n * brake_ohm / (used.brake_v * used.brake_v);
     let shares = [motor, brake];
-    let trials = took(data, own)?.map(|text| format!("; {text}")).unwrap_or_default();
+    let other = 1 - own;
+    let took = took(data, own)?;
     Ok(Some(Evidence {
         metric: format!("largest force over power, {}", ACTUATORS[own]),
-        value: Some(shares[own]),
+        value: shares[own],
         unit: "N/W".to_owned(),
-        remark: format!("{AT_REST} the {} has {:.2} N/W{trials}", ACTUATORS[other], shares[other]),
+        remark: format!("{AT_REST} the {} has {:.2} N/W{took}", ACTUATORS[other], shares[other]),
         verdict: Verdict::of(brake > motor),
     }))
 }
 
-/// The mean of a metric over the trials with that actuator alone.
-fn alone(data: &Known, actuator: usize, column: &str) -> Result<Option<Mean>, TableError> {
-    let mode = if actuator == 0 { active(data.study) } else { passive(data.study) };
-    let (Some(metrics), Some(mode)) = (data.metrics, mode) else { return Ok(None) };
-    Trials::of(metrics, None, &mode.id).mean(column)
-}
-
 /// What the trials with that actuator alone took: by their recorded currents, else at most.
-fn took(data: &Known, actuator: usize) -> Result<Option<String>, TableError> {
-    if let Some(e) = alone(data, actuator, ENERGY)? {
-        return Ok(Some(format!("a trial took {:.2} J by its current ({})", e.mean, e.words())));
+fn took(data: &Known, actuator: usize) -> Result<String, TableError> {
+    if let Some(e) = mean_alone(data, actuator, ENERGY)? {
+        return Ok(format!("; a trial took {:.2} J by its current ({})", e.mean, e.words()));
     }
-    let most = alone(data, actuator, ENERGY_AT_MOST)?;
-    Ok(most.map(|e| format!("a trial took at most {:.2} J ({})", e.mean, e.words())))
+    let most = mean_alone(data, actuator, ENERGY_AT_MOST)?;
+    let most = most.map(|e| format!("; a trial took at most {:.2} J ({})", e.mean, e.words()));
+    Ok(most.unwrap_or_default())
 }
 
 /// Mass of one of the two actuators against the other's, g.
-fn mass(data: &Known, brake_first: bool) -> Option<Evidence> {
+fn mass(data: &Known, own: usize) -> Option<Evidence> {
     let masses = data.study.masses?;
-    let brake_g = masses.brake_kg * 1e3;
-    let motor_g = masses.motor_kg * 1e3;
-    let ((name, value), (other, beside)) = match brake_first {
-        true => (("mass of the brake", brake_g), ("motor", motor_g)),
-        false => (("mass of the motor", motor_g), ("brake", brake_g)),
-    };
+    let grams = [masses.motor_kg * 1e3, masses.brake_kg * 1e3];
+    let other = 1 - own;
     Some(Evidence {
-        metric: name.to_owned(),
-        value: Some(value),
+        metric: format!("mass of the {}", ACTUATORS[own]),
+        value: grams[own],
         unit: "g".to_owned(),
-        remark: format!("the {other} has {beside:.0} g"),
-        verdict: Verdict::of(brake_g < motor_g),
+        remark: format!("the {} has {:.0} g", ACTUATORS[other], grams[other]),
+        verdict: Verdict::of(grams[BRAKE] < grams[MOTOR]),
     })
 }
 
-/// The first environment that fits, and the trials in it of the mode; `None` without any.
+/// The first environment of that kind, and the trials in it of the mode; `None` without any.
 fn trials<'a>(
     data: &Known<'a>,
-    mode: Option<&Mode>,
-    fits: fn(&Environment) -> bool,
-) -> Result<Option<(&'a Environment, Trials<'a>)>, TableError> {
-    let environment = data.study.environments.iter().find(|e| fits(e));
-    let (Some(metrics), Some(mode), Some(environment)) = (data.metrics, mode, environment) else {
-        return Ok(None);
-    };
-    let trials = Trials::of(metrics, Some(&environment.id), &mode.id);
-    Ok((trials.len() > 0).then_some((environment, trials)))
+    law: ModeLaw,
+    place: Place,
+) -> Option<(&'a Environment, Trials<'a>)> {
+    let environment = data.study.environments.iter().find(|e| place.fits(e))?;
+    let mode = with_law(data.study, law)?;
+    let trials = Trials::of(data.metrics?, Some(&environment.id), &mode.id);
+    (trials.len() > 0).then_some((environment, trials))
 }
 
 /// Contacts with the wall and closed loops in which the brake gave more than it had got.
-fn brake_never_gives(data: &Known) -> Result<Option<Evidence>, TableError> {
-    let (Some(metrics), Some(mode)) = (data.metrics, passive(data.study)) else {
-        return Ok(None);
+fn brake_never_gives(data: &Known) -> Outcome {
+    let Some(trials) = alone(data, BRAKE) else { return Ok(None) };
+    let total = |column: &str| -> Result<f64, TableError> {
+        let people = trials.people(column, None)?;
+        Ok(people.values().flat_map(|sessions| sessions.values()).flatten().sum())
     };
-    let trials = Trials::of(metrics, None, &mode.id);
-    let all = total(&trials, CONTACTS)? + total(&trials, LOOPS)?;
-    let gave = total(&trials, CONTACTS_ACTIVE)? + total(&trials, LOOPS_ACTIVE)?;
+    let all = total(CONTACTS)? + total(LOOPS)?;
+    let gave = total(CONTACTS_ACTIVE)? + total(LOOPS_ACTIVE)?;
     Ok((all > 0.0).then(|| Evidence {
         metric: "wall contacts and closed loops that gave more than they got".to_owned(),
-        value: Some(gave),
+        value: gave,
         unit: "1".to_owned(),
         remark: format!("of {all:.0}, by energy observers"),
         verdict: Verdict::of(gave == 0.0),
     }))
 }
 
-fn total(trials: &Trials, column: &str) -> Result<f64, TableError> {
-    let people = trials.people(column, None)?;
-    Ok(people.values().flat_map(|sessions| sessions.values()).flatten().sum())
-}
-
-/// The share of the work put into a spring that comes back, and the stiffness, N/rad.
+/// The share of the work put into a spring that comes back, of which the brake claims none and the
+/// motor some; `more` is what else is to be said.
 fn returned(
     data: &Known,
-    mode: Option<&Mode>,
-    judge: fn(f64) -> bool,
-) -> Result<Option<(Evidence, f64)>, TableError> {
-    let Some((environment, trials)) = trials(data, mode, a_spring)? else { return Ok(None) };
+    law: ModeLaw,
+    more: fn(&Known, &Trials) -> Result<String, TableError>,
+) -> Outcome {
+    let Some((environment, trials)) = trials(data, law, Place::Spring) else { return Ok(None) };
     let Some(share) = trials.mean(RETURNED)? else { return Ok(None) };
-    let stiffness = trials.mean(STIFFNESS)?.map_or(f64::NAN, |stiffness| stiffness.mean);
-    let evidence = Evidence {
+    let comes_back = share.mean > NOTHING_RETURNED;
+    Ok(Some(Evidence {
         metric: format!("returned share of the work, {}", environment.label),
-        value: Some(100.0 * share.mean),
+        value: 100.0 * share.mean,
         unit: "%".to_owned(),
-        remark: share.words(),
-        verdict: Verdict::of(judge(share.mean)),
-    };
-    Ok(Some((evidence, stiffness)))
-}
-
-fn brake_returns_nothing(data: &Known) -> Result<Option<Evidence>, TableError> {
-    let evidence = returned(data, passive(data.study), |share| share <= NOTHING_RETURNED)?;
-    Ok(evidence.map(|(evidence, _)| evidence))
-}
-
-fn brake_has_no_way_back(data: &Known) -> Result<Option<Evidence>, TableError> {
-    let evidence = returned(data, passive(data.study), |share| share <= NOTHING_RETURNED)?;
-    Ok(evidence.map(|(evidence, stiffness)| match stiffness.is_finite() {
-        true => Evidence {
-            remark: format!(
-                "{}; compressing alone it does: {}",
-                evidence.remark,
-                quantity(stiffness, "N/rad", data.study.coordinate)
-            ),
-            ..evidence
-        },
-        false => evidence,
+        remark: share.words() + &more(data, &trials)?,
+        verdict: Verdict::of(comes_back == (law == ModeLaw::Active)),
     }))
 }
 
-fn motor_returns(data: &Known) -> Result<Option<Evidence>, TableError> {
-    let evidence = returned(data, active(data.study), |share| share > NOTHING_RETURNED)?;
-    let limit = "it drives the lever back; no environment asked it to help a push";
-    Ok(evidence.map(|(e, _)| Evidence { remark: format!("{}: {limit}", e.remark), ..e }))
+fn stiffness_of_the_way_in(data: &Known, trials: &Trials) -> Result<String, TableError> {
+    let words = trials.mean(STIFFNESS)?.map(|stiffness| {
+        let stiffness = quantity(stiffness.mean, "N/rad", data.study.coordinate);
+        format!("; compressing alone it does: {stiffness}")
+    });
+    Ok(words.unwrap_or_default())
 }
 
-fn motor_is_smooth(data: &Known) -> Result<Option<Evidence>, TableError> {
-    let (Some(metrics), Some(mode)) = (data.metrics, active(data.study)) else { return Ok(None) };
-    let (smooth, n) = Trials::of(metrics, None, &mode.id).count(STABILITY, SMOOTH)?;
+fn motor_is_smooth(data: &Known) -> Outcome {
+    let Some(trials) = alone(data, MOTOR) else { return Ok(None) };
+    let (smooth, n) = trials.count(STABILITY, SMOOTH)?;
     Ok((n > 0).then(|| Evidence {
         metric: "trials without fast swings".to_owned(),
-        value: Some(100.0 * smooth as f64 / n as f64),
+        value: 100.0 * smooth as f64 / n as f64,
         unit: "%".to_owned(),
         remark: format!("{smooth} of {n} trials; steadiness alone, not the effort of making it so"),
         verdict: Verdict::of(smooth == n),
     }))
 }
 
-fn motor_is_weak(data: &Known) -> Result<Option<Evidence>, TableError> {
-    let motor_v = active(data.study).and_then(|mode| mode.motor_max_v);
-    let brake_v = passive(data.study).and_then(|mode| mode.brake_max_v);
-    let (Some(motor_v), Some(brake_v)) = (motor_v, brake_v) else { return Ok(None) };
-    let motor_n = data.calibration.motor.force_n(motor_v);
-    let brake_n = data.calibration.brake.force_n(brake_v);
+fn motor_is_weak(data: &Known) -> Outcome {
     let coordinate = data.study.coordinate;
-    Ok(Some(Evidence {
+    Ok(Used::of(data).map(|used| Evidence {
         metric: "largest motor force as used".to_owned(),
-        value: Some(motor_n),
+        value: used.motor_n,
         unit: "N".to_owned(),
         remark: format!(
             "the brake has {}; a finger's limit is {}",
-            quantity(brake_n, "N", coordinate),
+            quantity(used.brake_n, "N", coordinate),
             given(data.study.control.force_limit_n, "N", coordinate)
         ),
-        verdict: Verdict::of(motor_n < brake_n),
+        verdict: Verdict::of(used.motor_n < used.brake_n),
     }))
 }
 
-fn motor_passes_the_wall(data: &Known) -> Result<Option<Evidence>, TableError> {
-    let motor = trials(data, active(data.study), a_wall)?;
-    let motor = motor.map(|(_, trials)| trials.mean(PAST_WALL)).transpose()?.flatten();
-    let brake = trials(data, passive(data.study), a_wall)?;
-    let brake = brake.map(|(_, trials)| trials.mean(PAST_WALL)).transpose()?.flatten();
+fn motor_passes_the_wall(data: &Known) -> Outcome {
+    let past = |law| -> Result<Option<Mean>, TableError> {
+        trials(data, law, Place::Wall).map_or(Ok(None), |(_, trials)| trials.mean(PAST_WALL))
+    };
+    let motor = past(ModeLaw::Active)?;
+    let brake = past(ModeLaw::Passive)?;
     let (Some(motor), Some(brake)) = (motor, brake) else { return Ok(None) };
     let coordinate = data.study.coordinate;
     let (unit, factor) = shown_unit("rad", coordinate);
@@ -313,7 +290,7 @@ fn motor_passes_the_wall(data: &Known) -> Result<Option<Evidence>, TableError> {
             Coordinate::Rotational => "angle past the wall".to_owned(),
             Coordinate::Linear { .. } => "way past the wall".to_owned(),
         },
-        value: Some(factor * motor.mean),
+        value: factor * motor.mean,
         unit,
         remark: format!(
             "{}; {} with the brake",
@@ -336,10 +313,12 @@ mod tests {
         Setup::of(&zwidth_testing::study())
     }
 
+    fn rows(study: &Setup, metrics: Option<&Measured>) -> Vec<ProOrCon> {
+        pros_cons(Known { study, calibration: &Calibration::thesis(), metrics }).unwrap()
+    }
+
     fn verdicts(metrics: Option<&Measured>) -> Vec<Verdict> {
-        let (study, calibration) = (study(), Calibration::thesis());
-        let known = Known { study: &study, calibration: &calibration, metrics };
-        pros_cons(known).unwrap().iter().map(|row| row.verdict).collect()
+        rows(&study(), metrics).iter().map(|row| row.verdict).collect()
     }
 
     fn trials(past_with_motor: f64) -> Measured {
@@ -364,9 +343,7 @@ mod tests {
     fn the_brake_gives_more_for_its_power_where_its_resistance_is_high_enough() {
         let of = |motor_ohm, brake_ohm| {
             let resistances = Resistances { motor_ohm, brake_ohm };
-            let (study, calibration) = (Setup { resistances, ..study() }, Calibration::thesis());
-            let known = Known { study: &study, calibration: &calibration, metrics: None };
-            let rows = pros_cons(known).unwrap();
+            let rows = rows(&Setup { resistances, ..study() }, None);
             ([rows[0].verdict, rows[7].verdict], rows[7].value)
         };
         assert_eq!(of(Some(30.4), Some(20.0)).0, [Verdict::Supported; 2]);
@@ -390,9 +367,7 @@ mod tests {
             MetricsRow { recorded: brake, ..row("spring", "passive") },
         ]);
         let resistances = Resistances { motor_ohm: Some(30.4), brake_ohm: Some(20.0) };
-        let (study, calibration) = (Setup { resistances, ..study() }, Calibration::thesis());
-        let known = Known { study: &study, calibration: &calibration, metrics: Some(&metrics) };
-        let rows = pros_cons(known).unwrap();
+        let rows = rows(&Setup { resistances, ..study() }, Some(&metrics));
         let of = |row: &ProOrCon| {
             (row.value.unwrap(), row.verdict, row.remark.clone().unwrap().to_string())
         };
@@ -426,14 +401,11 @@ mod tests {
         let trials = trials(0.2);
         assert_eq!(verdicts(Some(&trials))[2], Verdict::Supported);
         let table = trials.table();
-        let columns = table.columns().iter().map(|column| {
-            let field = &column.field;
-            match field.name.as_ref() {
-                "wall_contacts_active" => {
-                    Column::integer("wall_contacts_active", "1", "", vec![Some(1); table.height()])
-                }
-                _ => column.clone(),
+        let columns = table.columns().iter().map(|column| match column.field.name.as_ref() {
+            "wall_contacts_active" => {
+                Column::integer("wall_contacts_active", "1", "", vec![Some(1); table.height()])
             }
+            _ => column.clone(),
         });
         let table = Table::new("metrics", "", columns.collect()).unwrap();
         let gave = Measured::of(table).unwrap();
@@ -458,16 +430,13 @@ mod tests {
 
     #[test]
     fn simulated_trials_and_a_single_participant_are_named_in_the_notes() {
-        let (study, calibration) = (study(), Calibration::thesis());
         let of = |source, participants: [&'static str; 2]| {
             let rows = participants.map(|participant| MetricsRow {
                 source,
                 participant,
                 ..row("spring", "active")
             });
-            let metrics = metrics(&rows);
-            let known = Known { study: &study, calibration: &calibration, metrics: Some(&metrics) };
-            notes(known.metrics).join(" ")
+            notes(Some(&metrics(&rows))).join(" ")
         };
         assert!(of("twin", ["P01", "P01"]).contains("simulated"));
         assert!(of("recorded", ["P01", "P01"]).contains("one participant, P01"));

@@ -14,7 +14,15 @@ pub fn traded(study: &Setup, choices: &[TradeChoice]) -> Vec<Finding> {
     let findings = choices.iter().map(|choice| {
         let text = match (choice.solver.as_deref(), choice.work) {
             (Some(solver), Some(work)) => {
-                let setting = setting(solver, choice.step_s, choice.tolerance);
+                let label = solver_label(solver);
+                let setting = match (choice.step_s, choice.tolerance) {
+                    // In whole microseconds: more digits are rounding.
+                    (Some(step_s), _) => {
+                        format!("{label} with steps of {} ms", (step_s * 1e6).round() / 1e3)
+                    }
+                    (None, Some(tolerance)) => format!("{label} with a tolerance of {tolerance:e}"),
+                    (None, None) => label.to_owned(),
+                };
                 let not = choice.next_cheaper.as_ref().zip(choice.why_not);
                 let not = not.map(|(next, why)| {
                     format!(" The next cheaper run ({next}) is no such run: {why}.")
@@ -31,22 +39,20 @@ pub fn traded(study: &Setup, choices: &[TradeChoice]) -> Vec<Finding> {
             _ => "a person could tell each run of the model that was tried from the right one."
                 .to_owned(),
         };
-        let text = format!("{}: {text}", scene_words(study, &choice.scene));
+        let own = condition(study, |e, mode| format!("{}.{}", e.id, mode.id) == *choice.scene);
+        let scene = own.as_deref().unwrap_or(&choice.scene);
+        let text = format!("{scene}: {text}");
         Finding::new(text, Shown::Trade(choice.scene.replace('.', "_")))
     });
     findings.collect()
 }
 
-/// The scene of a condition in people's words: `Spring, active`; another scene by its name.
-fn scene_words(study: &Setup, scene: &str) -> String {
-    let conditions =
-        study.environments.iter().flat_map(|e| study.modes.iter().map(move |mode| (e, mode)));
-    let mut own = conditions.filter(|(e, mode)| format!("{}.{}", e.id, mode.id) == scene);
-    own.next().map_or_else(|| scene.to_owned(), |(e, mode)| in_words(e, mode))
-}
-
-fn in_words(environment: &Environment, mode: &Mode) -> String {
-    format!("{}, {}", environment.label, in_a_sentence(&mode.label))
+/// The first condition that fits, in people's words: `Spring, active`.
+fn condition(study: &Setup, fits: impl Fn(&Environment, &Mode) -> bool) -> Option<String> {
+    let environments = study.environments.iter();
+    let mut all = environments.flat_map(|e| study.modes.iter().map(move |mode| (e, mode)));
+    let (environment, mode) = all.find(|(e, mode)| fits(e, mode))?;
+    Some(format!("{}, {}", environment.label, in_a_sentence(&mode.label)))
 }
 
 /// Which terms of the model each condition requires, and whether its recordings confirm that: one
@@ -65,36 +71,17 @@ pub fn laddered(study: &Setup, choices: &[LadderChoice]) -> Vec<Finding> {
             )
         });
         let borne_out = choice.recordings.map(|verdict| format!("; by the recordings: {verdict}"));
+        let LadderCondition { environment, mode } = &choice.condition;
+        let own = condition(study, |e, m| e.id == *environment && m.id == *mode);
         let text = format!(
             "{}: {needs}{}{}.",
-            condition_words(study, &choice.condition),
+            own.unwrap_or_else(|| choice.condition.to_string()),
             missed.unwrap_or_default(),
             borne_out.unwrap_or_default()
         );
         Finding::new(text, Shown::Ladder)
     });
     findings.collect()
-}
-
-/// A condition in people's words: `Spring, active`.
-fn condition_words(study: &Setup, condition: &LadderCondition) -> String {
-    let environment = study.environments.iter().find(|e| e.id == condition.environment);
-    let mode = study.modes.iter().find(|m| m.id == condition.mode);
-    match environment.zip(mode) {
-        Some((environment, mode)) => in_words(environment, mode),
-        None => condition.to_string(),
-    }
-}
-
-/// A solver and its step or tolerance.
-fn setting(solver: &str, step_s: Option<f64>, tolerance: Option<f64>) -> String {
-    let label = solver_label(solver);
-    match (step_s, tolerance) {
-        // In whole microseconds: more digits are rounding.
-        (Some(step_s), _) => format!("{label} with steps of {} ms", (step_s * 1e6).round() / 1e3),
-        (None, Some(tolerance)) => format!("{label} with a tolerance of {tolerance:e}"),
-        (None, None) => label.to_owned(),
-    }
 }
 
 #[cfg(test)]

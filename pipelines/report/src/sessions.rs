@@ -4,7 +4,7 @@ use crate::compared::ComparedMetric;
 use crate::findings::Finding;
 use crate::gallery::Shown;
 use zwidth_results::{Learning, Role, SessionChange};
-use zwidth_study::Setup;
+use zwidth_study::{EnvironmentId, ModeId, Setup};
 use zwidth_tables::{number, shown_unit, with_unit};
 
 /// How participants changed from their first session to a later one, in a metric: one sentence, with
@@ -15,81 +15,73 @@ pub fn changes(
     metric: &ComparedMetric,
     sessions: &[SessionChange],
 ) -> Option<Finding> {
-    let (unit, factor) = shown_unit(&metric.metric.unit, study.coordinate);
-    let changes = sessions.iter().filter_map(|row| {
-        let environment = study.environments.iter().find(|e| e.id == row.environment)?;
-        let mode = study.modes.iter().find(|m| m.id == row.mode)?;
-        let error = row.change_std_error.map(|error| error * factor);
-        let shown = |value: f64| number(value * factor, error);
+    let told = sessions.iter().filter_map(|row| {
         // One person's change says nothing of the others.
         (row.n > 1).then_some(())?;
-        Some(format!(
-            "{}, {}, {}: {} ({} to {}, n = {} participants)",
-            environment.label,
-            mode.label,
-            row.sessions,
-            with_unit(&shown(row.change?), &unit),
-            shown(row.change_ci_low?),
-            shown(row.change_ci_high?),
-            row.n,
-        ))
+        let place = place(study, &row.environment, &row.mode)?;
+        let values = [row.change, row.change_ci_low, row.change_ci_high, row.change_std_error];
+        let change = change(study, metric, values)?;
+        Some(format!("{place}, {}: {change}, n = {} participants)", row.sessions, row.n))
     });
-    let changes: Vec<String> = changes.collect();
-    if changes.is_empty() {
-        return None;
-    }
+    let told: Vec<String> = told.collect();
     let role = match metric.metric.role {
         Role::Primary => "the primary metric, ",
         Role::Exploratory => "",
     };
-    let text = format!(
-        "Exploratory, mean change between sessions in {role}{}: {}. Not adjusted for the number of changes.",
-        metric.words(study.coordinate),
-        changes.join("; ")
-    );
-    Some(Finding::new(text, Shown::Sessions(metric.metric.metric.to_string())))
+    let what = format!("between sessions in {role}{}", metric.words(study.coordinate));
+    finding(&what, &told, Shown::Sessions(metric.metric.metric.to_string()))
 }
 
 /// How a metric changed from each repeat to the next: one sentence, with interval and n of each
 /// condition that has a test.
 pub fn learned(study: &Setup, metric: &ComparedMetric, learning: &[Learning]) -> Option<Finding> {
-    let (unit, factor) = shown_unit(&metric.metric.unit, study.coordinate);
     let mut told = Vec::new();
     for row in learning {
-        let environment = study.environments.iter().find(|e| e.id == row.environment)?;
-        let mode = study.modes.iter().find(|m| m.id == row.mode)?;
-        let (Some(change), Some(low), Some(high)) =
-            (row.change, row.change_ci_low, row.change_ci_high)
-        else {
-            continue;
-        };
-        let error = row.change_std_error.map(|error| error * factor);
-        told.push(format!(
-            "{}, {}: {} ({} to {}, n = {} {})",
-            environment.label,
-            mode.label,
-            with_unit(&number(change * factor, error), &unit),
-            number(low * factor, error),
-            number(high * factor, error),
-            row.n,
-            row.unit_of_analysis,
-        ));
+        let place = place(study, &row.environment, &row.mode)?;
+        let values = [row.change, row.change_ci_low, row.change_ci_high, row.change_std_error];
+        let change = change(study, metric, values);
+        told.extend(
+            change.map(|change| {
+                format!("{place}: {change}, n = {} {})", row.n, row.unit_of_analysis)
+            }),
+        );
     }
-    if told.is_empty() {
-        return None;
-    }
-    let text = format!(
-        "Exploratory, mean change per repeat in {}: {}. Not adjusted for the number of changes.",
-        metric.words(study.coordinate),
-        told.join("; ")
-    );
-    Some(Finding::new(text, Shown::Learning(metric.metric.metric.to_string())))
+    let what = format!("per repeat in {}", metric.words(study.coordinate));
+    finding(&what, &told, Shown::Learning(metric.metric.metric.to_string()))
+}
+
+/// The sentence on some changes, if there are any.
+fn finding(what: &str, changes: &[String], shown: Shown) -> Option<Finding> {
+    let list = changes.join("; ");
+    let text =
+        format!("Exploratory, mean change {what}: {list}. Not adjusted for the number of changes.");
+    (!changes.is_empty()).then(|| Finding::new(text, shown))
+}
+
+/// `Spring, Active`.
+fn place(study: &Setup, environment: &EnvironmentId, mode: &ModeId) -> Option<String> {
+    let environment = study.environments.iter().find(|e| e.id == *environment)?;
+    let mode = study.modes.iter().find(|m| m.id == *mode)?;
+    Some(format!("{}, {}", environment.label, mode.label))
+}
+
+/// `−0.120 N (−0.150 to −0.090`: a change with its interval, from these two and its standard error,
+/// which sets the digits.
+fn change(
+    study: &Setup,
+    metric: &ComparedMetric,
+    [change, low, high, error]: [Option<f64>; 4],
+) -> Option<String> {
+    let (unit, factor) = shown_unit(&metric.metric.unit, study.coordinate);
+    let error = error.map(|error| error * factor);
+    let shown = |value: f64| number(value * factor, error);
+    Some(format!("{} ({} to {}", with_unit(&shown(change?), &unit), shown(low?), shown(high?)))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::compared::tests::metric;
+    use crate::compared::tests::{metric, without_results};
     use zwidth_results::UnitOfAnalysis;
 
     fn told(n: [usize; 2]) -> Option<String> {
@@ -129,15 +121,8 @@ mod tests {
                 remark: None,
             }
         };
-        let metric = ComparedMetric {
-            metric: &peak,
-            is_primary_by_default: false,
-            means: &[],
-            contrasts: &[],
-            redrawn: &[],
-        };
         let rows = [change("active", n[0]), change("hybrid", n[1])];
-        changes(&Setup::of(&zwidth_testing::study()), &metric, &rows)
+        changes(&Setup::of(&zwidth_testing::study()), &without_results(&peak), &rows)
             .map(|found| found.text.to_string())
     }
 

@@ -1,11 +1,10 @@
 //! A questionnaire without recordings in sentences.
 
-use crate::answers::{Median, median_of};
+use crate::answers::{Median, median};
 use crate::findings::Finding;
 use crate::gallery::Shown;
-use crate::people::count;
 use zwidth_results::AnswerTally;
-use zwidth_study::{Environment, Mode, Question, Setup};
+use zwidth_study::{Mode, Setup, counted};
 
 /// The most questions with a sentence of their own: those whose medians lie farthest apart.
 const NAMED: usize = 3;
@@ -18,7 +17,11 @@ pub fn survey(study: &Setup, tally: &[AnswerTally]) -> Vec<Finding> {
     for environment in &study.environments {
         let mut answered = Vec::new();
         for question in &study.questions {
-            let medians = medians(study, tally, environment, question);
+            let medians = study.modes.iter().filter_map(|mode| {
+                let median = median(tally, environment, mode, question)?;
+                Some((mode, median.turned_back(question)))
+            });
+            let medians: Medians = medians.collect();
             if !medians.is_empty() {
                 answered.push((question, medians));
             }
@@ -30,34 +33,33 @@ pub fn survey(study: &Setup, tally: &[AnswerTally]) -> Vec<Finding> {
         let text = format!(
             "{}: {} to {} by {}.",
             environment.label,
-            count(answers, "answer"),
-            count(answered.len(), "question"),
-            count(people, "participant")
+            counted(answers, "answers"),
+            counted(answered.len(), "questions"),
+            counted(people, "participants")
         );
         findings.push(Finding::new(text, Shown::Answers));
         // stable: questions that are equally far apart stay in the study's order
         answered.sort_by(|a, b| spread(&b.1).total_cmp(&spread(&a.1)));
         let apart = answered.iter().filter(|(_, medians)| spread(medians) > 0.0).take(NAMED);
-        findings.extend(apart.map(|(question, medians)| sentence(environment, question, medians)));
+        findings.extend(apart.map(|(question, medians)| {
+            let list: Vec<String> = medians
+                .iter()
+                .map(|(mode, median)| format!("{} with {}", median.words(), mode.label))
+                .collect();
+            let text = format!(
+                "{}, “{}”: the median answer was {}.",
+                environment.label,
+                question.text,
+                list.join(", ")
+            );
+            Finding::new(text, Shown::Answers)
+        }));
     }
     findings
 }
 
-type Medians<'a> = Vec<(&'a Mode, Median)>;
-
 /// The medians of the modes that have answers.
-fn medians<'a>(
-    study: &'a Setup,
-    tally: &[AnswerTally],
-    environment: &Environment,
-    question: &Question,
-) -> Medians<'a> {
-    let medians = study.modes.iter().filter_map(|mode| {
-        let median = median_of(tally, environment, mode, question)?;
-        Some((mode, median.turned_back(question)))
-    });
-    medians.collect()
-}
+type Medians<'a> = Vec<(&'a Mode, Median)>;
 
 /// How far apart the modes' medians lie, in points.
 fn spread(medians: &Medians) -> f64 {
@@ -67,20 +69,6 @@ fn spread(medians: &Medians) -> f64 {
         .map(|(_, median)| (median.low.get() + median.high.get()) / 2.0)
         .fold(start, |(low, high), v| (low.min(v), high.max(v)));
     high - low
-}
-
-fn sentence(environment: &Environment, question: &Question, medians: &Medians) -> Finding {
-    let list: Vec<String> = medians
-        .iter()
-        .map(|(mode, median)| format!("{} with {}", median.words(), mode.label))
-        .collect();
-    let text = format!(
-        "{}, “{}”: the median answer was {}.",
-        environment.label,
-        question.text,
-        list.join(", ")
-    );
-    Finding::new(text, Shown::Answers)
 }
 
 #[cfg(test)]

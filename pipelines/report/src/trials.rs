@@ -102,9 +102,14 @@ impl<'a> Trials<'a> {
         }))
     }
 
-    /// Whose trials they are.
-    pub(crate) fn participants(&self) -> BTreeSet<&'a ParticipantId> {
-        self.rows.iter().map(|row| &self.metrics.trials()[*row].participant).collect()
+    /// Whose trials they are: `trials of P01`, `trials of 3 participants`.
+    pub(crate) fn whose(&self) -> String {
+        let trials = self.rows.iter().map(|row| &self.metrics.trials()[*row]);
+        let people: BTreeSet<_> = trials.map(|trial| &trial.participant).collect();
+        match people.first() {
+            Some(who) if people.len() == 1 => format!("trials of {who}"),
+            _ => format!("trials of {} participants", people.len()),
+        }
     }
 
     /// Number of trials with this word, and of trials with any.

@@ -1,8 +1,8 @@
 //! The weight calculation of the thesis' Appendix A, with the study's own masses.
 
-use crate::actuation::hybrid;
+use crate::evidence::with_law;
 use zwidth_results::Fact;
-use zwidth_study::{Calibration, Setup};
+use zwidth_study::{Calibration, ModeLaw, Setup};
 
 /// Rated voltage of the thesis' motor, V: Faulhaber 2342S048C (§2.1). A study's file does not hold
 /// its motor's.
@@ -17,7 +17,7 @@ pub(crate) const RATED_V: f64 = 48.0;
 /// square of the voltage, and the weight saved is the motor's less the hybrid's.
 pub fn weight_facts(study: &Setup, calibration: &Calibration) -> Option<Vec<Fact>> {
     let masses = study.masses?;
-    let used_v = hybrid(study)?.motor_max_v?;
+    let used_v = hybrid_v(study)?;
     let motor_g = masses.motor_kg * 1e3;
     let brake_g = masses.brake_kg * 1e3;
     let share = used_v / RATED_V;
@@ -45,16 +45,21 @@ pub fn weight_facts(study: &Setup, calibration: &Calibration) -> Option<Vec<Fact
     ])
 }
 
+/// Highest motor voltage of the mode in which the motor takes over from the brake, V.
+fn hybrid_v(study: &Setup) -> Option<f64> {
+    with_law(study, ModeLaw::Hybrid)?.motor_max_v
+}
+
 /// Whether masses and modes allow a table of weights.
 pub fn is_weighed(study: &Setup) -> bool {
-    study.masses.is_some() && hybrid(study).is_some_and(|mode| mode.motor_max_v.is_some())
+    study.masses.is_some() && hybrid_v(study).is_some()
 }
 
 /// Masses, g: of brake and a motor as large as the hybrid mode needs it, and of the motor. None
 /// without masses or without a mode of both actuators.
 pub(crate) fn masses_g(study: &Setup) -> Option<[f64; 2]> {
     let masses = study.masses?;
-    let share = hybrid(study)?.motor_max_v? / RATED_V;
+    let share = hybrid_v(study)? / RATED_V;
     Some([(masses.motor_kg * share + masses.brake_kg) * 1e3, masses.motor_kg * 1e3])
 }
 

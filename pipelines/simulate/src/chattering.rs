@@ -2,7 +2,6 @@
 //! model's.
 
 use crate::run::{grid, highest};
-use crate::summary::verdict_word;
 use crate::{DEFAULT_TOLERANCE, SimulateError, solver};
 use zwidth_dynamics::{Exact, Judgement, ModelScene, Reference, Solver as _, System, Trajectory};
 use zwidth_results::ChatteringRun;
@@ -64,19 +63,19 @@ fn row(
         theta_excess_rad: largest_rad.map(|theta| theta - reference_rad),
         swings: swings.map(|swings| swings.count),
         swing_amplitude_rad: swings.map(|swings| swings.amplitude_rad),
-        verdict: verdict_word(judgement.verdict).to_owned(),
+        verdict: judgement.verdict.as_str().to_owned(),
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scenes::sticking;
     use std::cell::Cell;
     use zwidth_dynamics::{DriveMode, Finger, FingerLaw, Input, table3};
 
     fn check(solver: &str, step_s: f64, reversals: usize, max_deg: f64) {
-        let scene = table3::scene(DriveMode::Hybrid, Input::sine(2.15));
-        let runs = chattering(&scene, &[solver], &[step_s], &|| {}).unwrap();
+        let runs = chattering(&sticking(), &[solver], &[step_s], &|| {}).unwrap();
         let found = runs[0].theta_max_rad.unwrap().to_degrees();
         assert_eq!(runs[0].reversals, Some(reversals), "{solver} {step_s}");
         assert!((found - max_deg).abs() < 5e-4, "{solver} {step_s}: {found} instead of {max_deg}");
@@ -101,11 +100,10 @@ mod tests {
 
     #[test]
     fn solvers_that_know_sticking_turn_twice_at_every_step_and_are_smooth() {
-        let scene = table3::scene(DriveMode::Hybrid, Input::sine(2.15));
         let solvers = ["exact", "dormand_prince", "tr_bdf2", "moreau_jean"];
         let done = Cell::new(0);
         let progress = || done.set(done.get() + 1);
-        let runs = chattering(&scene, &solvers, &[8.3e-3, 0.83e-3], &progress).unwrap();
+        let runs = chattering(&sticking(), &solvers, &[8.3e-3, 0.83e-3], &progress).unwrap();
         assert!(runs.iter().all(|run| run.verdict == "smooth"));
         assert!(runs.iter().all(|run| (run.reversals, run.swings) == (Some(2), Some(0))));
         assert_eq!(done.get(), solvers.len() * 2, "progress counts each run");

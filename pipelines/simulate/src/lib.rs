@@ -22,7 +22,7 @@ pub use chattering::{CHATTERING_NOTE, CHATTERING_STEPS_S, chattering};
 pub use error::SimulateError;
 pub use run::{MOST_SAMPLES, Run, simulate};
 pub use solvers::{DEFAULT_SOLVER, DEFAULT_TOLERANCE, SOLVERS, solver};
-pub use summary::{Energy, KnownMotion, StepSwings, Summary, Work, verdict_word};
+pub use summary::{Energy, KnownMotion, StepSwings, Summary, Work};
 pub use trajectory::{model_events, model_run};
 pub use zwidth_dynamics::{DynamicsError, ModelScene};
 

@@ -53,13 +53,12 @@ pub(crate) fn highest(run: &Trajectory) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scenes::{run, sticking};
     use crate::{DEFAULT_TOLERANCE, solver};
-    use zwidth_dynamics::{DriveMode, Input, table3};
 
     #[test]
     fn a_step_that_would_fill_the_memory_is_refused_with_its_size() {
-        let mut scene = table3::scene(DriveMode::Hybrid, Input::sine(2.15));
-        scene.step_s = 1e-9;
+        let scene = ModelScene { step_s: 1e-9, ..sticking() };
         let error =
             simulate(scene, solver("exact", DEFAULT_TOLERANCE).unwrap().as_ref()).unwrap_err();
         assert!(error.to_string().contains("4 s in steps of 0.000000001 s"), "{error}");
@@ -68,10 +67,7 @@ mod tests {
     #[test]
     fn the_largest_angle_and_its_time_do_not_depend_on_the_samples() {
         for step_s in [1e-3, 8.3e-3, 0.9] {
-            let scene =
-                ModelScene { step_s, ..table3::scene(DriveMode::Hybrid, Input::sine(2.15)) };
-            let run =
-                simulate(scene, solver("exact", DEFAULT_TOLERANCE).unwrap().as_ref()).unwrap();
+            let run = run(ModelScene { step_s, ..sticking() }, "exact");
             let (theta_rad, t_s) = highest(&run.trajectory);
             assert!((theta_rad.to_degrees() - 14.40784).abs() < 1e-5, "{step_s}: {theta_rad} rad");
             assert!((t_s - 1.246_306).abs() < 2e-5, "{step_s}: {t_s} s");

@@ -2,7 +2,7 @@
 
 use crate::{DEFAULT_TOLERANCE, Run, bow_tie, model_events, model_run, simulate, solver};
 use std::path::{Path, PathBuf};
-use zwidth_dynamics::{FingerLaw, ModelScene, RunVerdict};
+use zwidth_dynamics::{DriveMode, FingerLaw, Input, ModelScene, RunVerdict, table3};
 use zwidth_results::ModelSample;
 use zwidth_tables::Table;
 
@@ -24,7 +24,12 @@ fn stems() -> Vec<String> {
     stems
 }
 
-fn run(scene: ModelScene, name: &str) -> Run {
+/// The scene whose lever sticks.
+pub(crate) fn sticking() -> ModelScene {
+    table3::scene(DriveMode::Hybrid, Input::sine(2.15))
+}
+
+pub(crate) fn run(scene: ModelScene, name: &str) -> Run {
     simulate(scene, solver(name, DEFAULT_TOLERANCE).unwrap().as_ref()).unwrap()
 }
 

@@ -3,7 +3,7 @@
 use crate::Run;
 use crate::run::highest;
 use serde::Serialize;
-use zwidth_dynamics::{FingerLaw, Motions, RunVerdict};
+use zwidth_dynamics::{Motions, RunVerdict};
 
 /// The numbers that a person wants to know first about a run. SI units and radians.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -28,7 +28,7 @@ pub struct Summary {
     pub motion_changes: Option<usize>,
     /// Sign changes of θ̇ between samples, zeros skipped.
     pub reversals: usize,
-    /// What the run is worth: see [`verdict_word`].
+    /// What the run is worth: see [`RunVerdict`].
     pub verdict: &'static str,
     /// What the verdict rests on: swings at the step, at half of it, and at a quarter.
     pub swings: [StepSwings; 3],
@@ -140,17 +140,14 @@ impl Summary {
             theta_max_s,
             motion_changes: (!trajectory.events.is_empty()).then(|| trajectory.motion_changes()),
             reversals: trajectory.reversals(),
-            verdict: verdict_word(run.judgement.verdict),
+            verdict: run.judgement.verdict.as_str(),
             swings,
             reference: run.judgement.reference.as_ref().map(KnownMotion::of),
             other_rest_rule: other_rest_rule.map(KnownMotion::of),
             shows_the_reference: run.judgement.shows_the_reference,
             creep_rad: run.judgement.creep_rad,
             amplification: run.judgement.amplification,
-            finger: scene.finger.map(|finger| match finger.law {
-                FingerLaw::Thesis => "thesis",
-                FingerLaw::Consistent => "consistent",
-            }),
+            finger: scene.finger.map(|finger| finger.law.as_str()),
             energy: trajectory
                 .energy
                 .map(|e| Energy { residual_j: e.residual_j(), summed_j: e.summed_j() }),
@@ -164,54 +161,14 @@ impl Summary {
     }
 }
 
-/// A verdict in a word or two.
-pub fn verdict_word(verdict: RunVerdict) -> &'static str {
-    verdict.as_str()
-}
-
-/// A verdict as a clause.
-pub(crate) fn verdict_meaning(verdict: RunVerdict) -> &'static str {
-    match verdict {
-        RunVerdict::Smooth => "verdict smooth",
-        RunVerdict::Forced => "verdict forced (it repeats with the input)",
-        RunVerdict::Transient => "verdict transient (an oscillation of the model that dies out)",
-        RunVerdict::Growing => "verdict growing (an oscillation that grows in the model itself)",
-        RunVerdict::FreeUndamped => {
-            "verdict free, undamped (nothing drives the oscillation and nothing damps it)"
-        }
-        RunVerdict::NumericalChattering => {
-            "verdict numerical chattering (the swings are the method's: the model does not have them)"
-        }
-        RunVerdict::NumericalCreep => {
-            "verdict numerical creep (the method moves a lever that stands still in the model)"
-        }
-        RunVerdict::LimitCycle => "verdict limit cycle (the model keeps the swings up by itself)",
-        RunVerdict::UnstableStep => {
-            "verdict unstable step (outside of the method's stability region)"
-        }
-        RunVerdict::DependsOnRestRule => {
-            "verdict depends on the rule at rest (the model does not say what is commanded there)"
-        }
-        RunVerdict::CannotTell => "verdict cannot tell (the model's motion is not known)",
-        RunVerdict::Failed => "verdict failed",
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{DEFAULT_TOLERANCE, simulate, solver};
-    use zwidth_dynamics::DriveMode;
-    use zwidth_dynamics::{Input, table3};
-
-    fn summary(name: &str) -> Summary {
-        let scene = table3::scene(DriveMode::Hybrid, Input::sine(2.15));
-        Summary::of(&simulate(scene, solver(name, DEFAULT_TOLERANCE).unwrap().as_ref()).unwrap())
-    }
+    use crate::scenes::{run, sticking};
 
     #[test]
     fn the_exact_run_of_the_sticking_scene_has_three_motion_changes_and_its_energy_adds_up() {
-        let found = summary("exact");
+        let found = Summary::of(&run(sticking(), "exact"));
         assert!((found.theta_max_rad.to_degrees() - 14.40784).abs() < 1e-5);
         assert_eq!((found.motion_changes, found.verdict), (Some(3), "smooth"));
         let energy = found.energy.unwrap();
@@ -220,7 +177,7 @@ mod tests {
 
     #[test]
     fn the_thesis_method_chatters_and_its_swings_shrink_with_the_step() {
-        let found = summary("rk4_per_step");
+        let found = Summary::of(&run(sticking(), "rk4_per_step"));
         assert_eq!((found.verdict, found.reversals), ("numerical chattering", 38));
         let [coarse, _, fine] = found.swings;
         assert!(fine.amplitude_rad < 0.5 * coarse.amplitude_rad && fine.count > coarse.count);

@@ -1,8 +1,7 @@
 //! A run as rows: its samples with the forces by part, and its events.
 
 use crate::Run;
-use crate::summary::verdict_meaning;
-use zwidth_dynamics::{Contact, EventKind, Motion};
+use zwidth_dynamics::{Motion, RunVerdict};
 use zwidth_results::{LeverMotion, ModelEvent, ModelRun, ModelSample, TermForce};
 
 /// The samples of a run: time, state, forces by part, and how the lever moves.
@@ -30,37 +29,46 @@ pub fn model_run(run: &Run) -> ModelRun {
             motion: lever_motion(trajectory.regions[usize::from(trajectory.region[i])].motion),
         }
     });
+    // The force of each of the scene's terms: sample by sample, since a state gives the forces of
+    // all terms at once; then a column per term.
+    let rows: Vec<Vec<f64>> = (0..trajectory.len())
+        .map(|i| run.system.term_forces_n(trajectory.state(i)).collect())
+        .collect();
+    let terms = scene.terms.iter().enumerate().map(|(k, term)| {
+        TermForce::new(term.name(), term.about(), rows.iter().map(|row| row[k]).collect())
+    });
     ModelRun {
         scene: scene.name.clone(),
         notes: notes(run).to_vec(),
         samples: samples.collect(),
-        terms: term_forces(run),
+        terms: terms.collect(),
     }
-}
-
-/// The force of each of the scene's terms.
-fn term_forces(run: &Run) -> Vec<TermForce> {
-    let trajectory = &run.trajectory;
-    // Sample by sample, since a state gives the forces of all terms at once; then a column per
-    // term.
-    let rows: Vec<Vec<f64>> = (0..trajectory.len())
-        .map(|i| run.system.term_forces_n(trajectory.state(i)).collect())
-        .collect();
-    let terms = run.system.scene().terms.iter().enumerate();
-    let forces = terms.map(|(k, term)| {
-        TermForce::new(term.name(), term.about(), rows.iter().map(|row| row[k]).collect())
-    });
-    forces.collect()
 }
 
 /// The notes that belong to a run's numbers.
 fn notes(run: &Run) -> [String; 2] {
     let step_ms = run.system.scene().step_s * 1e3;
+    let verdict = run.judgement.verdict;
+    let meaning = match verdict {
+        RunVerdict::Smooth | RunVerdict::Failed => "",
+        RunVerdict::Forced => " (it repeats with the input)",
+        RunVerdict::Transient => " (an oscillation of the model that dies out)",
+        RunVerdict::Growing => " (an oscillation that grows in the model itself)",
+        RunVerdict::FreeUndamped => " (nothing drives the oscillation and nothing damps it)",
+        RunVerdict::NumericalChattering => {
+            " (the swings are the method's: the model does not have them)"
+        }
+        RunVerdict::NumericalCreep => " (the method moves a lever that stands still in the model)",
+        RunVerdict::LimitCycle => " (the model keeps the swings up by itself)",
+        RunVerdict::UnstableStep => " (outside of the method's stability region)",
+        RunVerdict::DependsOnRestRule => " (the model does not say what is commanded there)",
+        RunVerdict::CannotTell => " (the model's motion is not known)",
+    };
     [
         format!(
-            "A model run, not a measurement: solver {}, a sample every {step_ms} ms, {}.",
+            "A model run, not a measurement: solver {}, a sample every {step_ms} ms, verdict {}{meaning}.",
             run.solver,
-            verdict_meaning(run.judgement.verdict)
+            verdict.as_str()
         ),
         "Forces on the lever's end; above 0 they push into the object (+θ).".to_owned(),
     ]
@@ -71,10 +79,10 @@ pub fn model_events(run: &Run) -> Vec<ModelEvent> {
     let has_finger = run.system.scene().finger.is_some();
     let events = run.trajectory.events.iter().map(|event| ModelEvent {
         t_s: event.t_s,
-        event: event_word(event.kind).to_owned(),
+        event: event.kind.as_str().to_owned(),
         theta_rad: event.theta_rad,
         motion: lever_motion(event.region.motion),
-        tissue: has_finger.then(|| contact_word(event.region.contact).to_owned()),
+        tissue: has_finger.then(|| event.region.contact.as_str().to_owned()),
     });
     events.collect()
 }
@@ -87,49 +95,16 @@ fn lever_motion(motion: Motion) -> LeverMotion {
     }
 }
 
-fn contact_word(contact: Contact) -> &'static str {
-    match contact {
-        Contact::Free => "free",
-        Contact::Pressed => "fully pressed",
-        Contact::Stretched => "fully stretched",
-    }
-}
-
-fn event_word(kind: EventKind) -> &'static str {
-    match kind {
-        EventKind::Reversal => "reversal",
-        EventKind::Zone => "next zone",
-        EventKind::Stop => "stop",
-        EventKind::SaturatedLow => "lower limit",
-        EventKind::SaturatedHigh => "upper limit",
-        EventKind::Unsaturated => "off the limit",
-        EventKind::DepartUp => "departs forward",
-        EventKind::DepartDown => "departs backward",
-        EventKind::LetGo => "brake's let-go threshold",
-        EventKind::Bottomed => "tissue fully pressed",
-        EventKind::LiftedOff => "tissue springs back",
-        EventKind::Input => "input jumps",
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{DEFAULT_TOLERANCE, simulate, solver};
-    use zwidth_dynamics::{DriveMode, Gravity, Input, ModelScene, Pull, table3};
+    use crate::scenes::{run, sticking};
+    use zwidth_dynamics::{Gravity, Input, ModelScene, Pull, table3};
     use zwidth_tables::Table;
-
-    fn run(scene: ModelScene) -> Run {
-        simulate(scene, solver("exact", DEFAULT_TOLERANCE).unwrap().as_ref()).unwrap()
-    }
-
-    fn sticking() -> ModelScene {
-        table3::scene(DriveMode::Hybrid, Input::sine(2.15))
-    }
 
     #[test]
     fn the_forces_by_part_balance_while_the_lever_rests() {
-        let run = model_run(&run(sticking()));
+        let run = model_run(&run(sticking(), "exact"));
         let rests = run.samples.iter().filter(|sample| sample.motion == LeverMotion::Rest);
         assert!(rests.clone().count() > 20, "{}", rests.count());
         for sample in rests {
@@ -142,7 +117,7 @@ mod tests {
     #[test]
     fn a_part_that_the_scene_lacks_has_no_column() {
         let names = |scene| {
-            let table = Table::of_run(&model_run(&run(scene))).unwrap();
+            let table = Table::of_run(&model_run(&run(scene, "exact"))).unwrap();
             table.fields().map(|f| f.name.to_string()).collect::<Vec<_>>()
         };
         let bare = names(sticking());
@@ -157,8 +132,7 @@ mod tests {
         let mut scene = ModelScene { duration_s: 0.5, ..sticking() };
         scene.terms.set(Pull { stiffness_n_per_rad: 2.0, displacement: Input::constant(0.1) });
         scene.terms.set(Gravity { mass_kg: 0.02, radius_m: 0.04 });
-        let solver = solver("dormand_prince", DEFAULT_TOLERANCE).unwrap();
-        let run = model_run(&simulate(scene, solver.as_ref()).unwrap());
+        let run = model_run(&run(scene, "dormand_prince"));
         let term = |name: &str| run.terms.iter().find(|term| term.term() == name).unwrap();
         let (pull, gravity) = (term("pull"), term("gravity"));
         for (i, ModelSample { theta_rad, .. }) in run.samples.iter().enumerate() {
@@ -169,7 +143,7 @@ mod tests {
 
     #[test]
     fn the_events_tell_the_story_of_the_sticking_lever() {
-        let events = model_events(&run(sticking()));
+        let events = model_events(&run(sticking(), "exact"));
         let mut motions: Vec<&str> = events.iter().map(|event| event.motion.as_str()).collect();
         motions.dedup();
         assert_eq!(motions, ["forward", "rest", "backward", "forward"]);

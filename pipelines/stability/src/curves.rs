@@ -3,7 +3,6 @@
 use crate::contour::Field;
 use crate::map::{Cell, Map, Methods, placed};
 use rayon::prelude::*;
-use zwidth_dynamics::Textbook;
 use zwidth_results::{LimitKind, LimitName, WallLimit};
 
 /// A radius or growth up to this is 1: rounding of the estimate.
@@ -20,41 +19,28 @@ pub struct Curve {
     pub pieces: Vec<Vec<[f64; 2]>>,
 }
 
-/// The limit of a map that a formula gives.
-pub(crate) fn textbook_limit(formula: Textbook) -> WallLimit {
-    match formula {
-        Textbook::ColgateSchenkel => WallLimit::ColgateSchenkel,
-        Textbook::Delay => WallLimit::Hulin,
-        Textbook::AbbottOkamura => WallLimit::AbbottOkamura,
-        Textbook::Diolaiti => WallLimit::Diolaiti,
-    }
-}
-
-/// The limits of a cell, in the order of [`Cell::values`].
-fn cell_limits() -> [(WallLimit, LimitKind); 8] {
-    let [a, b, c, d] = Textbook::ALL.map(|formula| (textbook_limit(formula), LimitKind::Textbook));
-    [
-        (WallLimit::LiftedMap, LimitKind::Exact),
-        (WallLimit::Passivity, LimitKind::Passivity),
-        (WallLimit::Rk4, LimitKind::Method),
-        (WallLimit::SymplecticEuler, LimitKind::Method),
-        a,
-        b,
-        c,
-        d,
-    ]
-}
+/// The limits of a cell, in the order of [`Cell`].
+pub(crate) const LIMITS: [(WallLimit, LimitKind); 8] = [
+    (WallLimit::LiftedMap, LimitKind::Exact),
+    (WallLimit::Passivity, LimitKind::Passivity),
+    (WallLimit::Rk4, LimitKind::Method),
+    (WallLimit::SymplecticEuler, LimitKind::Method),
+    (WallLimit::ColgateSchenkel, LimitKind::Textbook),
+    (WallLimit::Hulin, LimitKind::Textbook),
+    (WallLimit::AbbottOkamura, LimitKind::Textbook),
+    (WallLimit::Diolaiti, LimitKind::Textbook),
+];
 
 /// Whether a limit is passed in a cell.
 pub(crate) fn passes(cell: &Cell, limit: usize) -> Option<bool> {
     // The two solvers' growths are quotients of estimated radii, whose rounding is no growth.
-    let bound = if limit == 2 || limit == 3 { ONE } else { 1.0 };
-    cell.values()[limit].map(|value| value >= bound)
+    let bound = if LIMITS[limit].1 == LimitKind::Method { ONE } else { 1.0 };
+    cell[limit].map(|value| value >= bound)
 }
 
 /// The limits of a map that cross it.
 pub fn curves(map: &Map) -> Vec<Curve> {
-    let curves: Vec<Curve> = cell_limits()
+    let curves: Vec<Curve> = LIMITS
         .into_par_iter()
         .enumerate()
         .map(|(limit, (computed, kind))| {

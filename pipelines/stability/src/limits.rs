@@ -1,6 +1,6 @@
 //! The stiffest wall at one point, by every limit.
 
-use crate::curves::textbook_limit;
+use crate::curves::LIMITS;
 use crate::error::StabilityError;
 use crate::measured::TICKS;
 use crate::quantity::Point;
@@ -37,10 +37,11 @@ pub fn limits(point: &Point) -> Result<Vec<StiffestWall>, StabilityError> {
             wall.stiffest_passive(),
         ),
     ];
-    limits.extend(Textbook::ALL.map(|formula| {
+    // The formulas' limits are the last of a cell's.
+    let formulas = Textbook::ALL.into_iter().zip(LIMITS.into_iter().skip(4));
+    limits.extend(formulas.map(|(formula, (limit, kind))| {
         let stiffest = formula.stiffest(wall, point.dry);
-        let limit = textbook_limit(formula);
-        (limit, LimitKind::Textbook, formula.formula(), formula.citation(), stiffest)
+        (limit, kind, formula.formula(), formula.citation(), stiffest)
     }));
     let rows = limits.into_iter().map(|(limit, kind, equation, source, stiffness)| {
         let error_share = exact

@@ -33,10 +33,15 @@ impl Span {
         let quantity = self.quantity.as_str();
         let least = if self.quantity.is_logarithmic() { f64::MIN_POSITIVE } else { 0.0 };
         if !(from >= least && from < to && to <= 1e30) {
-            return Err(StabilityError::Span { quantity, from, to });
+            return Err(StabilityError::Refused(format!(
+                "an axis cannot show {quantity} from {from} to {to}; give two numbers above 0, the smaller first"
+            )));
         }
-        if !(2..=MOST).contains(&self.cells) {
-            return Err(StabilityError::Cells { cells: self.cells, most: MOST });
+        let cells = self.cells;
+        if !(2..=MOST).contains(&cells) {
+            return Err(StabilityError::Refused(format!(
+                "a map cannot have {cells} cells per side; take 2 to {MOST}"
+            )));
         }
         Ok(())
     }
@@ -57,26 +62,11 @@ impl Span {
 }
 
 /// The limits at a point; each is passed above 1. None where one says nothing.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Cell {
-    /// ρ(A) of the lifted map.
-    pub radius: Option<f64>,
-    /// Damping that passivity needs, over what the device has.
-    pub passivity: Option<f64>,
-    /// |R(hλ)| of each of [`METHODS`] over the exact flow's growth.
-    pub growth: [Option<f64>; 2],
-    /// K over the stiffest wall by each formula.
-    pub textbook: [Option<f64>; 4],
-}
-
-impl Cell {
-    /// Each limit's value: exact, passivity, methods, formulas.
-    pub(crate) fn values(&self) -> [Option<f64>; 8] {
-        let [rk4, euler] = self.growth;
-        let [a, b, c, d] = self.textbook;
-        [self.radius, self.passivity, rk4, euler, a, b, c, d]
-    }
-}
+///
+/// In their order: ρ(A) of the lifted map; the damping that passivity needs, over what the device
+/// has; |R(hλ)| of each of [`METHODS`] over the exact flow's growth; K over the stiffest wall by
+/// each formula of [`Textbook::ALL`].
+pub type Cell = [Option<f64>; 8];
 
 /// A grid of cells: row by row, from the lower left.
 #[derive(Debug, Clone, PartialEq)]
@@ -108,29 +98,26 @@ impl Map {
     pub fn stable(&self) -> Vec<Area> {
         let mut areas: Vec<Area> = Vec::new();
         for i in 0..self.x.cells {
-            let column: Vec<Option<f64>> =
-                (0..self.y.cells).map(|j| self.cells[j * self.x.cells + i].radius).collect();
+            let column: Vec<bool> = (0..self.y.cells)
+                .map(|j| self.cells[j * self.x.cells + i][0].is_some_and(|radius| radius < 1.0))
+                .collect();
             let mut run = 0;
-            let mut j = 0;
-            while j < self.y.cells {
-                let from = j;
-                while j < self.y.cells && column[j].is_some_and(|radius| radius < 1.0) {
-                    j += 1;
+            let mut from = 0;
+            for stretch in column.chunk_by(|a, b| a == b) {
+                let next = from + stretch.len();
+                if stretch[0] {
+                    if run == areas.len() {
+                        areas.push(Area {
+                            x: (0..self.x.cells).map(|i| self.x.at(self.x.share(i))).collect(),
+                            low: vec![f64::NAN; self.x.cells],
+                            high: vec![f64::NAN; self.x.cells],
+                        });
+                    }
+                    areas[run].low[i] = self.y.at(self.y.share(from));
+                    areas[run].high[i] = self.y.at(self.y.share(next - 1));
+                    run += 1;
                 }
-                if j == from {
-                    j += 1;
-                    continue;
-                }
-                if run == areas.len() {
-                    areas.push(Area {
-                        x: (0..self.x.cells).map(|i| self.x.at(self.x.share(i))).collect(),
-                        low: vec![f64::NAN; self.x.cells],
-                        high: vec![f64::NAN; self.x.cells],
-                    });
-                }
-                areas[run].low[i] = self.y.at(self.y.share(from));
-                areas[run].high[i] = self.y.at(self.y.share(j - 1));
-                run += 1;
+                from = next;
             }
         }
         areas
@@ -146,7 +133,10 @@ pub fn map(point: &Point, x: Span, y: Span) -> Result<Map, StabilityError> {
     x.check()?;
     y.check()?;
     if x.quantity == y.quantity {
-        return Err(StabilityError::SameQuantity { quantity: x.quantity.as_str() });
+        return Err(StabilityError::Refused(format!(
+            "both axes are {}; choose two quantities",
+            x.quantity.as_str()
+        )));
     }
     point.wall.check()?;
     let methods = Methods::new();
@@ -182,21 +172,20 @@ impl Methods {
     pub(crate) fn cell(&self, point: &Point) -> Cell {
         let wall = &point.wall;
         if wall.check().is_err() {
-            return Cell { radius: None, passivity: None, growth: [None; 2], textbook: [None; 4] };
+            return [None; 8];
         }
-        let b = wall.damping_ns_per_m;
-        Cell {
-            radius: Some(wall.spectral_radius()).filter(|radius| radius.is_finite()),
-            // Not infinite for a device without damping: tables refuse what is not finite.
-            passivity: wall.damping_for_passivity().map(|needed| (needed / b).min(f64::MAX)),
-            growth: [0, 1].map(|i| {
-                let solver = self.0.get(i)?;
-                wall.step_growth(solver.as_ref(), point.step_s).filter(|x| x.is_finite())
-            }),
-            textbook: Textbook::ALL.map(|formula| {
-                let stiffest = formula.stiffest(wall, point.dry)?;
-                Some((wall.stiffness_n_per_m / stiffest).min(f64::MAX))
-            }),
-        }
+        let own = wall.damping_ns_per_m;
+        // Not infinite for a device without damping: tables refuse what is not finite.
+        let passivity = wall.damping_for_passivity().map(|needed| (needed / own).min(f64::MAX));
+        let [rk4, euler] = [0, 1].map(|i| {
+            let solver = self.0.get(i)?;
+            wall.step_growth(solver.as_ref(), point.step_s).filter(|x| x.is_finite())
+        });
+        let [a, b, c, d] = Textbook::ALL.map(|formula| {
+            let stiffest = formula.stiffest(wall, point.dry)?;
+            Some((wall.stiffness_n_per_m / stiffest).min(f64::MAX))
+        });
+        let radius = Some(wall.spectral_radius()).filter(|radius| radius.is_finite());
+        [radius, passivity, rk4, euler, a, b, c, d]
     }
 }

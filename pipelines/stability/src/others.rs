@@ -52,18 +52,18 @@ impl Boundary {
         for (i, [b, k]) in points.iter().enumerate() {
             if !(*b >= 0.0 && *k >= 0.0 && b.is_finite() && k.is_finite()) {
                 // Lines of a file count from 1, and the first is its head.
-                return Err(wrong(i + 2, format!("K = {k}, B = {b}")));
+                return Err(wrong(i + 2, &format!("K = {k}, B = {b}")));
             }
         }
         if points.len() < 2 {
-            return Err(wrong(points.len() + 1, "fewer than two points".to_owned()));
+            return Err(wrong(points.len() + 1, "fewer than two points"));
         }
         for (i, [b, _]) in points.iter().enumerate() {
             if points[..i]
                 .iter()
                 .any(|[before, _]| before.partial_cmp(b).is_some_and(std::cmp::Ordering::is_eq))
             {
-                return Err(wrong(i + 2, format!("B = {b} stands there twice")));
+                return Err(wrong(i + 2, &format!("B = {b} stands there twice")));
             }
         }
         points.sort_by(|a, b| a[0].total_cmp(&b[0]));
@@ -87,12 +87,12 @@ impl Boundary {
             let [k, b] = columns;
             Some((form, [k?, b?]))
         }) else {
-            return Err(wrong(1, format!("{head:?}")));
+            return Err(wrong(1, &format!("{head:?}")));
         };
         let per_m = if form == 2 { 1.0 / (lever_m * lever_m) } else { 1.0 };
         let points = lines.map(|(i, line)| {
             let [b, k] = [b, k].map(|at| line.split(',').nth(at)?.trim().parse::<f64>().ok());
-            b.zip(k).map(|(b, k)| [b, k]).ok_or_else(|| wrong(i + 1, format!("{line:?}")))
+            b.zip(k).map(|(b, k)| [b, k]).ok_or_else(|| wrong(i + 1, &format!("{line:?}")))
         });
         let points: Vec<[f64; 2]> = points.collect::<Result<_, _>>()?;
         let read = Self::new(points.iter().map(|p| p.map(|value| per_m * value)).collect())?;
@@ -165,8 +165,11 @@ impl Boundary {
     }
 }
 
-fn wrong(line: usize, what: String) -> StabilityError {
-    StabilityError::Boundary { line, what }
+/// What stands in a line of a boundary's file, from 1, that cannot be read.
+fn wrong(line: usize, what: &str) -> StabilityError {
+    StabilityError::Refused(format!(
+        "line {line} of the boundary: {what}; give the columns K and B (or K_n_per_m and B_ns_per_m) with a number in each, not below 0"
+    ))
 }
 
 #[cfg(test)]

@@ -13,13 +13,21 @@ pub fn cells(map: &Map) -> Vec<WallCell> {
     let x = map.x;
     let y = map.y;
     let rows = map.cells.iter().enumerate().map(|(number, cell)| {
-        let [colgate_schenkel, hulin, abbott_okamura, diolaiti] = cell.textbook;
-        let [rk4_per_step, symplectic_euler] = cell.growth;
+        let [
+            lifted_map,
+            passivity,
+            rk4_per_step,
+            symplectic_euler,
+            colgate_schenkel,
+            hulin,
+            abbott_okamura,
+            diolaiti,
+        ] = *cell;
         WallCell {
             x: x.at(x.share(number % x.cells)),
             y: y.at(y.share(number / x.cells)),
-            lifted_map: cell.radius,
-            passivity: cell.passivity,
+            lifted_map,
+            passivity,
             rk4_per_step,
             symplectic_euler,
             colgate_schenkel,

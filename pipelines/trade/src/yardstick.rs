@@ -1,6 +1,7 @@
 //! The right answer, and how well it is proven.
 
 use crate::TradeError;
+use crate::setting::EXACT;
 use crate::story::Story;
 use zwidth_dynamics::{
     DormandPrince, Exact, FeltMotion, FeltReference, Grid, ModelScene, Solver, System, Tolerances,
@@ -21,6 +22,9 @@ const GRAZING_S: f64 = 3.2e-5;
 const FINE: f64 = 1e-12;
 /// Tolerance of the other one of those two.
 const OTHER: f64 = 1e-10;
+
+/// The solver of a right answer with curved terms.
+const ADAPTIVE: &str = "dormand_prince";
 
 /// How far an answer is proven by another solver's, from how far the two are apart.
 fn proof(theta_rad: f64, events_s: Option<f64>) -> Proof {
@@ -54,56 +58,20 @@ pub struct Yardstick {
 }
 
 impl Yardstick {
-    /// The right answer of a scene, by the exact solver or, with curved terms, by an adaptive one.
+    /// The right answer of a scene, by the exact solver or, with curved terms, by an adaptive one;
+    /// compared with another solver's.
     ///
     /// # Errors
     /// A scene that makes no sense, or that neither can run.
     pub fn of(scene: &ModelScene, perception: &Perception) -> Result<Self, TradeError> {
-        let system = System::new(scene.clone())?;
-        let exact = Exact::default();
-        let is_curved = exact.prepare(&system, &grid(scene)).is_err();
-        if is_curved {
-            let fine = DormandPrince { tolerances: Tolerances::of(FINE) };
-            let other = TrBdf2 { tolerances: Tolerances::of(OTHER) };
-            return Self::compared(
-                system,
-                Box::new(fine),
-                &other,
-                "dormand_prince",
-                "tr_bdf2",
-                perception,
-            );
-        }
-        let other = DormandPrince { tolerances: Tolerances::of(FINE) };
-        Self::compared(system, Box::new(exact), &other, "exact", "dormand_prince", perception)
-    }
-
-    /// The same without a second solver, for many neighbours of a scene that is proven.
-    pub(crate) fn alone(scene: &ModelScene, perception: &Perception) -> Result<Self, TradeError> {
-        let system = System::new(scene.clone())?;
-        let exact = Exact::default();
-        if exact.prepare(&system, &grid(scene)).is_ok() {
-            let run = exact.run(&system, &grid(scene))?;
-            return Ok(Self::new(system, Box::new(exact), run, ["exact", ""], perception));
-        }
-        let fine = DormandPrince { tolerances: Tolerances::of(OTHER) };
-        let run = fine.run(&system, &grid(scene))?;
-        Ok(Self::new(system, Box::new(fine), run, ["dormand_prince", ""], perception))
-    }
-
-    /// By one solver, and compared with another.
-    fn compared(
-        system: System,
-        solver: Box<dyn Solver>,
-        other: &dyn Solver,
-        by: &'static str,
-        against: &'static str,
-        perception: &Perception,
-    ) -> Result<Self, TradeError> {
-        let run = solver.run(&system, &grid(system.scene()))?;
-        let mut yardstick = Self::new(system, solver, run, [by, against], perception);
+        let mut yardstick = Self::by_one(scene, FINE, perception)?;
+        let (against, other): (_, Box<dyn Solver>) = match yardstick.by {
+            EXACT => (ADAPTIVE, Box::new(DormandPrince { tolerances: Tolerances::of(FINE) })),
+            _ => ("tr_bdf2", Box::new(TrBdf2 { tolerances: Tolerances::of(OTHER) })),
+        };
+        yardstick.against = against;
         // A second solver that fails leaves the answer unproven, but there.
-        if let Ok(second) = other.run(&yardstick.system, &grid(yardstick.system.scene())) {
+        if let Ok(second) = other.run(&yardstick.system, &grid(scene)) {
             let pairs = yardstick.run.theta_rad().zip(second.theta_rad());
             let apart_rad = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             yardstick.apart_rad = Some(apart_rad);
@@ -113,31 +81,41 @@ impl Yardstick {
         Ok(yardstick)
     }
 
-    /// An answer that is not proven yet.
-    fn new(
-        system: System,
-        solver: Box<dyn Solver>,
-        run: Trajectory,
-        [by, against]: [&'static str; 2],
+    /// The same without a second solver, for many neighbours of a scene that is proven.
+    pub(crate) fn alone(scene: &ModelScene, perception: &Perception) -> Result<Self, TradeError> {
+        Self::by_one(scene, OTHER, perception)
+    }
+
+    /// An answer that is not proven yet; with curved terms of this tolerance.
+    fn by_one(
+        scene: &ModelScene,
+        tolerance: f64,
         perception: &Perception,
-    ) -> Self {
+    ) -> Result<Self, TradeError> {
+        let system = System::new(scene.clone())?;
+        let exact = Exact::default();
+        let (by, solver): (_, Box<dyn Solver>) = match exact.prepare(&system, &grid(scene)) {
+            Ok(_) => (EXACT, Box::new(exact)),
+            Err(_) => (ADAPTIVE, Box::new(DormandPrince { tolerances: Tolerances::of(tolerance) })),
+        };
+        let run = solver.run(&system, &grid(scene))?;
         let motion = FeltMotion::of(&system, &run);
         let felt = FeltReference::new(&motion, system.scene().plant.lever_m, perception);
         let story = Story::of(&system, &run);
         let impulse_ns = motion.impulse_ns();
-        Self {
+        Ok(Self {
             system,
             proof: Proof::Unproven,
             apart_rad: None,
             apart_s: None,
             by,
-            against,
+            against: "",
             solver,
             run,
             story,
             impulse_ns,
             felt,
-        }
+        })
     }
 
     /// The right run at these times, s.

@@ -1,8 +1,8 @@
 //! Sessions recorded by the program on the simulated device: through plain mode, killed and
 //! resumed, refused, blinded; and whole simulated studies.
 
-use crate::binary::{Ran, binary, ran, zwidth};
-use crate::folders::{files, listing};
+use crate::binary::{Ran, binary, ran, zwidth, zwidth_line};
+use crate::folders::{edit, files, listing};
 use serde_json::Value;
 use std::fs;
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
@@ -82,10 +82,7 @@ impl Desk {
 
     /// Changes study.toml.
     pub(crate) fn edit_study(&self, from: &str, to: &str) {
-        let path = self.root().join("raw/small/study.toml");
-        let text = fs::read_to_string(&path).unwrap();
-        assert!(text.contains(from), "{text}");
-        fs::write(&path, text.replacen(from, to, 1)).unwrap();
+        edit(&self.root().join("raw/small/study.toml"), from, to);
     }
 
     pub(crate) fn session(&self) -> Value {
@@ -99,9 +96,13 @@ impl Desk {
         .unwrap()
     }
 
+    pub(crate) fn unseal(&self) -> Ran {
+        let session = ["unseal", "small", "-p", "P01", "-s", "S01", "--key"];
+        zwidth(self.root(), &[&session[..], &[self.keys().to_str().unwrap()]].concat())
+    }
+
     pub(crate) fn verify(&self) {
-        let verified = zwidth(self.root(), &["verify", "small"]).exits(0);
-        assert!(verified.out.contains("no findings"), "{verified:#?}");
+        zwidth(self.root(), &["verify", "small"]).exits(0).prints(&["no findings"]);
     }
 
     pub(crate) fn trials(&self) -> usize {
@@ -268,19 +269,14 @@ fn a_session_said_line_by_line_leaves_every_trial_with_its_answer() {
         + "repeat\n"
         + &"start\n5\n".repeat(TRIALS - 1)
         + "note well done\nquit\n";
-    let ran = desk.acquire(&lines, &[]).exits(0);
-    assert!(
-        ran.out.contains("ready 1 (place 1 of 7)") && ran.out.contains("\ndone 7 of 7\n"),
-        "{}",
-        ran.out
-    );
-    assert!(ran.out.contains("trial 2 does not count: it is done again as trial 8"), "{}", ran.out);
+    desk.acquire(&lines, &[]).exits(0).prints(&[
+        "ready 1 (place 1 of 7)",
+        "\ndone 7 of 7\n",
+        "trial 2 does not count: it is done again as trial 8",
+    ]);
     desk.verify();
     let session = desk.session();
-    assert_eq!(
-        (&session["trials_that_count"], &session["to_go"]),
-        (&Value::from(6), &Value::from(0))
-    );
+    assert_eq!((&session["trials_that_count"], &session["to_go"]), (&6.into(), &0.into()));
     let log =
         fs::read_to_string(desk.root().join("raw/small/sessions/P01_S01.events.jsonl")).unwrap();
     assert!(log.contains("well done"), "{log}");
@@ -290,16 +286,14 @@ fn a_session_said_line_by_line_leaves_every_trial_with_its_answer() {
 #[test]
 fn a_session_that_is_quit_says_how_to_go_on_and_goes_on_in_the_same_order() {
     let desk = Desk::new(false);
-    let ran = desk.acquire("start\n3\nstart\n3\nquit\n", &[]).exits(3);
-    assert!(
-        ran.err.contains("2 of 7 trials") && ran.err.contains("zwidth acquire small -p P01 -s S01"),
-        "{ran:#?}"
-    );
+    desk.acquire("start\n3\nstart\n3\nquit\n", &[])
+        .exits(3)
+        .says(&["2 of 7 trials", "zwidth acquire small -p P01 -s S01"]);
     let before = (desk.record(), desk.session());
     assert_eq!(before.1["to_go"], 5);
     desk.finish().exits(0);
     assert_eq!(desk.record(), before.0);
-    assert_eq!((desk.trials(), &desk.session()["trials_that_count"]), (TRIALS, &Value::from(6)));
+    assert_eq!((desk.trials(), &desk.session()["trials_that_count"]), (TRIALS, &6.into()));
     desk.verify();
 }
 
@@ -309,26 +303,17 @@ fn a_killed_session_loses_no_trial_and_resumes_in_the_same_order() {
     live.child.kill().unwrap();
     live.child.wait().unwrap();
     let order = desk.record();
-    let recovered = zwidth(desk.root(), &["recover", "small"]).exits(0);
-    assert!(recovered.out.contains("recovered from its journal: incomplete"), "{recovered:#?}");
+    zwidth(desk.root(), &["recover", "small"])
+        .exits(0)
+        .prints(&["recovered from its journal: incomplete"]);
     desk.verify();
     assert_eq!(desk.trials(), 1);
-    let resumed = desk.finish().exits(0);
-    assert!(
-        resumed.out.contains("resumed: 0 of 7") && resumed.out.contains("again for trial 1"),
-        "{}",
-        resumed.out
-    );
+    desk.finish().exits(0).prints(&["resumed: 0 of 7", "again for trial 1"]);
     assert_eq!(desk.record(), order);
-    assert_eq!(
-        (desk.trials(), &desk.session()["trials_that_count"]),
-        (TRIALS + 1, &Value::from(6))
-    );
+    assert_eq!((desk.trials(), &desk.session()["trials_that_count"]), (TRIALS + 1, &6.into()));
     desk.verify();
-    assert_eq!(
-        zwidth(desk.root(), &["--json", "recover", "small"]).exits(0).json(),
-        Value::Array(Vec::new())
-    );
+    let again = zwidth(desk.root(), &["--json", "recover", "small"]).exits(0);
+    assert_eq!(again.json(), Value::Array(Vec::new()));
 }
 
 #[cfg(unix)]
@@ -376,24 +361,17 @@ fn a_second_process_is_refused_and_told_who_is_there() {
 fn a_session_refuses_what_is_not_what_it_began_with() {
     let desk = Desk::new(false);
     desk.acquire("start\n3\nquit\n", &[]).exits(3);
-    desk.acquire("", &["--rate", "60"])
-        .exits(1)
-        .one_error()
-        .says(&["the rate is 60 Hz, and was 120 Hz"]);
-    desk.acquire("", &["--seed", "5"]).exits(1).one_error().says(&["the seed is 5, and was "]);
+    let refuses = |more: &[&str], words: &str| {
+        desk.acquire("", more).exits(1).one_error().says(&[words]);
+    };
+    refuses(&["--rate", "60"], "the rate is 60 Hz, and was 120 Hz");
+    refuses(&["--seed", "5"], "the seed is 5, and was ");
     let trial = files(&desk.root().join("raw/small/trials"), "parquet").remove(0);
-    let playback = format!("playback:{}", trial.display());
-    desk.acquire("", &["--device", &playback])
-        .exits(1)
-        .one_error()
-        .says(&["the device is playback"]);
+    refuses(&["--device", &format!("playback:{}", trial.display())], "the device is playback");
     let calibration = desk.root().join("raw/small/calibration.toml");
-    fs::write(
-        &calibration,
-        zwidth_study::Calibration::thesis().to_toml().unwrap().replace("4.16", "4.0"),
-    )
-    .unwrap();
-    desk.acquire("", &[]).exits(1).one_error().says(&["the calibration is "]);
+    let other = zwidth_study::Calibration::thesis().to_toml().unwrap().replace("4.16", "4.0");
+    fs::write(&calibration, other).unwrap();
+    refuses(&[], "the calibration is ");
     fs::remove_file(calibration).unwrap();
     desk.finish().exits(0);
 }
@@ -403,29 +381,21 @@ fn a_bad_device_and_a_screen_without_a_terminal_are_one_clear_error_each() {
     let desk = Desk::new(false);
     let live = |more: &[&str]| ran(&desk.command(more).output().unwrap());
     live(&["--device", "robot"]).exits(2).says(&["twin|rig[:PORT]|playback:FILE"]);
-    zwidth(desk.root(), &["acquire", "small", "-p", "P/1", "-s", "S01"])
-        .exits(2)
-        .says(&["participant id"]);
-    zwidth(desk.root(), &["acquire", "small", "-p", "P01", "-s", "S01"])
-        .exits(1)
-        .one_error()
-        .says(&["--plain"]);
+    let acquire =
+        |participant| zwidth(desk.root(), &["acquire", "small", "-p", participant, "-s", "S01"]);
+    acquire("P/1").exits(2).says(&["participant id"]);
+    acquire("P01").exits(1).one_error().says(&["--plain"]);
 }
 
 #[test]
 fn a_blinded_session_tells_no_mode_until_it_is_unsealed() {
     let desk = Desk::new(true);
-    let key = desk.keys();
-    let unseal = |more: &[&str]| {
-        let arguments =
-            ["unseal", "small", "-p", "P01", "-s", "S01", "--key", key.to_str().unwrap()];
-        zwidth(desk.root(), &[&arguments, more].concat())
-    };
     let begun = desk.acquire("start\n3\nquit\n", &[]).exits(3);
-    unseal(&[]).exits(1).one_error().says(&["6 trials to go", "--unfinished"]);
+    desk.unseal().exits(1).one_error().says(&["6 trials to go", "--unfinished"]);
     let ended = desk.finish().exits(0);
-    let listed = zwidth(desk.root(), &["list"]).exits(0);
-    assert!(listed.out.contains("sealed: `zwidth unseal small -p P01 -s S01`"), "{listed:#?}");
+    let listed = zwidth(desk.root(), &["list"])
+        .exits(0)
+        .prints(&["sealed: `zwidth unseal small -p P01 -s S01`"]);
     let names = listing(&desk.root().join("raw")).into_keys().collect::<Vec<_>>().join("\n");
     let record = desk.record().to_string();
     for word in ["active", "passive", "hybrid"] {
@@ -437,13 +407,10 @@ fn a_blinded_session_tells_no_mode_until_it_is_unsealed() {
     zwidth(desk.root(), &["unseal", "small", "-p", "P01", "-s", "S01", "--key", "elsewhere"])
         .exits(1)
         .says(&["--key"]);
-    unseal(&[]).exits(0);
-    assert!(unseal(&[]).exits(0).err.contains("already"));
+    desk.unseal().exits(0);
+    desk.unseal().exits(0).says(&["already"]);
     let session = desk.session();
-    assert_eq!(
-        (&session["sealed"], &session["trials_that_count"]),
-        (&Value::from(false), &Value::from(6))
-    );
+    assert_eq!((&session["sealed"], &session["trials_that_count"]), (&false.into(), &6.into()));
     desk.verify();
 }
 
@@ -452,19 +419,8 @@ fn a_simulated_study_is_the_same_bytes_on_one_thread_and_on_many_and_other_bytes
 {
     let make = |threads: &str, seed: &str| {
         let desk = Desk::new(false);
-        let arguments = [
-            "twin",
-            "small",
-            "--participants",
-            "2",
-            "--sessions",
-            "2",
-            "--seed",
-            seed,
-            "--key",
-            "none",
-        ];
-        zwidth(desk.root(), &[&["--threads", threads], &arguments[..]].concat()).exits(0);
+        let twin = "twin small --participants 2 --sessions 2 --key none";
+        zwidth_line(desk.root(), &format!("--threads {threads} {twin} --seed {seed}")).exits(0);
         desk.verify();
         let raw = listing(&desk.root().join("raw"));
         assert_eq!(raw.keys().filter(|name| name.contains("/trial-")).count(), 4 * TRIALS);
@@ -474,29 +430,22 @@ fn a_simulated_study_is_the_same_bytes_on_one_thread_and_on_many_and_other_bytes
     let (desk, one) = make("1", "2");
     assert_eq!(make("4", "2").1, one);
     assert_ne!(make("4", "3").1, one);
-    let again = ["twin", "small", "--participants", "1", "--sessions", "1"];
-    zwidth(desk.root(), &again).exits(1).one_error().says(&[
-        "exists already",
-        "choose another study",
-        "remove all of",
-        "raw/small",
-    ]);
+    let words = ["exists already", "choose another study", "remove all of", "raw/small"];
+    let again = zwidth_line(desk.root(), "twin small --participants 1 --sessions 1");
+    again.exits(1).one_error().says(&words);
 }
 
 #[test]
 fn a_study_that_is_not_there_is_made_from_the_template() {
     let root = tempfile::tempdir().unwrap();
-    let arguments =
-        ["twin", "made", "--participants", "1", "--sessions", "1", "--seed", "1", "--rate", "120"];
-    zwidth(root.path(), &arguments).exits(0);
+    let twin = "twin made --participants 1 --sessions 1 --seed 1 --rate 120";
+    zwidth_line(root.path(), twin).exits(0);
     let listed = zwidth(root.path(), &["--json", "list", "made"]).exits(0).json();
     let session = &listed[0]["sessions"][0];
-    assert_eq!(
-        (&session["trials_that_count"], &session["familiarisation"]),
-        (&Value::from(36), &Value::from(3))
-    );
+    let counts = (&session["trials_that_count"], &session["familiarisation"]);
+    assert_eq!(counts, (&36.into(), &3.into()));
     assert_eq!(session["missing"], Value::Array(Vec::new()));
-    assert!(zwidth(root.path(), &["verify", "made"]).exits(0).out.contains("no findings"));
+    zwidth(root.path(), &["verify", "made"]).exits(0).prints(&["no findings"]);
 }
 
 #[test]
@@ -505,11 +454,8 @@ fn the_device_check_and_sweeps_are_recorded_on_the_simulated_device() {
     let checks = zwidth(desk.root(), &["--json", "check", "small", "--fast"]).exits(0).json();
     assert!(checks.as_array().unwrap().iter().all(|c| c["ok"] == true), "{checks:#}");
     zwidth(desk.root(), &["characterise", "small", "motor", "--sweeps", "2"]).exits(0);
-    let second = zwidth(desk.root(), &["characterise", "small", "motor"]).exits(0);
-    assert!(second.out.contains("sweep-03.parquet"), "{second:#?}");
-    zwidth(desk.root(), &["characterise", "small", "motor", "--device", "playback:x"])
-        .exits(1)
-        .one_error();
+    zwidth_line(desk.root(), "characterise small motor").exits(0).prints(&["sweep-03.parquet"]);
+    zwidth_line(desk.root(), "characterise small motor --device playback:x").exits(1).one_error();
     desk.verify();
     desk.finish().exits(0);
     assert!(desk.record()["checks"].as_array().is_some_and(|checks| checks.len() > 5));

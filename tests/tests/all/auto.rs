@@ -1,7 +1,7 @@
 //! `[replay] model = "auto"` on a whole study: the ladder of its condition, its choice held against
 //! the recordings, and the replays by that choice.
 
-use crate::binary::zwidth;
+use crate::binary::{zwidth, zwidth_line};
 use std::fs;
 use std::path::Path;
 use tempfile::TempDir;
@@ -49,8 +49,7 @@ fn recorded() -> TempDir {
     let raw = root.path().join("raw/auto");
     fs::create_dir_all(&raw).unwrap();
     fs::write(raw.join("study.toml"), STUDY).unwrap();
-    let twin = ["twin", "auto", "--participants", "1", "--sessions", "1", "--seed", "1"];
-    zwidth(root.path(), &twin).exits(0);
+    zwidth_line(root.path(), "twin auto --participants 1 --sessions 1 --seed 1").exits(0);
     root
 }
 

@@ -19,6 +19,11 @@ pub(crate) fn zwidth(root: &Path, arguments: &[&str]) -> Ran {
     ran(&command.output().unwrap())
 }
 
+/// The same, of a line whose words have no spaces.
+pub(crate) fn zwidth_line(root: &Path, line: &str) -> Ran {
+    zwidth(root, &line.split(' ').collect::<Vec<_>>())
+}
+
 /// What a finished process said.
 pub(crate) fn ran(output: &Output) -> Ran {
     let text = |bytes: &[u8]| String::from_utf8(bytes.to_vec()).unwrap();
@@ -51,6 +56,15 @@ impl Ran {
     pub(crate) fn says(self, words: &[&str]) -> Self {
         for word in words {
             assert!(self.err.contains(word), "'{word}' is not in {self:#?}");
+        }
+        self
+    }
+
+    /// Each of these words must stand on standard output.
+    #[track_caller]
+    pub(crate) fn prints(self, words: &[&str]) -> Self {
+        for word in words {
+            assert!(self.out.contains(word), "'{word}' is not in {self:#?}");
         }
         self
     }

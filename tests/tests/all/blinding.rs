@@ -2,11 +2,12 @@
 //! often the mode was known.
 
 use crate::acquire::Desk;
-use crate::binary::{Ran, zwidth};
-use crate::folders::files;
+use crate::binary::{Ran, zwidth, zwidth_line};
+use crate::folders::{edit, files};
 use crate::small::{Draft, Study, draft};
+use crate::survey::{has_no_findings, import_answers};
 use serde_json::Value;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
 use zwidth_store::{Layout, StudyData, read_trial};
@@ -40,12 +41,6 @@ fn session(desk: &Desk, more: &[&str]) -> Ran {
     desk.acquire(&("start\n3\n0\n".repeat(TRIALS) + "quit\n"), more).exits(0)
 }
 
-fn unseal(desk: &Desk) {
-    let key = desk.keys();
-    let arguments = ["unseal", "small", "-p", "P01", "-s", "S01", "--key", key.to_str().unwrap()];
-    zwidth(desk.root(), &arguments).exits(0);
-}
-
 fn modes(desk: &Desk) -> Vec<String> {
     let data = StudyData::load(&Layout::new(desk.root(), "small".parse().unwrap())).unwrap();
     data.trials.iter().map(|trial| trial.meta.mode.to_string()).collect()
@@ -73,8 +68,8 @@ fn a_blinded_session_shows_the_same_whatever_the_modes_of_its_trials() {
             assert!(!text.to_lowercase().contains(mode), "{mode} in {text}");
         }
     }
-    unseal(first);
-    unseal(second);
+    first.unseal().exits(0);
+    second.unseal().exits(0);
     assert_ne!(modes(first), modes(second), "the test needs seeds with other orders");
 }
 
@@ -89,7 +84,7 @@ fn the_table_has_no_sealed_session_and_counts_its_trials() {
     zwidth(desk.root(), &["run", "--only", "likert tallies"]);
     let path = desk.root().join("derived/small/blinding.parquet");
     assert!(!path.exists(), "both are sealed");
-    unseal(&desk);
+    desk.unseal().exits(0);
     zwidth(desk.root(), &["run", "--only", "likert tallies"]).exits(0);
     let table = Table::from_parquet(&path).unwrap();
     assert_eq!(table.texts("participant").unwrap(), vec![Some("P01".to_owned()); 3]);
@@ -102,16 +97,15 @@ fn the_table_has_no_sealed_session_and_counts_its_trials() {
 #[test]
 fn a_mode_that_there_is_not_is_refused_with_the_range() {
     let desk = desk(false);
-    let ran = desk.acquire("start\n3\n4\n2\nquit\n", &[]).exits(3);
-    assert!(ran.out.contains("4 is not an answer: 0 to 3"), "{ran:#?}");
+    let answered = desk.acquire("start\n3\n4\n2\nquit\n", &[]).exits(3);
+    answered.prints(&["4 is not an answer: 0 to 3"]);
     let of = ["answer", "small", "-p", "P01", "-s", "S01", "--trial", "1", "--question", "guess"];
     let answer = |value| zwidth(desk.root(), &[&of[..], &[value]].concat());
     answer("4")
         .exits(1)
         .one_error()
         .says(&["4 is no answer to guess: it must be a whole number from 0 to 3"]);
-    let later = answer("0").exits(0).out;
-    assert!(later.contains("in place of 2"), "{later}");
+    answer("0").exits(0).prints(&["in place of 2"]);
     desk.verify();
 }
 
@@ -130,11 +124,8 @@ fn guessed(trial: u32, mode: &'static str, values: &[i16]) -> Draft {
 fn study() -> Study {
     let study = Study::new("guessed");
     let path = study.layout().study_toml();
-    let text = fs::read_to_string(&path).unwrap();
-    let text = text
-        .replacen("question = \"felt_spring\"", "questions = [\"felt_spring\", \"guess\"]", 1)
-        .replacen("[[questions]]", GUESS, 1);
-    fs::write(&path, text).unwrap();
+    edit(&path, "question = \"felt_spring\"", "questions = [\"felt_spring\", \"guess\"]");
+    edit(&path, "[[questions]]", GUESS);
     let excluded = Event::Excluded { trial: 8, reason: "the phone rang".to_owned() };
     study.session(
         "P01",
@@ -194,7 +185,7 @@ fn log(path: &Path) -> Vec<Value> {
 fn the_index_is_that_of_an_independent_count_of_the_raw_files() {
     let study = study();
     zwidth(study.root(), &["run"]).exits(0);
-    let table = Table::from_parquet(&study.layout().derived().join("blinding.parquet")).unwrap();
+    let table = study.derived("blinding");
     let [who, modes] = ["participant", "mode"].map(|name| table.texts(name).unwrap());
     let counts = ["right", "wrong", "do_not_know"].map(|name| table.integers(name).unwrap());
     let index = table.floats("index").unwrap();
@@ -227,30 +218,22 @@ fn a_guess_is_in_no_tally_figure_or_comparison_of_answers() {
     let study = study();
     zwidth(study.root(), &["run"]).exits(0);
     let questions = |name: &str| {
-        let table = Table::from_parquet(&study.layout().derived().join(name)).unwrap();
-        let mut questions: Vec<String> =
-            table.texts("question").unwrap().into_iter().flatten().collect();
-        questions.sort();
-        questions.dedup();
-        questions
+        let questions = study.derived(name).texts("question").unwrap();
+        BTreeSet::from_iter(questions.into_iter().flatten())
     };
-    assert_eq!(questions("answers.parquet"), ["felt_spring", "guess"]);
-    for rated in [
-        "likert.parquet",
-        "compare/answers_compared.parquet",
-        "compare/answers_participants.parquet",
-    ] {
-        assert_eq!(questions(rated), ["felt_spring"], "{rated}");
+    let rated = BTreeSet::from(["felt_spring".to_owned()]);
+    let all = BTreeSet::from(["felt_spring", "guess"].map(str::to_owned));
+    assert_eq!(questions("answers"), all);
+    for name in ["likert", "compare/answers_compared", "compare/answers_participants"] {
+        assert_eq!(questions(name), rated, "{name}");
     }
     for path in files(&study.layout().reports(), "svg") {
         let text = fs::read_to_string(&path).unwrap();
         assert!(!text.contains("Which mode"), "{}", path.display());
     }
-    let said = zwidth(study.root(), &["methods", "guessed"]).exits(0).out;
-    assert!(said.contains("Active, Passive, Hybrid or “do not know”"), "{said}");
-    assert!(said.contains("blinding index"), "{said}");
-    let printed = zwidth(study.root(), &["table", "guessed", "blinding"]).exits(0).out;
-    assert!(printed.contains("Blinding index"), "{printed}");
+    let words = ["Active, Passive, Hybrid or “do not know”", "blinding index"];
+    zwidth(study.root(), &["methods", "guessed"]).exits(0).prints(&words);
+    zwidth(study.root(), &["table", "guessed", "blinding"]).exits(0).prints(&["Blinding index"]);
 }
 
 const SURVEY: &str = r#"
@@ -280,19 +263,9 @@ text = "Which knob was it?"
 asks = "mode"
 "#;
 
-const WHO: &str = "kind = \"likert\"\n[trial]\nparticipant = { column = \"who\", prefix = \"P\", digits = 2 }\n\
-    session = \"S01\"\nenvironment = \"knob\"\nmode = { column = \"knob\" }\n";
-
 /// An import of this table, which has nothing but guesses.
 fn import(root: &Path, questions: &str, table: &str) -> Ran {
-    let layout = Layout::new(root, "survey".parse().unwrap());
-    fs::create_dir_all(layout.raw()).unwrap();
-    fs::write(layout.study_toml(), SURVEY).unwrap();
-    let [map, csv] = ["map.toml", "answers.csv"].map(|name| root.join(name));
-    fs::write(&map, format!("{WHO}{questions}")).unwrap();
-    fs::write(&csv, table).unwrap();
-    let [map, csv] = [&map, &csv].map(|path| path.to_str().unwrap());
-    zwidth(root, &["import", "survey", "--map", map, csv])
+    import_answers(root, SURVEY, questions, table)
 }
 
 const WIDE: &str = "[questions.columns]\nguess = \"guess\"\n\
@@ -307,8 +280,7 @@ fn guesses_are_imported_wide_and_long_and_alone_make_the_table_and_no_tally() {
         let folder = tempfile::tempdir().unwrap();
         let root = folder.path();
         import(root, questions, table).exits(0);
-        let found = zwidth(root, &["verify", "survey"]).exits(0).out;
-        assert_eq!(found, "survey: no findings (schema 2)\n");
+        has_no_findings(root);
         zwidth(root, &["run"]).exits(0);
         let derived = root.join("derived/survey");
         let table = Table::from_parquet(&derived.join("blinding.parquet")).unwrap();
@@ -326,8 +298,7 @@ fn guesses_are_imported_wide_and_long_and_alone_make_the_table_and_no_tally() {
 fn a_simulated_participant_guesses_at_chance() {
     let desk = desk(false);
     desk.edit_study("\nrepeats = 1\n", "\nrepeats = 12\n");
-    let made = ["twin", "small", "--participants", "3", "--sessions", "1", "--seed", "1"];
-    zwidth(desk.root(), &made).exits(0);
+    zwidth_line(desk.root(), "twin small --participants 3 --sessions 1 --seed 1").exits(0);
     desk.verify();
     zwidth(desk.root(), &["run", "--only", "likert tallies"]).exits(0);
     let path = desk.root().join("derived/small/blinding.parquet");

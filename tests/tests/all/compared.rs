@@ -1,28 +1,31 @@
 //! `zwidth compare` and `zwidth power` as a user types them.
 
-use crate::binary::{Ran, zwidth};
+use crate::binary::{Ran, zwidth, zwidth_line};
+use crate::folders::{append, edit};
 use crate::shipped;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// What stands on the standard output.
-fn prints(ran: &Ran, words: &[&str]) {
-    words.iter().for_each(|word| assert!(ran.out.contains(word), "'{word}' is not in {ran:?}"));
+/// The file of the finished study.
+const STUDY: &str = "raw/thesis-twin/study.toml";
+
+fn compare(root: &Path) -> Ran {
+    zwidth(root, &["compare", "thesis-twin"])
+}
+
+fn methods(root: &Path) -> Ran {
+    zwidth(root, &["methods", "thesis-twin"]).exits(0)
 }
 
 #[test]
 fn compare_makes_what_is_missing_and_says_whom_it_speaks_of() {
     let root = shipped::raw();
-    let ran = zwidth(root.path(), &["compare", "thesis-twin"]).exits(0);
-    prints(
-        &ran,
-        &[
-            "Means by condition",
-            "Modes compared",
-            "trials of P01",
-            "nothing is said of anybody else",
-        ],
-    );
+    compare(root.path()).exits(0).prints(&[
+        "Means by condition",
+        "Modes compared",
+        "trials of P01",
+        "nothing is said of anybody else",
+    ]);
     assert!(root.path().join("derived/thesis-twin/compare/contrasts.parquet").exists());
 }
 
@@ -48,8 +51,11 @@ fn a_metric_that_is_not_compared_is_named_with_those_that_are() {
 #[test]
 fn answers_are_compared_without_a_mean() {
     let root = shipped::finished();
-    let ran = zwidth(root.path(), &["compare", "thesis-twin", "--by", "answer"]).exits(0);
-    prints(&ran, &["Answers compared", "superiority", "never answers"]);
+    zwidth(root.path(), &["compare", "thesis-twin", "--by", "answer"]).exits(0).prints(&[
+        "Answers compared",
+        "superiority",
+        "never answers",
+    ]);
 }
 
 #[test]
@@ -65,57 +71,54 @@ fn one_participant_tells_no_spread_and_assumed_spreads_give_a_plan_that_is_not_w
     let root = shipped::finished();
     let difference = ["power", "thesis-twin", "--difference", "0.1"];
     zwidth(root.path(), &difference).exits(1).says(&["give --participant-mode-sd"]);
-    let plan = root.path().join("raw/thesis-twin/plan.json");
-    let assumed =
-        ["--participant-mode-sd", "0.1", "--residual-sd", "0.2", "--studies", "200", "--plan"];
-    let arguments = [&difference[..], &assumed].concat();
-    prints(&zwidth(root.path(), &arguments).exits(0), &["power of 80 %", "200 simulated studies"]);
+    let (ran, plan) = power(root.path());
+    ran.exits(0).prints(&["power of 80 %", "200 simulated studies"]);
     let written = fs::read(&plan).unwrap();
-    zwidth(root.path(), &arguments).exits(1).says(&["exists already; move it elsewhere"]);
+    power(root.path()).0.exits(1).says(&["exists already; move it elsewhere"]);
     assert_eq!(fs::read(plan).unwrap(), written);
 }
 
 #[test]
 fn a_plan_beside_the_data_says_whether_the_analysis_is_the_planned_one() {
     let root = shipped::finished();
-    let plan = ["power", "thesis-twin", "--difference", "0.1", "--participant-mode-sd", "0.1"];
-    let plan = [&plan[..], &["--residual-sd", "0.2", "--studies", "200", "--plan"]].concat();
-    zwidth(root.path(), &plan).exits(0);
-    let compare = ["compare", "thesis-twin"];
-    let ran = zwidth(root.path(), &compare).exits(0);
-    prints(&ran, &["As planned (plan.json", "Participants: 12 planned, 1 with trials"]);
-    prints(&ran, &["The plan was written when 36 trials were there already."]);
-    let path = root.path().join("raw/thesis-twin/study.toml");
-    let text = fs::read_to_string(&path).unwrap();
-    fs::write(&path, format!("{text}\n[compare]\nalpha = 0.01\n")).unwrap();
-    let ran = zwidth(root.path(), &compare).exits(0);
-    prints(&ran, &["Not as planned (plan.json", "alpha was 0.05, is 0.01"]);
-    let plan = root.path().join("raw/thesis-twin/plan.json");
+    let plan = planned(root.path());
+    compare(root.path()).exits(0).prints(&[
+        "As planned (plan.json",
+        "Participants: 12 planned, 1 with trials",
+        "The plan was written when 36 trials were there already.",
+    ]);
+    append(&root.path().join(STUDY), "\n[compare]\nalpha = 0.01\n");
+    let words = ["Not as planned (plan.json", "alpha was 0.05, is 0.01"];
+    compare(root.path()).exits(0).prints(&words);
     fs::write(&plan, "{").unwrap();
-    prints(&zwidth(root.path(), &compare).exits(0), &["the file holds no plan"]);
+    compare(root.path()).exits(0).prints(&["the file holds no plan"]);
     fs::remove_file(&plan).unwrap();
     std::process::Command::new("mkfifo").arg(&plan).status().unwrap();
     // A pipe in the place of a file is a finding.
-    prints(&zwidth(root.path(), &compare).exits(3), &["Not as planned", "the file cannot be read"]);
+    compare(root.path()).exits(3).prints(&["Not as planned", "the file cannot be read"]);
 }
 
 #[test]
 fn a_metric_of_study_toml_that_there_is_not_is_told() {
     let root = shipped::finished();
-    let path = root.path().join("raw/thesis-twin/study.toml");
-    let text = fs::read_to_string(&path).unwrap();
-    fs::write(&path, format!("{text}\n[compare]\nmetrics = [\"softness_n\"]\n")).unwrap();
+    append(&root.path().join(STUDY), "\n[compare]\nmetrics = [\"softness_n\"]\n");
     zwidth(root.path(), &["run", "thesis-twin", "--only", "compare"])
         .exits(3)
         .says(&["there is no metric 'softness_n'"]);
 }
 
-/// A plan for the finished study, written by `zwidth power`.
+/// `zwidth power` of assumed spreads for the finished study, and the plan that it writes.
+fn power(root: &Path) -> (Ran, PathBuf) {
+    let assumed = "--participant-mode-sd 0.1 --residual-sd 0.2 --studies 200 --plan";
+    let ran = zwidth_line(root, &format!("power thesis-twin --difference 0.1 {assumed}"));
+    (ran, root.join("raw/thesis-twin/plan.json"))
+}
+
+/// A plan for the finished study.
 fn planned(root: &Path) -> PathBuf {
-    let plan = ["power", "thesis-twin", "--difference", "0.1", "--participant-mode-sd", "0.1"];
-    let plan = [&plan[..], &["--residual-sd", "0.2", "--studies", "200", "--plan"]].concat();
-    zwidth(root, &plan).exits(0);
-    root.join("raw/thesis-twin/plan.json")
+    let (ran, plan) = power(root);
+    ran.exits(0);
+    plan
 }
 
 #[test]
@@ -124,27 +127,22 @@ fn a_plan_that_was_edited_or_is_of_another_study_is_a_finding_and_nothing_is_as_
     let plan = planned(root.path());
     let written = fs::read_to_string(&plan).unwrap();
     zwidth(root.path(), &["verify", "thesis-twin"]).exits(0);
+    let with = |field: &str, was: &str, is: &str| {
+        written.replace(&format!("\"{field}\": {was}"), &format!("\"{field}\": {is}"))
+    };
     for (damaged, says) in [
-        (written.replace("\"alpha\": 0.05", "\"alpha\": 0.01"), "does not fit its own hash"),
-        (
-            written.replace("\"participants\": 12", "\"participants\": 1"),
-            "does not fit its own hash",
-        ),
-        (
-            written.replace("\"study\": \"thesis-twin\"", "\"study\": \"another\""),
-            "study 'another'",
-        ),
+        (with("alpha", "0.05", "0.01"), "does not fit its own hash"),
+        (with("participants", "12", "1"), "does not fit its own hash"),
+        (with("study", "\"thesis-twin\"", "\"another\""), "study 'another'"),
         (written[..written.len() / 2].to_owned(), "holds no plan"),
     ] {
         assert_ne!(damaged, written);
         fs::write(&plan, damaged).unwrap();
         let verified = zwidth(root.path(), &["verify", "thesis-twin"]).exits(1);
-        prints(&verified, &["raw/thesis-twin/plan.json", says, "1 finding"]);
-        let compared = zwidth(root.path(), &["compare", "thesis-twin"]).exits(0);
-        prints(&compared, &["Not as planned (plan.json", says]);
+        verified.prints(&["raw/thesis-twin/plan.json", says, "1 finding"]);
+        let compared = compare(root.path()).exits(0).prints(&["Not as planned (plan.json", says]);
         assert!(!compared.out.contains("As planned"), "{compared:#?}");
-        let methods = zwidth(root.path(), &["methods", "thesis-twin"]).exits(0);
-        prints(&methods, &[says]);
+        methods(root.path()).prints(&[says]);
     }
     // A damaged plan stops no run: the report is made, and says so.
     let ran = zwidth(root.path(), &["run", "thesis-twin", "--only", "summary"]).exits(3);
@@ -158,7 +156,7 @@ fn a_plan_that_was_edited_or_is_of_another_study_is_a_finding_and_nothing_is_as_
 fn a_plan_for_another_study_toml_says_what_differs_even_if_it_is_a_comment() {
     let root = shipped::finished();
     planned(root.path());
-    let path = root.path().join("raw/thesis-twin/study.toml");
+    let path = root.path().join(STUDY);
     let text = fs::read_to_string(&path).unwrap();
     // A session that was recorded under another design is a finding.
     for (edited, says, code) in [
@@ -167,10 +165,8 @@ fn a_plan_for_another_study_toml_says_what_differs_even_if_it_is_a_comment() {
     ] {
         assert_ne!(edited, text);
         fs::write(&path, edited).unwrap();
-        let compared = zwidth(root.path(), &["compare", "thesis-twin"]).exits(code);
-        prints(&compared, &["Not as planned (plan.json", says]);
-        let methods = zwidth(root.path(), &["methods", "thesis-twin"]).exits(0);
-        prints(&methods, &["Not as planned", says]);
+        compare(root.path()).exits(code).prints(&["Not as planned (plan.json", says]);
+        methods(root.path()).prints(&["Not as planned", says]);
     }
 }
 
@@ -178,12 +174,13 @@ fn a_plan_for_another_study_toml_says_what_differs_even_if_it_is_a_comment() {
 fn summary_page_and_methods_tell_each_deviation_from_the_plan_in_a_sentence() {
     let root = shipped::finished();
     planned(root.path());
-    let path = root.path().join("raw/thesis-twin/study.toml");
-    let text = fs::read_to_string(&path).unwrap();
-    let compare = "\n[compare]\nalpha = 0.01\nprimary = \"duration_s\"\n\
-                   bounds = { duration_s = 0.5 }\ncontrasts = [[\"active\", \"passive\"]]\n";
-    fs::write(&path, format!("{}{compare}", text.replacen("repeats = 6", "repeats = 5", 1)))
-        .unwrap();
+    let path = root.path().join(STUDY);
+    edit(&path, "repeats = 6", "repeats = 5");
+    append(
+        &path,
+        "\n[compare]\nalpha = 0.01\nprimary = \"duration_s\"\n\
+         bounds = { duration_s = 0.5 }\ncontrasts = [[\"active\", \"passive\"]]\n",
+    );
     for stage in ["summary", "page"] {
         zwidth(root.path(), &["run", "thesis-twin", "--only", stage]);
     }
@@ -201,8 +198,8 @@ fn summary_page_and_methods_tell_each_deviation_from_the_plan_in_a_sentence() {
         let text = fs::read_to_string(root.path().join("reports/thesis-twin").join(name)).unwrap();
         text.replace('\\', "").replace("&quot;", "\"")
     };
-    let methods = zwidth(root.path(), &["methods", "thesis-twin"]).exits(0).out.replace('\\', "");
-    for told in [read("summary.md"), read("index.html"), methods] {
+    let in_words = methods(root.path()).out.replace('\\', "");
+    for told in [read("summary.md"), read("index.html"), in_words] {
         for sentence in sentences {
             assert!(told.contains(sentence), "'{sentence}' is not in {told}");
         }
@@ -210,6 +207,5 @@ fn summary_page_and_methods_tell_each_deviation_from_the_plan_in_a_sentence() {
     let exclude =
         ["exclude", "thesis-twin", "-p", "P01", "-s", "S01", "--trial", "9", "the phone rang"];
     zwidth(root.path(), &exclude).exits(0);
-    let methods = zwidth(root.path(), &["methods", "thesis-twin"]).exits(0);
-    prints(&methods, &["Deviation: 1 trial was excluded by hand."]);
+    methods(root.path()).prints(&["Deviation: 1 trial was excluded by hand."]);
 }

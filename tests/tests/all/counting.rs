@@ -7,7 +7,6 @@
 use crate::binary::zwidth;
 use crate::folders::files;
 use crate::small::{Draft, Study, draft};
-use std::fs;
 use std::sync::LazyLock;
 use zwidth_study::{Event, Kind, Status};
 use zwidth_tables::{Table, Type};
@@ -84,7 +83,7 @@ static RUN: LazyLock<(Study, Vec<i64>)> = LazyLock::new(|| {
 });
 
 fn derived(name: &str) -> Table {
-    Table::from_parquet(&RUN.0.layout().derived().join(name)).unwrap()
+    RUN.0.derived(name)
 }
 
 fn numbers(table: &Table, column: &str) -> Vec<i64> {
@@ -93,26 +92,26 @@ fn numbers(table: &Table, column: &str) -> Vec<i64> {
 
 #[test]
 fn the_metric_table_holds_the_trials_that_count_and_no_other() {
-    let mut found = numbers(&derived("metrics.parquet"), "trial");
+    let mut found = numbers(&derived("metrics"), "trial");
     found.sort_unstable();
     assert_eq!(found, RUN.1);
-    assert_eq!(numbers(&derived("conditions.parquet"), "n"), [3, 3]);
+    assert_eq!(numbers(&derived("conditions"), "n"), [3, 3]);
 }
 
 #[test]
 fn the_mean_takes_in_the_trials_that_count_and_no_other() {
-    let average = derived("average/P01.S01.spring.hybrid.parquet");
+    let average = derived("average/P01.S01.spring.hybrid");
     assert_eq!(numbers(&average, "n").into_iter().max(), Some(3));
 }
 
 #[test]
 fn the_plane_fits_are_those_of_the_trials_that_count() {
-    assert_eq!(numbers(&derived("free_motion.parquet"), "trial"), RUN.1[3..]);
+    assert_eq!(numbers(&derived("free_motion"), "trial"), RUN.1[3..]);
 }
 
 #[test]
 fn the_tally_counts_the_answers_that_count_with_samples_or_without() {
-    let tally = derived("likert.parquet");
+    let tally = derived("likert");
     let (environments, modes) = (tally.texts("environment").unwrap(), tally.texts("mode").unwrap());
     let rows: Vec<_> =
         environments.into_iter().flatten().zip(modes.into_iter().flatten()).collect();
@@ -150,11 +149,15 @@ fn no_absurd_force_is_in_any_derived_file_table_or_figure() {
 
 #[test]
 fn the_summary_and_the_listing_count_alike_and_say_why_each_other_trial_is_left_out() {
-    let summary = fs::read_to_string(RUN.0.layout().reports().join("summary.md")).unwrap();
-    assert!(summary.contains("2 participants, 2 sessions, 7 trials that count"), "{summary}");
-    assert!(summary.contains("P01 S01 trial 2: excluded: the phone rang"), "{summary}");
-    assert!(summary.contains("P01 S01 trial 3: superseded by trial 1"), "{summary}");
-    assert!(summary.contains("P01 S01 trial 5: incomplete"), "{summary}");
+    let summary = RUN.0.summary();
+    for words in [
+        "2 participants, 2 sessions, 7 trials that count",
+        "P01 S01 trial 2: excluded: the phone rang",
+        "P01 S01 trial 3: superseded by trial 1",
+        "P01 S01 trial 5: incomplete",
+    ] {
+        assert!(summary.contains(words), "'{words}' is not in {summary}");
+    }
     let list = zwidth(RUN.0.root(), &["list", "--json"]).exits(0).json();
     let session = &list[0]["sessions"][0];
     assert_eq!(

@@ -2,11 +2,10 @@
 //! in the summary, and in the exit code. So a run never looks complete when the log says that more
 //! was recorded.
 
-use crate::binary::zwidth;
-use crate::folders::truncate;
+use crate::binary::{zwidth, zwidth_line};
+use crate::folders::{edit, truncate};
 use crate::small::{Draft, Study, draft, repeats};
 use std::fs;
-use std::path::Path;
 use zwidth_study::{Event, Status};
 
 /// Three trials of one condition, and a sweep.
@@ -15,10 +14,6 @@ fn study() -> Study {
     study.session("P01", &repeats("spring", "hybrid", 1..=3));
     study.sweep();
     study
-}
-
-fn summary(study: &Study) -> String {
-    fs::read_to_string(study.layout().reports().join("summary.md")).unwrap().replace('\\', "")
 }
 
 /// The lines of one section of the summary.
@@ -36,7 +31,7 @@ fn check(study: &Study, title: &str, words: &[&str]) {
     for _ in 0..2 {
         let label = if title == "Left out" { "left out: " } else { "read with care: " };
         zwidth(study.root(), &["run"]).exits(3).says(&[label]).says(words);
-        let summary = summary(study);
+        let summary = study.summary();
         let section = section(&summary, title);
         for word in words {
             assert!(section.contains(word), "'{word}' is not under '{title}' of {summary}");
@@ -54,77 +49,61 @@ fn check(study: &Study, title: &str, words: &[&str]) {
 fn damaged(damage: impl Fn(&Study), words: &[&str]) -> Study {
     let study = study();
     zwidth(study.root(), &["run"]).exits(0);
-    let before = summary(&study);
+    let before = study.summary();
     assert!(words.iter().all(|word| !before.contains(word)), "{before}");
     damage(&study);
     check(&study, "Left out", words);
     study
 }
 
-fn edit(path: &Path, from: &str, to: &str) {
-    let text = fs::read_to_string(path).unwrap();
-    assert!(text.contains(from), "{text}");
-    fs::write(path, text.replacen(from, to, 1)).unwrap();
-}
-
 #[test]
 fn a_trial_that_is_gone_is_told_by_run_and_summary() {
     let words = ["trial-002.parquet", "belongs to the session, but its file is missing"];
-    let study = damaged(|s| fs::remove_file(s.trial("P01", 2)).unwrap(), &words);
+    let remove = |s: &Study| fs::remove_file(s.trial("P01", 2)).unwrap();
+    let study = damaged(remove, &words);
     // A run that makes everything again says it too: of one damage, for all are collected alike.
     zwidth(study.root(), &["run", "--fresh"]).exits(3).says(&["left out: "]).says(&words);
-}
-
-#[test]
-fn a_folder_in_the_place_of_a_trial_is_told_by_run_and_summary() {
     let replace = |s: &Study| {
-        fs::remove_file(s.trial("P01", 2)).unwrap();
+        remove(s);
         fs::create_dir(s.trial("P01", 2)).unwrap();
     };
-    damaged(replace, &["trial-002.parquet", "belongs to the session, but its file is missing"]);
+    damaged(replace, &words);
 }
 
 #[test]
-fn an_edited_record_is_told_by_run_and_summary() {
+fn an_edited_record_and_one_with_a_repeated_key_are_told_by_run_and_summary() {
     let rename = |s: &Study| edit(&s.record("P01"), "zwidth tests", "zwidth 9.9.9");
     damaged(rename, &["P01_S01.json", "not the one that the session began with"]);
-}
-
-#[test]
-fn a_record_with_a_repeated_key_is_told_by_run_and_summary() {
     let repeat =
         |s: &Study| edit(&s.record("P01"), "\"trials\"", "\"software\": \"other\", \"trials\"");
     damaged(repeat, &["P01_S01.json", "\"software\" stands twice"]);
 }
 
 #[test]
-fn a_log_cut_at_the_end_of_a_line_is_told_by_run_and_summary() {
+fn a_log_cut_at_the_end_of_a_line_and_one_with_a_repeated_key_are_told_by_run_and_summary() {
     let cut = |s: &Study| {
         let text = fs::read_to_string(s.events("P01")).unwrap();
         truncate(&s.events("P01"), text.trim_end().rfind('\n').unwrap() + 1);
     };
     damaged(cut, &["P01_S01.events.jsonl", "the log has 3 lines where its head counts 4"]);
-}
-
-#[test]
-fn a_log_line_with_a_repeated_key_is_told_by_run_and_summary() {
     let repeat = |s: &Study| edit(&s.events("P01"), "{\"utc\"", "{\"blake3\":\"\",\"utc\"");
     damaged(repeat, &["P01_S01.events.jsonl", "\"blake3\" stands twice"]);
 }
 
 #[test]
 fn a_changed_and_a_deleted_sweep_are_told_by_run_and_summary() {
-    let sweep = |s: &Study| s.layout().sweep(&"motor".parse().unwrap(), 1);
-    damaged(|s| truncate(&sweep(s), 300), &["sweep-01.parquet", "not a readable Parquet file"]);
-    damaged(|s| fs::remove_file(sweep(s)).unwrap(), &["sweep-01.parquet", "its file is missing"]);
+    let cut = |s: &Study| truncate(&s.sweep_file(), 300);
+    damaged(cut, &["sweep-01.parquet", "not a readable Parquet file"]);
+    let remove = |s: &Study| fs::remove_file(s.sweep_file()).unwrap();
+    damaged(remove, &["sweep-01.parquet", "its file is missing"]);
 }
 
 #[test]
 fn a_journal_that_waits_for_recover_is_told_by_run_and_summary() {
     let leave = |s: &Study| {
+        let journal = s.layout().journals().join("P01_S01.trial-004.journal");
         fs::create_dir_all(s.layout().journals()).unwrap();
-        fs::write(s.layout().journals().join("P01_S01.trial-004.journal"), "zwidth journal 2\n")
-            .unwrap();
+        fs::write(journal, "zwidth journal 2\n").unwrap();
     };
     damaged(leave, &["P01_S01.trial-004.journal", "a trial was cut short here"]);
 }
@@ -145,9 +124,8 @@ fn what_counts_all_the_same_is_to_be_read_with_care_in_run_and_summary() {
     let narrow = study();
     edit(&narrow.layout().study_toml(), "theta_max_deg = 45.0", "theta_max_deg = 20.0");
     check(&narrow, "Read with care", &["22.07° is more than 2° outside of the work space"]);
-    assert!(
-        section(&summary(&narrow), "Read with care").contains("P01 S01 trial 3, theta_rad, row ")
-    );
+    let told = section(&narrow.summary(), "Read with care");
+    assert!(told.contains("P01 S01 trial 3, theta_rad, row "), "{told}");
 
     let short = study();
     edit(&short.layout().study_toml(), "trial_limit_s = ", "trial_limit_s = 1.0 # ");
@@ -186,20 +164,13 @@ fn whether_a_recording_can_be_is_asked_of_trials_that_count() {
 fn a_study_toml_that_cannot_be_read_hides_no_other_finding() {
     let study = study();
     truncate(&study.trial("P01", 2), 50);
-    truncate(&study.layout().sweep(&"motor".parse().unwrap(), 1), 50);
+    truncate(&study.sweep_file(), 50);
     fs::write(study.trial("P01", 1).with_file_name("notes.txt"), "a note").unwrap();
     edit(&study.layout().study_toml(), "theta_max_deg = 45.0", "theta_max_deg = \"much\"");
-    let found = zwidth(study.root(), &["verify"]).exits(1);
-    for word in ["study.toml", "trial-002.parquet", "sweep-01.parquet", "notes.txt"] {
-        assert!(found.out.contains(word), "'{word}' is not in {found:#?}");
-    }
-    for command in ["run", "list", "table"] {
-        let arguments: &[&str] = if command == "table" { &[command, "found"] } else { &[command] };
-        zwidth(study.root(), arguments).exits(1).says(&[
-            "study.toml",
-            "trial-002.parquet",
-            "sweep-01.parquet",
-        ]);
+    let words = ["study.toml", "trial-002.parquet", "sweep-01.parquet", "notes.txt"];
+    zwidth(study.root(), &["verify"]).exits(1).prints(&words);
+    for command in ["run", "list", "table found"] {
+        zwidth_line(study.root(), command).exits(1).says(&words[..3]);
     }
 }
 
@@ -211,11 +182,8 @@ fn a_study_that_lost_its_study_toml_is_missed_and_the_others_are_looked_at() {
     for command in ["run", "list"] {
         zwidth(study.root(), &[command]).exits(3).says(&["raw/other/study.toml", "cannot read"]);
     }
-    let found = zwidth(study.root(), &["verify"]).exits(1);
-    assert!(
-        found.out.contains("raw/other/study.toml") && found.out.contains("found: no findings"),
-        "{found:#?}"
-    );
+    let words = ["raw/other/study.toml", "found: no findings"];
+    zwidth(study.root(), &["verify"]).exits(1).prints(&words);
 }
 
 #[test]
@@ -225,12 +193,10 @@ fn a_study_in_a_folder_whose_name_is_no_id_is_told_and_not_passed_by() {
     fs::create_dir(&odd).unwrap();
     fs::copy(study.layout().study_toml(), odd.join("study.toml")).unwrap();
     for command in ["run", "list"] {
-        zwidth(study.root(), &[command])
-            .exits(3)
-            .says(&["\"my study\" is left out", "rename the folder"]);
+        let words = ["\"my study\" is left out", "rename the folder"];
+        zwidth(study.root(), &[command]).exits(3).says(&words);
     }
-    let found = zwidth(study.root(), &["verify"]).exits(1);
-    assert!(found.out.contains("\"my study\" is left out"), "{found:#?}");
+    zwidth(study.root(), &["verify"]).exits(1).prints(&["\"my study\" is left out"]);
     zwidth(study.root(), &["verify", "found"]).exits(0);
 }
 
@@ -239,10 +205,10 @@ fn a_table_that_cannot_be_read_hides_no_other_table() {
     let study = study();
     zwidth(study.root(), &["run"]).exits(0);
     truncate(&study.layout().derived().join("metrics.parquet"), 100);
-    let listed = zwidth(study.root(), &["table", "found"])
+    zwidth(study.root(), &["table", "found"])
         .exits(3)
-        .says(&["unreadable: ", "metrics.parquet"]);
-    assert!(listed.out.contains("conditions"), "{listed:#?}");
+        .says(&["unreadable: ", "metrics.parquet"])
+        .prints(&["conditions"]);
     zwidth(study.root(), &["table", "found", "conditions"]).exits(0);
     zwidth(study.root(), &["table", "found", "metrics"])
         .exits(1)
@@ -253,7 +219,7 @@ fn a_table_that_cannot_be_read_hides_no_other_table() {
 fn nothing_was_left_out_is_not_said_where_nothing_counts() {
     let study = Study::new("found");
     zwidth(study.root(), &["run"]).exits(0);
-    let empty = summary(&study);
+    let empty = study.summary();
     assert!(
         !empty.contains("Nothing was left out") && empty.contains("nothing could be left out"),
         "{empty}"
@@ -263,21 +229,19 @@ fn nothing_was_left_out_is_not_said_where_nothing_counts() {
 #[test]
 fn ids_that_differ_only_by_case_or_are_names_of_devices_are_refused() {
     let study = study();
-    zwidth(study.root(), &["new", "FOUND"])
-        .exits(1)
-        .one_error()
-        .says(&["differs from 'found' only by case"]);
-    let twin = ["twin", "Found", "--participants", "1", "--sessions", "1"];
-    zwidth(study.root(), &twin).exits(1).one_error().says(&["differs from 'found' only by case"]);
-    for command in [&["new", "con"][..], &["verify", "NUL"]] {
-        zwidth(study.root(), command).exits(2).says(&["Windows keeps this name for a device"]);
+    for (line, words) in [
+        ("new FOUND", "differs from 'found' only by case"),
+        ("twin Found --participants 1 --sessions 1", "differs from 'found' only by case"),
+        (
+            "acquire found -s S02 --plain --auto --fast -p p01",
+            "the participant 'p01' differs from 'P01' only by case",
+        ),
+    ] {
+        zwidth_line(study.root(), line).exits(1).one_error().says(&[words]);
     }
-    let acquire = ["acquire", "found", "-s", "S02", "--plain", "--auto", "--fast", "-p"];
-    let ran = zwidth(study.root(), &[&acquire[..], &["p01"]].concat()).exits(1).one_error();
-    ran.says(&["the participant 'p01' differs from 'P01' only by case"]);
-    zwidth(study.root(), &[&acquire[..], &["COM1"]].concat())
-        .exits(2)
-        .says(&["Windows keeps this name"]);
+    for line in ["new con", "verify NUL", "acquire found -s S02 --plain --auto --fast -p COM1"] {
+        zwidth_line(study.root(), line).exits(2).says(&["Windows keeps this name for a device"]);
+    }
     assert!(!study.root().join("raw/FOUND").exists() && !study.root().join("raw/Found").exists());
 }
 

@@ -56,6 +56,19 @@ fn below(folder: &Path) -> Vec<PathBuf> {
     found
 }
 
+/// A text file with one text, which must be there, in the place of another.
+pub(crate) fn edit(path: &Path, from: &str, to: &str) {
+    let text = fs::read_to_string(path).unwrap();
+    assert!(text.contains(from), "'{from}' is not in {text}");
+    fs::write(path, text.replacen(from, to, 1)).unwrap();
+}
+
+/// Puts a text behind what a file holds.
+pub(crate) fn append(path: &Path, more: &str) {
+    let text = fs::read_to_string(path).unwrap();
+    fs::write(path, text + more).unwrap();
+}
+
 /// Changes one bit of a file.
 pub(crate) fn flip_bit(path: &Path, byte: usize) {
     let mut bytes = fs::read(path).unwrap();

@@ -15,8 +15,10 @@ impl World {
         self.folder.path()
     }
 
-    fn layout(&self) -> Layout {
-        Layout::new(self.root(), "rig".parse().unwrap())
+    /// Imports a file through another mapping.
+    fn import_by(&self, map: &Path, file: &Path) -> Ran {
+        let [map, file] = [map, file].map(|path| path.to_str().unwrap());
+        zwidth(self.root(), &["import", "rig", "--map", map, file])
     }
 
     /// The import must be refused with these words, and nothing in what it says may steer a
@@ -129,14 +131,7 @@ fn a_pipe_a_device_a_folder_or_a_link_to_nothing_is_refused_at_once_as_recording
         ("lost.csv", "check the path"),
     ] {
         world.refuses_plainly(at(name), &[name, words]);
-        let map = at(name);
-        zwidth(
-            world.root(),
-            &["import", "rig", "--map", map.to_str().unwrap(), good.to_str().unwrap()],
-        )
-        .exits(1)
-        .one_error()
-        .says(&[name, words]);
+        world.import_by(&at(name), &good).exits(1).one_error().says(&[name, words]);
     }
     // A link of a person's to a recording is one way to name it.
     symlink("good.csv", at("link.csv")).unwrap();
@@ -163,11 +158,7 @@ fn the_same_recording_counts_once_whatever_it_is_called() {
     }
     world.import(std::slice::from_ref(&first)).exits(0);
     let there = "it is in the study already, as P01 S01 trial 1: left out";
-    let again = world.import(&[first]).exits(0);
-    assert!(
-        again.out.contains(there) && again.out.contains("nothing new for study rig"),
-        "{again:#?}"
-    );
+    world.import(&[first]).exits(0).prints(&[there, "nothing new for study rig"]);
     let other = World { map: world.map.replace("S01", "S02"), ..world };
     for again in [copy, linked] {
         other.refuses(&[again], &["imported before, as P01 S01 trial 1", "must not count twice"]);
@@ -184,12 +175,9 @@ fn ids_that_differ_only_by_case_are_refused() {
     let other = world.file("b.csv", good_but("0.4", "0.5"));
     for (from, to) in [("P01", "p01"), ("S01", "s01")] {
         let map = world.file("case.toml", world.map.replace(from, to));
-        let map = map.to_str().unwrap();
         let words = format!("'{to}' differs only by case from '{from}'");
-        zwidth(world.root(), &["import", "rig", "--map", map, other.to_str().unwrap()])
-            .exits(1)
-            .one_error()
-            .says(&[&words, "choose another id"]);
+        let ran = world.import_by(&map, &other);
+        ran.exits(1).one_error().says(&[&words, "choose another id"]);
     }
 }
 
@@ -267,11 +255,8 @@ fn an_import_that_was_cut_short_is_taken_back_by_the_next_one_and_by_recover() {
         fs::write(raw.join("unfinished.json"), list).unwrap();
     };
     cut_short();
-    let found = zwidth(world.root(), &["verify", "rig"]).exits(1).out;
-    assert!(
-        found.contains("unfinished.json") && found.contains("give the command again"),
-        "{found}"
-    );
+    let words = ["unfinished.json", "give the command again"];
+    zwidth(world.root(), &["verify", "rig"]).exits(1).prints(&words);
     world
         .import(std::slice::from_ref(&file))
         .exits(0)
@@ -279,8 +264,9 @@ fn an_import_that_was_cut_short_is_taken_back_by_the_next_one_and_by_recover() {
     zwidth(world.root(), &["verify", "rig"]).exits(0);
     assert_eq!(listing(&raw).keys().collect::<Vec<_>>(), whole.keys().collect::<Vec<_>>());
     cut_short();
-    let told = zwidth(world.root(), &["recover", "rig"]).exits(0).out;
-    assert!(told.contains("the 2 files it had written were removed again"), "{told}");
+    zwidth(world.root(), &["recover", "rig"])
+        .exits(0)
+        .prints(&["the 2 files it had written were removed again"]);
     assert_eq!(listing(&raw), empty);
     world.import(&[file]).exits(0);
     zwidth(world.root(), &["verify", "rig"]).exits(0);
@@ -290,7 +276,8 @@ fn an_import_that_was_cut_short_is_taken_back_by_the_next_one_and_by_recover() {
 fn while_somebody_writes_to_the_study_an_import_is_refused() {
     let world = World::new();
     let file = world.file("a.csv", GOOD);
-    let lock = StudyLock::take(&world.layout(), "zwidth acquire, process 1").unwrap();
+    let layout = Layout::new(world.root(), "rig".parse().unwrap());
+    let lock = StudyLock::take(&layout, "zwidth acquire, process 1").unwrap();
     world.refuses_plainly(file.clone(), &["in use: zwidth acquire", "nothing was imported"]);
     drop(lock);
     world.import(&[file]).exits(0);

@@ -1,16 +1,15 @@
 //! The page: as the run writes it, and as one file.
 
-use crate::binary::zwidth;
+use crate::binary::{Ran, zwidth};
 use crate::shipped;
 use std::fs;
+use std::path::Path;
 
 #[test]
 fn a_page_as_one_file_needs_nothing_beside_it_and_a_study_without_a_page_says_how_to_make_it() {
     let root = shipped::finished();
     let file = root.path().join("one.html");
-    let file_text = file.to_str().unwrap();
-    let ran = zwidth(root.path(), &["open", "thesis-twin", "--single-file", file_text]).exits(0);
-    assert_eq!(ran.out, format!("{file_text}\n"));
+    assert_eq!(single(root.path(), &file).exits(0).out, format!("{}\n", file.display()));
     let one = fs::read_to_string(&file).unwrap();
     let (shown, _) = one.split_once("<script id=\"study-data\"").unwrap();
     assert!(shown.contains("src=\"data:image/svg+xml;base64,"));
@@ -23,23 +22,20 @@ fn a_page_as_one_file_needs_nothing_beside_it_and_a_study_without_a_page_says_ho
     }
     assert!(one.contains("\"single_file\":true") && one.contains("SYNTHETIC"));
     let nowhere = root.path().join("no/such/one.html");
-    zwidth(root.path(), &["open", "thesis-twin", "--single-file", nowhere.to_str().unwrap()])
-        .exits(1)
-        .one_error()
-        .says(&["no/such", "does not exist"]);
+    single(root.path(), &nowhere).exits(1).one_error().says(&["no/such", "does not exist"]);
     for (file, says) in [("raw/thesis-twin/one.html", "inside raw/"), ("one.txt", ".html")] {
         let path = root.path().join(file);
-        zwidth(root.path(), &["open", "thesis-twin", "--single-file", path.to_str().unwrap()])
-            .exits(1)
-            .one_error()
-            .says(&[file, says]);
+        single(root.path(), &path).exits(1).one_error().says(&[file, says]);
         assert!(!path.exists());
     }
     fs::remove_file(root.path().join("reports/thesis-twin/index.html")).unwrap();
-    zwidth(root.path(), &["open", "thesis-twin"])
-        .exits(1)
-        .one_error()
-        .says(&["reports/thesis-twin/index.html", "zwidth run thesis-twin"]);
+    let words = ["reports/thesis-twin/index.html", "zwidth run thesis-twin"];
+    zwidth(root.path(), &["open", "thesis-twin"]).exits(1).one_error().says(&words);
+}
+
+/// The page as one file.
+fn single(root: &Path, file: &Path) -> Ran {
+    zwidth(root, &["open", "thesis-twin", "--single-file", file.to_str().unwrap()])
 }
 
 /// `zwidth open --single-file` of a page whose first figure, or first script of samples, is another
@@ -54,8 +50,7 @@ fn one_file_takes_in_regular_files_of_its_own_report_alone_and_names_what_else_t
     let figure = page.split(" src=\"").nth(1).unwrap().split('"').next().unwrap();
     let key = "P01.S01.spring.hybrid";
     let file = root.path().join("one.html");
-    let single =
-        || zwidth(root.path(), &["open", "thesis-twin", "--single-file", file.to_str().unwrap()]);
+    let single = || single(root.path(), &file);
     let refused = |named: &str, says: &[&str]| {
         single().exits(1).one_error().says(&[named]).says(says);
         assert!(!file.exists(), "{named}");

@@ -13,13 +13,18 @@ pub(crate) fn session(desk: &Desk) -> Live {
     session
 }
 
-/// A participant's screen that the session has let in.
-pub(crate) fn screen(desk: &Desk, session: &mut Live) -> Live {
+/// A participant's screen as lines.
+pub(crate) fn lines(desk: &Desk) -> Live {
     let mut command = Command::new(binary());
     command.arg("--root").arg(desk.root()).args(["participant", "small", "--plain"]);
     command.env_remove("ZWIDTH_ROOT");
     command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
-    let screen = Live::of(command);
+    Live::of(command)
+}
+
+/// A participant's screen that the session has let in.
+pub(crate) fn screen(desk: &Desk, session: &mut Live) -> Live {
+    let screen = lines(desk);
     session.until("the participant's screen is open");
     screen
 }

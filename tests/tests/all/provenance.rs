@@ -1,6 +1,7 @@
 //! `why`, `trace`, and what files say of their making, through the program.
 
 use crate::binary::{binary, ran, zwidth};
+use crate::folders::edit;
 use crate::shipped;
 use crate::small::{Study, repeats};
 use serde_json::Value;
@@ -16,6 +17,11 @@ const TRIAL: &str = "raw/thesis-twin/trials/participant=P01/session=S01/trial-00
 
 fn words(value: &Value) -> Vec<&str> {
     value.as_array().unwrap().iter().map(|v| v.as_str().unwrap()).collect()
+}
+
+/// The jobs of a listing.
+fn jobs(listed: &Value) -> Vec<&str> {
+    listed.as_array().unwrap().iter().map(|entry| entry["job"].as_str().unwrap()).collect()
 }
 
 /// The one entry of a listing.
@@ -61,15 +67,13 @@ fn a_trace_goes_back_to_the_trials_of_the_figure_and_to_nothing_else() {
     let traced = only(root, &["trace", FIGURE]);
     assert_eq!(traced["job"], "figure modes.P01.S01.spring");
     assert_eq!(traced["recorded"], traced["now"]);
-    let jobs: Vec<&str> =
-        traced["jobs"].as_array().unwrap().iter().map(|j| j["job"].as_str().unwrap()).collect();
     let expect = [
         "figure modes.P01.S01.spring",
         "average P01 S01 spring active",
         "average P01 S01 spring hybrid",
         "average P01 S01 spring passive",
     ];
-    assert_eq!(jobs, expect);
+    assert_eq!(jobs(&traced["jobs"]), expect);
     let raw = traced["raw"].as_array().unwrap();
     assert_eq!(raw.len(), 36, "of both environments, which share their axes; no practice trial");
     for file in raw {
@@ -101,8 +105,8 @@ fn a_trace_of_forces_ends_in_sweeps_and_one_of_the_model_in_its_scene() {
         raw.iter().all(|f| f["path"].as_str().unwrap().contains("/sweeps/actuator=")),
         "{raw:#?}"
     );
-    let jobs = range["jobs"].as_array().unwrap();
-    assert!(jobs.iter().any(|j| j["job"] == "calibration"), "{jobs:#?}");
+    let jobs = jobs(&range["jobs"]);
+    assert!(jobs.contains(&"calibration"), "{jobs:#?}");
     let model = only(root, &["trace", "reports/thesis-twin/tables/model.csv"]);
     assert_eq!(model["raw"], serde_json::json!([]));
     assert!(
@@ -115,34 +119,28 @@ fn a_copy_anywhere_is_traced_by_what_it_says_or_else_by_its_content() {
     let root = shipped::folder();
     let thesis = tempfile::tempdir().unwrap();
     let reports = root.join("reports/thesis-twin");
-    for (file, by, job) in [
-        ("figures/modes.P01.S01.spring.svg", "origin", "figure modes.P01.S01.spring"),
-        ("figures/modes.P01.S01.spring.pdf", "origin", "figure modes.P01.S01.spring"),
-        ("figures/modes.P01.S01.spring.png", "origin", "figure modes.P01.S01.spring"),
-        ("figures/modes.P01.S01.spring.parquet", "origin", "figure modes.P01.S01.spring"),
-        ("figures/captions.tex", "origin", "captions"),
-        ("tables/conditions.tex", "origin", "table conditions"),
-        ("tables/conditions.typ", "origin", "table conditions"),
-        ("tables/conditions.md", "origin", "table conditions"),
-        ("tables/conditions.html", "origin", "table conditions"),
-        ("tables/conditions.csv", "content", "table conditions"),
-        ("summary.md", "origin", "summary"),
-        ("index.html", "origin", "page"),
-        ("report-data/P01.S01.spring.hybrid.js", "origin", "samples P01 S01 spring hybrid"),
+    for (name, extensions, job) in [
+        ("figures/modes.P01.S01.spring", "svg pdf png parquet", "figure modes.P01.S01.spring"),
+        ("figures/captions", "tex", "captions"),
+        ("tables/conditions", "tex typ md html csv", "table conditions"),
+        ("summary", "md", "summary"),
+        ("index", "html", "page"),
+        ("report-data/P01.S01.spring.hybrid", "js", "samples P01 S01 spring"),
     ] {
-        let copy = thesis
-            .path()
-            .join(format!("fig1.{}", Path::new(file).extension().unwrap().to_str().unwrap()));
-        fs::copy(reports.join(file), &copy).unwrap();
-        let traced = only(root, &["trace", copy.to_str().unwrap()]);
-        assert_eq!(
-            (traced["found_by"].as_str(), traced["job"].as_str()),
-            (Some(by), Some(job)),
-            "{file}"
-        );
-        assert_eq!(traced["path"], format!("reports/thesis-twin/{file}"));
-        let why = only(root, &["why", copy.to_str().unwrap()]);
-        assert_eq!((why["job"].as_str(), why["again"].as_str()), (Some(job), Some("no")), "{file}");
+        for extension in extensions.split(' ') {
+            let file = format!("{name}.{extension}");
+            // CSV has no comments.
+            let by = if extension == "csv" { "content" } else { "origin" };
+            let copy = thesis.path().join(format!("fig1.{extension}"));
+            fs::copy(reports.join(&file), &copy).unwrap();
+            let traced = only(root, &["trace", copy.to_str().unwrap()]);
+            let found = (traced["found_by"].as_str(), traced["job"].as_str());
+            assert_eq!(found, (Some(by), Some(job)), "{file}");
+            assert_eq!(traced["path"], format!("reports/thesis-twin/{file}"));
+            let why = only(root, &["why", copy.to_str().unwrap()]);
+            let made = (why["job"].as_str(), why["again"].as_str());
+            assert_eq!(made, (Some(job), Some("no")), "{file}");
+        }
     }
     // A chapter with two tables in it is from two jobs; an edited figure still says where it is
     // from.
@@ -151,9 +149,7 @@ fn a_copy_anywhere_is_traced_by_what_it_says_or_else_by_its_content() {
     let chapter = thesis.path().join("chapter.tex");
     fs::write(&chapter, format!("Results\n{}\n{}", text("weight"), text("likert"))).unwrap();
     let traced = zwidth(root, &["trace", chapter.to_str().unwrap(), "--json"]).exits(0).json();
-    let jobs: Vec<&str> =
-        traced.as_array().unwrap().iter().map(|t| t["job"].as_str().unwrap()).collect();
-    assert_eq!(jobs, ["table likert", "table weight"]);
+    assert_eq!(jobs(&traced), ["table likert", "table weight"]);
 }
 
 #[test]
@@ -164,16 +160,10 @@ fn a_copy_of_what_is_no_longer_made_says_so_once() {
     fs::copy(root.path().join(FIGURE), &copy).unwrap();
     fs::remove_file(root.path().join("derived/thesis-twin/records.json")).unwrap();
     let origin_of_it = "zwidth:figures:";
-    zwidth(root.path(), &["trace", copy.to_str().unwrap()]).exits(1).one_error().says(&[
-        origin_of_it,
-        "inputs have changed since",
-        "--root",
-    ]);
+    let trace = || zwidth(root.path(), &["trace", copy.to_str().unwrap()]).exits(1).one_error();
+    trace().says(&[origin_of_it, "inputs have changed since", "--root"]);
     fs::write(&copy, "<svg/>").unwrap();
-    zwidth(root.path(), &["trace", copy.to_str().unwrap()])
-        .exits(1)
-        .one_error()
-        .says(&["fig.svg", "--root"]);
+    trace().says(&["fig.svg", "--root"]);
 }
 
 #[test]
@@ -191,10 +181,8 @@ fn why_of_what_is_up_to_date_tells_what_it_was_made_from() {
     assert!(
         last["dated"].as_str().unwrap().ends_with('Z') && last["version"].as_u64().unwrap() > 0
     );
-    let text = zwidth(root, &["why", FIGURE]).exits(0).out;
-    for part in [FIGURE, "made by", "last made", "zwidth:figures:", TRIAL, "Up to date"] {
-        assert!(text.contains(part), "{part} is not in\n{text}");
-    }
+    let words = [FIGURE, "made by", "last made", "zwidth:figures:", TRIAL, "Up to date"];
+    zwidth(root, &["why", FIGURE]).exits(0).prints(&words);
 }
 
 #[test]
@@ -226,36 +214,21 @@ fn why_names_the_input_that_changed_with_both_hashes_and_what_is_made_before() {
     let root = shipped::finished();
     let before = file_blake3(&root.path().join(TRIAL)).unwrap();
     // Trial 4 is one of the spring in hybrid mode.
-    let log = root.path().join("raw/thesis-twin/sessions/P01_S01.events.jsonl");
-    append_events(
-        &RealFiles,
-        &log,
-        "2026-01-02T00:00:00Z",
-        &[Event::Excluded { trial: 4, reason: "slipped".into() }],
-    )
-    .unwrap();
+    shipped::log(root.path(), Event::Excluded { trial: 4, reason: "slipped".into() });
     let why = only(root.path(), &["why", FIGURE]);
     assert_eq!(why["again"], "yes");
     let trial = why["reasons"].as_array().unwrap().iter().find(|r| r["path"] == TRIAL).unwrap();
     let expect = (Some("input"), Some("dropped"), Some(before.as_str()));
     assert_eq!((trial["what"].as_str(), trial["how"].as_str(), trial["recorded"].as_str()), expect);
-    let first: Vec<&str> =
-        why["first"].as_array().unwrap().iter().map(|j| j["job"].as_str().unwrap()).collect();
-    assert_eq!(first, ["average P01 S01 spring hybrid"]);
+    assert_eq!(jobs(&why["first"]), ["average P01 S01 spring hybrid"]);
     // A table made from that alone is made again only if the numbers come out otherwise.
     let table = only(root.path(), &["why", "reports/thesis-twin/tables/conditions.md"]);
     assert_eq!(
         (table["again"].as_str(), table["reasons"][0]["how"].as_str()),
         (Some("if_inputs_differ"), Some("to_be_made"))
     );
-    let text = zwidth(root.path(), &["why", FIGURE]).exits(0).out;
-    assert!(
-        text.contains(&format!(
-            "input {TRIAL} is no longer part of it (recorded {})",
-            &before[..12]
-        )),
-        "{text}"
-    );
+    let told = format!("input {TRIAL} is no longer part of it (recorded {})", &before[..12]);
+    zwidth(root.path(), &["why", FIGURE]).exits(0).prints(&[&told]);
     // What `why` says is what `run` does.
     let made = zwidth(root.path(), &["run", "--json"]).exits(0).made();
     assert!(
@@ -318,9 +291,7 @@ fn why_tells_an_edited_a_missing_and_a_never_made_result() {
 fn why_tells_a_changed_parameter_with_both_values() {
     let root = shipped::finished();
     let toml = root.path().join("raw/thesis-twin/study.toml");
-    let text = fs::read_to_string(&toml).unwrap();
-    assert!(text.contains("confidence = 0.95"));
-    fs::write(&toml, text.replace("confidence = 0.95", "confidence = 0.9")).unwrap();
+    edit(&toml, "confidence = 0.95", "confidence = 0.9");
     let why =
         only(root.path(), &["why", "derived/thesis-twin/average/P01.S01.spring.active.parquet"]);
     let reason = &why["reasons"][0];

@@ -2,7 +2,7 @@
 //! suggested; and what a blinded one leaves.
 
 use crate::acquire::{Desk, TRIALS};
-use crate::binary::{Ran, binary, ran, zwidth};
+use crate::binary::{Ran, binary, ran, zwidth, zwidth_line};
 use crate::folders::{files, listing};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -14,23 +14,19 @@ fn a_session_goes_on_by_its_own_study_toml_whatever_was_edited_meanwhile_and_say
     desk.acquire("start\n3\nquit\n", &[]).exits(3);
     let order = desk.record();
     desk.edit_study("# Practice trials", "# Trials to practise");
-    let noted = desk.acquire("start\n3\nquit\n", &[]).exits(3);
-    assert!(noted.out.contains("comments or form alone"), "{noted:#?}");
+    desk.acquire("start\n3\nquit\n", &[]).exits(3).prints(&["comments or form alone"]);
     desk.edit_study("pause_s = 3.0", "pause_s = 2.0");
     desk.acquire("", &[]).exits(1).one_error().says(&[
         "design.pause_s was 3.0 and is 2.0",
         "put it back",
         "--accept-study-change",
     ]);
-    let accepted = desk.acquire("start\n3\nquit\n", &["--accept-study-change"]).exits(3);
-    assert!(accepted.out.contains("the changed study.toml was accepted"), "{accepted:#?}");
+    desk.acquire("start\n3\nquit\n", &["--accept-study-change"])
+        .exits(3)
+        .prints(&["the changed study.toml was accepted"]);
     desk.finish().exits(0);
     assert_eq!(desk.record(), order);
-    let verified = zwidth(desk.root(), &["verify", "small"]).exits(0);
-    assert!(
-        verified.out.contains("note: ") && verified.out.contains("no findings"),
-        "{verified:#?}"
-    );
+    zwidth(desk.root(), &["verify", "small"]).exits(0).prints(&["note: ", "no findings"]);
 }
 
 #[test]
@@ -43,14 +39,13 @@ fn a_change_of_study_toml_after_a_session_is_a_warning_that_names_the_command_wh
     let command = found.split('`').nth(1).unwrap_or_else(|| panic!("{found}")).to_owned();
     let words: Vec<&str> = command.split(' ').collect();
     assert_eq!(words[..2], ["zwidth", "recover"], "{found}");
-    let accepted = zwidth(desk.root(), &words[1..]).exits(0);
-    assert!(accepted.out.contains("design.pause_s was 3.0 and is 2.0"), "{accepted:#?}");
+    zwidth(desk.root(), &words[1..]).exits(0).prints(&["design.pause_s was 3.0 and is 2.0"]);
     let verified = zwidth(desk.root(), &["verify", "small"]).exits(0);
-    assert!(verified.out.contains("note: study.toml has changed since P01 S01"), "{verified:#?}");
-    let again = zwidth(desk.root(), &["recover", "small", "--accept-study-change"]).exits(0);
-    assert!(again.out.contains("no change waits"), "{again:#?}");
-    zwidth(desk.root(), &["recover", "small", "--accept-study-change", "-p", "P01"]).exits(2);
-    zwidth(desk.root(), &["recover", "small", "-p", "P01", "-s", "S01"]).exits(2);
+    verified.prints(&["note: study.toml has changed since P01 S01"]);
+    let again = zwidth_line(desk.root(), "recover small --accept-study-change").exits(0);
+    again.prints(&["no change waits"]);
+    zwidth_line(desk.root(), "recover small --accept-study-change -p P01").exits(2);
+    zwidth_line(desk.root(), "recover small -p P01 -s S01").exits(2);
     desk.verify();
 }
 
@@ -97,8 +92,7 @@ fn the_command_that_is_suggested_goes_on_with_the_session() {
         .env_remove("ZWIDTH_ROOT")
         .stdin(Stdio::null())
         .output();
-    let resumed = ran(&shell.unwrap()).exits(0);
-    assert!(resumed.out.contains("resumed: 1 of 7"), "{resumed:#?}");
+    ran(&shell.unwrap()).exits(0).prints(&["resumed: 1 of 7"]);
     desk.verify();
 }
 
@@ -175,16 +169,8 @@ fn a_blinded_study_leaves_its_seed_in_no_file_and_its_seals_to_their_owner_whate
     let script = "umask 0; exec \"$0\" \"$@\"";
     let mut command = Command::new("sh");
     command.args(["-c", script]).arg(binary()).arg("--root").arg(desk.root());
-    command.args([
-        "twin",
-        "small",
-        "--participants",
-        "1",
-        "--sessions",
-        "2",
-        "--seed",
-        &SEED.to_string(),
-    ]);
+    let twin = format!("twin small --participants 1 --sessions 2 --seed {SEED}");
+    command.args(twin.split(' '));
     ran(&command.arg("--key").arg(&keys).env_remove("ZWIDTH_ROOT").output().unwrap()).exits(0);
     let spellings = [
         SEED.to_string().into_bytes(),

@@ -1,7 +1,7 @@
 //! How a run goes: the same bytes whatever the folder and the threads, its lines, `--only`,
 //! `--dry-run`, `--fresh`, and the choices of study.toml for figures.
 
-use crate::binary::{binary, ran, zwidth};
+use crate::binary::{binary, ran, zwidth, zwidth_line};
 use crate::folders::{copy, listing};
 use crate::provenance::{FIGURE, only};
 use crate::shipped;
@@ -110,16 +110,12 @@ fn dry_and_fresh_together_list_every_job_and_why_and_make_nothing() {
     let before = listing(root.path());
     let dry = zwidth(root.path(), &["run", "--dry-run", "--fresh", "--json"]).exits(0);
     let made = dry.json()[0]["made"].as_array().unwrap().clone();
-    assert_eq!(
-        made.len(),
-        zwidth(root.path(), &["run", "--json"]).json()[0]["up_to_date"].as_u64().unwrap() as usize
-    );
+    let up_to_date = zwidth(root.path(), &["run", "--json"]).json()[0]["up_to_date"].as_u64();
+    assert_eq!(made.len() as u64, up_to_date.unwrap());
     assert!(made.iter().all(|e| e["why"] == "asked to be made again"), "{made:#?}");
     // Of one figure alone: with what it needs, and no more.
-    let one =
-        zwidth(root.path(), &["run", "--dry-run", "--fresh", "--only", "loops.P01.S01", "--json"])
-            .exits(0)
-            .made();
+    let one = zwidth_line(root.path(), "run --dry-run --fresh --only loops.P01.S01 --json");
+    let one = one.exits(0).made();
     let of = |stage: &str| one.iter().filter(|name| name.starts_with(stage)).count();
     assert_eq!((one.len(), of("metrics "), of("average P01 S01 ")), (7, 0, 6), "{one:?}");
     assert_eq!(listing(root.path()), before);
@@ -131,9 +127,8 @@ fn a_study_chooses_per_figure_how_repeats_are_averaged() {
     let toml = root.path().join("raw/thesis-twin/study.toml");
     let text = fs::read_to_string(&toml).unwrap();
     let choose = |choice: &str| {
-        let (before, after) = text.split_once("# What is rendered.").unwrap();
-        fs::write(&toml, format!("{before}[figures]\n{choice}\n\n# What is rendered.{after}"))
-            .unwrap();
+        let chosen = format!("[figures]\n{choice}\n\n# What is rendered.");
+        fs::write(&toml, text.replacen("# What is rendered.", &chosen, 1)).unwrap();
     };
     let before = file_blake3(&root.path().join(FIGURE)).unwrap();
     choose("modes.P01.S01.spring.alignment = \"landmarks\"");
@@ -162,10 +157,8 @@ fn a_study_chooses_per_figure_how_repeats_are_averaged() {
     // A choice that no figure can follow is an error; one that no figure of the study follows is
     // told.
     choose("alignment = \"landmark\"");
-    zwidth(root.path(), &["run"])
-        .exits(1)
-        .one_error()
-        .says(&["study.toml", "\"onset\" or \"landmarks\""]);
+    let words = ["study.toml", "\"onset\" or \"landmarks\""];
+    zwidth(root.path(), &["run"]).exits(1).one_error().says(&words);
     choose("loops.alignment = \"landmarks\"");
     zwidth(root.path(), &["run"]).exits(3).says(&["figures.loops", "averaged at the angle"]);
     choose("modes.P09.alignment = \"landmarks\"");

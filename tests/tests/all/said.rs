@@ -21,13 +21,6 @@ fn say(desk: &Desk, command: &str, more: &[&str]) -> Ran {
     zwidth(desk.root(), &[&session, more].concat())
 }
 
-/// A command on that session that says this.
-#[track_caller]
-fn told(desk: &Desk, command: &str, more: &[&str], words: &str) {
-    let ran = say(desk, command, more).exits(0);
-    assert!(ran.out.contains(words), "{ran:#?}");
-}
-
 pub(crate) fn log(desk: &Desk) -> Vec<Value> {
     let path = desk.root().join("raw/small/sessions/P01_S01.events.jsonl");
     let text = fs::read_to_string(path).unwrap();
@@ -49,12 +42,9 @@ fn an_excluded_trial_never_counts_and_is_missing_until_it_is_done_again() {
     let desk = done();
     let files = listing(&desk.root().join("raw/small/trials"));
     let by = ["--trial", "3", "the phone rang", "--by", "E1"];
-    told(
-        &desk,
-        "exclude",
-        &by,
-        "trial 3 is excluded; it is missing until it is done again: `zwidth acquire small -p P01",
-    );
+    let words =
+        "trial 3 is excluded; it is missing until it is done again: `zwidth acquire small -p P01";
+    say(&desk, "exclude", &by).exits(0).prints(&[words]);
     let line = log(&desk).pop().unwrap();
     assert_eq!((&line["by"], &line["what"]["reason"]), (&"E1".into(), &"the phone rang".into()));
     assert!(line["utc"].as_str().is_some_and(|utc| utc.ends_with('Z')), "{line}");
@@ -71,13 +61,8 @@ fn an_excluded_trial_never_counts_and_is_missing_until_it_is_done_again() {
     assert_eq!(left_out, reasons.map(|(trial, why)| (trial, why.to_owned())));
     assert_eq!(all.height(), 7, "what was given stays to be read");
     desk.verify();
-    let ran = desk.acquire("start\n4\nquit\n", &[]).exits(0);
-    assert!(ran.out.contains("ready 8 (place 3 of 7)"), "{}", ran.out);
-    assert!(
-        ran.out.contains("again for trial 3") && ran.out.contains("done 7 of 7"),
-        "{}",
-        ran.out
-    );
+    let words = ["ready 8 (place 3 of 7)", "again for trial 3", "done 7 of 7"];
+    desk.acquire("start\n4\nquit\n", &[]).exits(0).prints(&words);
     let session = desk.session();
     assert_eq!((&session["trials_that_count"], &session["to_go"]), (&6.into(), &0.into()));
     assert_eq!(answers(&desk).last(), Some(&(8, 4)));
@@ -87,8 +72,9 @@ fn an_excluded_trial_never_counts_and_is_missing_until_it_is_done_again() {
 #[test]
 fn an_answer_that_is_given_later_counts_and_the_first_one_is_kept() {
     let desk = done();
-    told(&desk, "answer", &["--trial", "4", "5"], "answered with 5, in place of 3, which is kept");
-    told(&desk, "answer", &["--trial", "4", "2", "--by", "E2"], "in place of 5");
+    let answer = |more: &[&str]| say(&desk, "answer", &[&["--trial", "4"], more].concat()).exits(0);
+    answer(&["5"]).prints(&["answered with 5, in place of 3, which is kept"]);
+    answer(&["2", "--by", "E2"]).prints(&["in place of 5"]);
     let of_four = |answers: Vec<(i64, i64)>| answers.into_iter().find(|(trial, _)| *trial == 4);
     assert_eq!(of_four(answers(&desk)), Some((4, 2)));
     let values: Vec<Value> = log(&desk)
@@ -103,8 +89,9 @@ fn an_answer_that_is_given_later_counts_and_the_first_one_is_kept() {
 #[test]
 fn a_note_belongs_to_a_trial_or_to_the_session() {
     let desk = done();
-    told(&desk, "note", &["--trial", "2", "looked away"], "kept with trial 2");
-    told(&desk, "note", &["left-handed"], "kept with the session");
+    let note = |more: &[&str]| say(&desk, "note", more).exits(0);
+    note(&["--trial", "2", "looked away"]).prints(&["kept with trial 2"]);
+    note(&["left-handed"]).prints(&["kept with the session"]);
     let what: Vec<Value> =
         log(&desk).into_iter().rev().take(2).map(|l| l["what"].clone()).collect();
     assert_eq!((&what[0]["trial"], &what[0]["text"]), (&Value::Null, &"left-handed".into()));
@@ -152,8 +139,7 @@ fn in_a_session_any_trial_is_excluded_asked_again_remarked_on_and_done_again() {
         + "trial 2 exclude the phone rang\ntrial 3 ask\n5\ntrial 2 note twice\ntrial 4 repeat\n"
         + &"start\n4\n".repeat(5)
         + "quit\n";
-    let ran = desk.acquire(&lines, &["--by", "E1"]).exits(0);
-    for words in [
+    desk.acquire(&lines, &["--by", "E1"]).exits(0).prints(&[
         "trial 2 excluded: the phone rang",
         "trial 2 is missing now",
         "trial 3: answered 5",
@@ -162,9 +148,7 @@ fn in_a_session_any_trial_is_excluded_asked_again_remarked_on_and_done_again() {
         "ready 9 (place 2 of 7)",
         "again for trial 2",
         "done 7 of 7",
-    ] {
-        assert!(ran.out.contains(words), "{words}: {}", ran.out);
-    }
+    ]);
     desk.verify();
     assert_eq!((desk.trials(), desk.session()["trials_that_count"].clone()), (9, 6.into()));
     let said = log(&desk).into_iter().filter(|line| line["what"]["event"] == "excluded");
@@ -213,35 +197,27 @@ fn a_table_with_a_wrong_line_gives_nothing_and_tells_each_such_line() {
     ];
     let (desk, table) = with_table(&rows);
     let lines = log(&desk).len();
-    let ran = zwidth(desk.root(), &["answer", "small", "--from", &table]).exits(1);
-    for words in [
+    zwidth(desk.root(), &["answer", "small", "--from", &table]).exits(1).says(&[
         "trial 2 has an answer to felt_",
         "in line 2 too (line 3)",
         "there is no session S01 of P09",
         "the session has no trial 99: they are 1 to 7 (line 5)",
         "9 is no answer to felt_",
         "nothing was written",
-    ] {
-        assert!(ran.err.contains(words), "'{words}' is not in\n{}", ran.err);
-    }
+    ]);
     assert_eq!(log(&desk).len(), lines);
 }
 
 #[test]
 fn a_table_names_trials_by_condition_and_repeat_as_well() {
     let desk = done();
-    let data = zwidth_store::StudyData::load(&zwidth_store::Layout::new(
-        desk.root(),
-        "small".parse().unwrap(),
-    ))
-    .unwrap();
-    let trial = &data.sessions[0].trials.iter().find(|t| t.trial == 5).unwrap();
+    let trial = planned(&desk, 5);
     let table = desk.root().join("ratings.csv");
     let row = format!("P01,{},{},{},5", trial.environment, trial.mode, trial.repeat);
     fs::write(&table, format!("participant,environment,mode,repeat,answer\n{row}\n")).unwrap();
     let give = ["answer", "small", "--from", table.to_str().unwrap()];
-    let ran = zwidth(desk.root(), &give).exits(1);
-    assert!(ran.err.contains("no column 'session': add it, or name one with -s"), "{}", ran.err);
+    let words = "no column 'session': add it, or name one with -s";
+    zwidth(desk.root(), &give).exits(1).says(&[words]);
     zwidth(desk.root(), &[&give[..], &["-s", "S01"]].concat()).exits(0);
     assert!(answers(&desk).contains(&(5, 5)));
 }
@@ -253,6 +229,15 @@ fn planned(desk: &Desk, trial: u32) -> zwidth_study::PlannedTrial {
     data.sessions[0].trials.iter().find(|t| t.trial == trial).unwrap().clone()
 }
 
+/// Answers by a table of one row, which says of which session it is.
+fn give(desk: &Desk, row: &str, more: &[&str]) -> Ran {
+    let head = "participant,session,trial,environment,mode,repeat,answer";
+    let table = desk.root().join("ratings.csv");
+    fs::write(&table, format!("{head}\nP01,S01,{row}\n")).unwrap();
+    let give = ["answer", "small", "--from", table.to_str().unwrap()];
+    zwidth(desk.root(), &[&give, more].concat())
+}
+
 #[test]
 fn a_row_that_names_a_trial_and_another_condition_or_repeat_is_refused_with_what_the_trial_is() {
     let desk = done();
@@ -260,12 +245,7 @@ fn a_row_that_names_a_trial_and_another_condition_or_repeat_is_refused_with_what
     let (environment, mode, repeat) = (&trial.environment, &trial.mode, trial.repeat);
     let other_mode = if mode.as_str() == "active" { "passive" } else { "active" };
     let other_environment = if environment.as_str() == "spring" { "spring_wall" } else { "spring" };
-    let table = desk.root().join("ratings.csv");
-    let give = |row: &str| {
-        let head = "participant,session,trial,environment,mode,repeat,answer";
-        fs::write(&table, format!("{head}\nP01,S01,{row}\n")).unwrap();
-        zwidth(desk.root(), &["answer", "small", "--from", table.to_str().unwrap()])
-    };
+    let give = |row: &str| give(&desk, row, &[]);
     let is = format!("but trial 5 is of {environment}, {mode}, repeat {repeat} (line 2)");
     for (row, says) in [
         (format!("5,{environment},{other_mode},{repeat},4"), format!("mode {other_mode}")),
@@ -275,8 +255,7 @@ fn a_row_that_names_a_trial_and_another_condition_or_repeat_is_refused_with_what
             format!("mode {other_mode}, repeat {}", repeat + 1),
         ),
     ] {
-        let ran = give(&row).exits(1);
-        assert!(ran.err.contains(&format!("row 1: the table says {says}, {is}")), "{ran:#?}");
+        give(&row).exits(1).says(&[&format!("row 1: the table says {says}, {is}")]);
         assert!(!answers(&desk).contains(&(5, 4)));
     }
     // The label is as good as the id, and an empty cell says nothing.
@@ -290,22 +269,16 @@ fn of_a_sealed_session_a_table_is_told_the_same_whatever_it_says_of_modes_and_re
     let desk = Desk::new(true);
     desk.acquire(&("start\n3\n".repeat(TRIALS) + "quit\n"), &[]).exits(0);
     let environment = planned(&desk, 5).environment;
-    let table = desk.root().join("ratings.csv");
-    let give = |row: &str| {
-        let head = "participant,session,trial,environment,mode,repeat,answer";
-        fs::write(&table, format!("{head}\nP01,S01,5,{row},4\n")).unwrap();
-        zwidth(desk.root(), &["answer", "small", "--from", table.to_str().unwrap(), "--dry-run"])
-    };
+    let give = |row: &str| give(&desk, &format!("5,{row},4"), &["--dry-run"]);
     let said = ["active,1", "passive,1", "hybrid,1", "hybrid,7"]
         .map(|rest| give(&format!("{environment},{rest}")).exits(0).out);
     assert!(said.iter().all(|text| *text == said[0]), "{said:?}");
     let words = "1 row of sealed sessions, whose modes and repeats cannot be checked before `zwidth unseal`";
     assert!(said[0].contains(words), "{said:?}");
     let other = if environment.as_str() == "spring" { "spring_wall" } else { "spring" };
-    let ran = give(&format!("{other},active,1")).exits(1);
     let expect =
         format!("the table says environment {other}, but trial 5 is of {environment} (line 2)");
-    assert!(ran.err.contains(&expect), "{ran:#?}");
+    give(&format!("{other},active,1")).exits(1).says(&[&expect]);
 }
 
 #[test]

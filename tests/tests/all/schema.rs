@@ -1,10 +1,12 @@
 //! A study's schema from the outside: channels of its own.
 
-use crate::binary::zwidth;
+use crate::binary::{Ran, zwidth, zwidth_line};
+use crate::folders::{append, edit};
 use std::fs;
 use std::path::Path;
 use zwidth_store::{Layout, Signal, read_channels, read_trial};
 use zwidth_study::ChannelId;
+use zwidth_tables::Table;
 
 const CHANNELS: &str = "
 [[channels]]
@@ -21,27 +23,33 @@ description = \"temperature of the finger\"
 fn study(root: &Path, from: &str, to: &str, more: &str) -> Layout {
     zwidth(root, &["new", "own"]).exits(0);
     let layout = Layout::new(root, "own".parse().unwrap());
-    let mut text = fs::read_to_string(layout.study_toml()).unwrap();
     for (from, to) in [
         (from, to),
         ("\nrepeats = 6\n", "\nrepeats = 1\n"),
         ("\nfamiliarisation = 3\n", "\nfamiliarisation = 1\n"),
         ("\nrate_hz = 1000.0\n", "\nrate_hz = 120.0\n"),
     ] {
-        assert!(text.contains(from), "the template lost '{from}'");
-        text = text.replace(from, to);
+        edit(&layout.study_toml(), from, to);
     }
-    fs::write(layout.study_toml(), text + more).unwrap();
+    append(&layout.study_toml(), more);
     layout
 }
 
-const TWIN: [&str; 8] = ["twin", "own", "--participants", "1", "--sessions", "1", "--seed", "1"];
+/// Its simulated session.
+fn twin(root: &Path) -> Ran {
+    zwidth_line(root, "twin own --participants 1 --sessions 1 --seed 1")
+}
+
+/// Its metrics.
+fn metrics(layout: &Layout) -> Table {
+    Table::from_parquet(&layout.derived().join("metrics.parquet")).unwrap()
+}
 
 #[test]
 fn a_channel_that_the_device_gives_is_recorded_by_its_name_and_another_is_null() {
     let root = tempfile::tempdir().unwrap();
     let layout = study(root.path(), "schema = 2", "schema = 2", CHANNELS);
-    zwidth(root.path(), &TWIN).exits(0);
+    twin(root.path()).exits(0);
     let found = zwidth(root.path(), &["verify", "own"]).exits(0);
     assert_eq!(found.out, "own: no findings (schema 2)\n");
     let path = layout.trial(&"P01".parse().unwrap(), &"S01".parse().unwrap(), 2);
@@ -53,15 +61,14 @@ fn a_channel_that_the_device_gives_is_recorded_by_its_name_and_another_is_null()
     let apart = seen.iter().zip(true_rad).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     assert!(apart > 0.0 && apart < 0.05, "{apart}");
     assert_eq!(channels.channel(&ids[1]), None);
-    let listed = zwidth(root.path(), &["list", "own"]).exits(0).out;
-    assert!(listed.contains("channel skin_c (°C): temperature of the finger"), "{listed}");
+    zwidth(root.path(), &["list", "own"])
+        .exits(0)
+        .prints(&["channel skin_c (°C): temperature of the finger"]);
     // What comes later has the form of what is there.
-    let text = fs::read_to_string(layout.study_toml()).unwrap();
-    fs::write(layout.study_toml(), text.replace(CHANNELS, "")).unwrap();
-    let found = zwidth(root.path(), &["verify", "own"]).exits(1).out;
-    assert!(found.contains("7 of 7 have others"), "{found}");
-    let acquire = ["acquire", "own", "-p", "P02", "-s", "S01", "--plain", "--fast", "--auto"];
-    zwidth(root.path(), &acquire).exits(1).one_error().says(&["keeps the form it began with"]);
+    edit(&layout.study_toml(), CHANNELS, "");
+    zwidth(root.path(), &["verify", "own"]).exits(1).prints(&["7 of 7 have others"]);
+    let acquire = zwidth_line(root.path(), "acquire own -p P02 -s S01 --plain --fast --auto");
+    acquire.exits(1).one_error().says(&["keeps the form it began with"]);
 }
 
 const CURRENT: &str = "
@@ -77,10 +84,9 @@ description = \"current in the winding\"
 fn a_recorded_current_gives_trials_their_electrical_energy_and_others_keep_none() {
     let root = tempfile::tempdir().unwrap();
     let layout = study(root.path(), "# brake_ohm = 20.0", "brake_ohm = 20.0", CURRENT);
-    zwidth(root.path(), &TWIN).exits(0);
+    twin(root.path()).exits(0);
     zwidth(root.path(), &["run", "own", "--only", "metrics of the study"]).exits(0);
-    let table = zwidth_tables::Table::from_parquet(&layout.derived().join("metrics.parquet"));
-    let table = table.unwrap();
+    let table = metrics(&layout);
     let modes = table.texts("mode").unwrap();
     let taken = table.floats("electrical_energy_j").unwrap();
     let bound = table.floats("electrical_energy_max_j").unwrap();
@@ -135,8 +141,7 @@ fn an_imported_current_gives_a_trial_its_electrical_energy() {
     let [map, csv] = [&map, &csv].map(|path| path.to_str().unwrap());
     zwidth(root.path(), &["import", "own", "--map", map, csv]).exits(0);
     zwidth(root.path(), &["run", "own", "--only", "metrics of the study"]);
-    let table = zwidth_tables::Table::from_parquet(&layout.derived().join("metrics.parquet"));
-    let taken = table.unwrap().floats("electrical_energy_j").unwrap();
+    let taken = metrics(&layout).floats("electrical_energy_j").unwrap();
     assert!((taken[0].unwrap() - 4.0).abs() < 1e-9, "{taken:?}");
 }
 
@@ -145,6 +150,6 @@ fn a_channel_in_another_unit_than_the_devices_is_refused() {
     let root = tempfile::tempdir().unwrap();
     let layout =
         study(root.path(), "schema = 2", "schema = 2", &CHANNELS.replace("\"rad\"", "\"deg\""));
-    zwidth(root.path(), &TWIN).exits(1).says(&["'theta_true_rad' is in 'deg' in study.toml"]);
+    twin(root.path()).exits(1).says(&["'theta_true_rad' is in 'deg' in study.toml"]);
     assert!(!layout.trials().exists());
 }

@@ -6,7 +6,10 @@ use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 use tempfile::TempDir;
-use zwidth_store::{Layout, RealFiles, hex_blake3, log_sweeps, read_sweep, sweep_bytes};
+use zwidth_store::{
+    Layout, RealFiles, append_events, hex_blake3, log_sweeps, read_sweep, sweep_bytes,
+};
+use zwidth_study::Event;
 
 /// The study's raw data alone.
 pub(crate) fn raw() -> TempDir {
@@ -37,6 +40,12 @@ pub(crate) fn change_sweep(root: &Path, name: &str) {
     let layout = Layout::new(root, "thesis-twin".parse().unwrap());
     let logged = (sweep.actuator, sweep.sweep, hex_blake3(&bytes));
     log_sweeps(&RealFiles, &layout, "2026-01-02T00:00:00Z", &[logged]).unwrap();
+}
+
+/// Adds an event to the log of the study's session.
+pub(crate) fn log(root: &Path, event: Event) {
+    let log = root.join("raw/thesis-twin/sessions/P01_S01.events.jsonl");
+    append_events(&RealFiles, &log, "2026-01-02T00:00:00Z", &[event]).unwrap();
 }
 
 /// The study run once, on four threads, for all tests of this process. It lies under `target/tmp`,

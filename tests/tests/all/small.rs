@@ -14,6 +14,7 @@ use zwidth_study::{
     Event, Kind, ParticipantId, PlannedTrial, SessionId, SessionRecord, Source, Status, StudyId,
     TrialMeta, template,
 };
+use zwidth_tables::Table;
 
 /// The time of every event.
 pub(crate) const UTC: &str = "2026-01-01T00:00:00Z";
@@ -112,6 +113,22 @@ impl Study {
     /// The record of session S01.
     pub(crate) fn record(&self, participant: &str) -> PathBuf {
         self.layout.session(&participant.parse().unwrap(), &session_id())
+    }
+
+    /// A table below `derived/`.
+    pub(crate) fn derived(&self, name: &str) -> Table {
+        Table::from_parquet(&self.layout.derived().join(format!("{name}.parquet"))).unwrap()
+    }
+
+    /// The text of the summary, without what protects signs of Markdown.
+    pub(crate) fn summary(&self) -> String {
+        let path = self.layout.reports().join("summary.md");
+        fs::read_to_string(path).unwrap().replace('\\', "")
+    }
+
+    /// The file of the sweep that [`Study::sweep`] writes.
+    pub(crate) fn sweep_file(&self) -> PathBuf {
+        self.layout.sweep(&"motor".parse().unwrap(), 1)
     }
 
     /// Everything under `raw/`, by content.

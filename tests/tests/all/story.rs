@@ -2,7 +2,7 @@
 //! on the study that comes along, and with each assumed number of the simulated device at either
 //! end of its range.
 
-use crate::binary::zwidth;
+use crate::binary::{zwidth, zwidth_line};
 use crate::shipped;
 use std::fs;
 use std::path::Path;
@@ -171,12 +171,8 @@ fn study_with(twin_toml: &str, seed: u32, rate_hz: f64) -> tempfile::TempDir {
         text = text.replace(from, &to);
     }
     fs::write(folder.join("study.toml"), text).unwrap();
-    let seed = seed.to_string();
-    zwidth(
-        root.path(),
-        &["twin", "other", "--participants", "1", "--sessions", "1", "--seed", &seed],
-    )
-    .exits(0);
+    let twin = format!("twin other --participants 1 --sessions 1 --seed {seed}");
+    zwidth_line(root.path(), &twin).exits(0);
     zwidth(root.path(), &["run", "other", "--only", "metrics of the study"]).exits(0);
     root
 }

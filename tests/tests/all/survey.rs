@@ -1,7 +1,7 @@
 //! A questionnaire on scales of other lengths than five, from a table to figures: −3 to 3, 0 to 6,
 //! 0 to 100 in steps of 5, and a line from 0 to 100; wide and long.
 
-use crate::binary::zwidth;
+use crate::binary::{Ran, zwidth};
 use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
@@ -124,21 +124,25 @@ fn long() -> String {
 
 const LONG: &str = "[questions]\nquestion = { column = \"item\" }\nanswer = \"answer\"\ntime = \"rt\"\ntime_unit = \"ms\"\n";
 
-/// The study with this table imported.
-fn imported(root: &Path, table: &str, questions: &str) -> (Layout, String) {
-    imported_into(STUDY, root, table, questions)
+fn layout(root: &Path) -> Layout {
+    Layout::new(root, "survey".parse().unwrap())
 }
 
-fn imported_into(study: &str, root: &Path, table: &str, questions: &str) -> (Layout, String) {
-    let layout = Layout::new(root, "survey".parse().unwrap());
+/// An import of a table of answers into this study.
+pub(crate) fn import_answers(root: &Path, study: &str, questions: &str, table: &str) -> Ran {
+    let layout = layout(root);
     fs::create_dir_all(layout.raw()).unwrap();
     fs::write(layout.study_toml(), study).unwrap();
+    fs::write(root.join("map.toml"), format!("{WHO}{questions}")).unwrap();
+    fs::write(root.join("answers.csv"), table).unwrap();
     let [map, csv] = ["map.toml", "answers.csv"].map(|name| root.join(name));
-    fs::write(&map, format!("{WHO}{questions}")).unwrap();
-    fs::write(&csv, table).unwrap();
     let [map, csv] = [&map, &csv].map(|path| path.to_str().unwrap());
-    let report = zwidth(root, &["import", "survey", "--map", map, csv]).exits(0).out;
-    (layout, report)
+    zwidth(root, &["import", "survey", "--map", map, csv])
+}
+
+pub(crate) fn has_no_findings(root: &Path) {
+    let found = zwidth(root, &["verify", "survey"]).exits(0).out;
+    assert_eq!(found, "survey: no findings (schema 2)\n");
 }
 
 fn derived(layout: &Layout, name: &str) -> Table {
@@ -158,10 +162,11 @@ fn row_of(table: &Table, question: &str, mode: &str) -> usize {
 fn a_wide_and_a_long_table_of_the_same_answers_give_the_same_study() {
     let [wide, long] = [(wide(), WIDE), (long(), LONG)].map(|(table, questions)| {
         let root = tempfile::tempdir().unwrap();
-        let (layout, report) = imported(root.path(), &table, questions);
-        assert!(report.contains("36 trials without samples, 144 answers"), "{report}");
-        let found = zwidth(root.path(), &["verify", "survey"]).exits(0).out;
-        assert_eq!(found, "survey: no findings (schema 2)\n");
+        let layout = layout(root.path());
+        import_answers(root.path(), STUDY, questions, &table)
+            .exits(0)
+            .prints(&["36 trials without samples, 144 answers"]);
+        has_no_findings(root.path());
         zwidth(root.path(), &["run", "survey", "--only", "likert tallies"]).exits(0);
         (derived(&layout, "likert.parquet"), derived(&layout, "answers.parquet"))
     });
@@ -177,7 +182,8 @@ fn a_wide_and_a_long_table_of_the_same_answers_give_the_same_study() {
 #[test]
 fn each_scale_is_tallied_compared_and_drawn_as_what_it_is() {
     let root = tempfile::tempdir().unwrap();
-    let (layout, _) = imported(root.path(), &long(), LONG);
+    let layout = layout(root.path());
+    import_answers(root.path(), STUDY, LONG, &long()).exits(0);
     zwidth(root.path(), &["run", "survey"]).exits(0);
     let tally = derived(&layout, "likert.parquet");
     for (place, question) in QUESTIONS.iter().enumerate() {
@@ -238,11 +244,6 @@ fn each_scale_is_tallied_compared_and_drawn_as_what_it_is() {
 #[test]
 fn an_answer_that_its_scale_does_not_have_is_refused_with_its_cell_and_the_scale() {
     let root = tempfile::tempdir().unwrap();
-    let layout = Layout::new(root.path(), "survey".parse().unwrap());
-    fs::create_dir_all(layout.raw()).unwrap();
-    fs::write(layout.study_toml(), STUDY).unwrap();
-    let [map, csv] = ["map.toml", "answers.csv"].map(|name| root.path().join(name));
-    fs::write(&map, format!("{WHO}{WIDE}")).unwrap();
     for (row, words) in [
         ("1,A,4,0,0,0", ["the answer '4' must be a whole number from -3 to 3", "mood"]),
         ("1,A,0,7,0,0", ["the answer '7' must be a whole number from 0 to 6", "hard"]),
@@ -251,9 +252,8 @@ fn an_answer_that_its_scale_does_not_have_is_refused_with_its_cell_and_the_scale
         ("1,A,0,0,0,100.5", ["the answer '100.5' must be a number from 0 to 100", "line"]),
         ("1,A,0,0,0,half", ["the answer 'half' must be a number from 0 to 100", "line"]),
     ] {
-        fs::write(&csv, format!("who,knob,mood,hard,load,line\n{row}\n")).unwrap();
-        let [map, csv] = [&map, &csv].map(|path| path.to_str().unwrap());
-        zwidth(root.path(), &["import", "survey", "--map", map, csv]).exits(1).says(&words);
+        let table = format!("who,knob,mood,hard,load,line\n{row}\n");
+        import_answers(root.path(), STUDY, WIDE, &table).exits(1).says(&words);
     }
 }
 
@@ -277,7 +277,8 @@ fn with_slider(root: &Path) -> Layout {
         "kind = \"none\"\n",
         "kind = \"none\"\nquestions = [\"mood\", \"load\", \"line\"]\n",
     );
-    imported_into(&study, root, &table, "[questions.columns]\nline = \"line\"\n").0
+    import_answers(root, &study, "[questions.columns]\nline = \"line\"\n", &table).exits(0);
+    layout(root)
 }
 
 #[test]
@@ -289,8 +290,7 @@ fn decimals_of_a_slider_are_compared_by_their_own_means() {
     };
     assert!(log("P01").contains(r#""value":47.125"#), "{}", log("P01"));
     assert!(log("P04").contains(r#""value":44}"#), "{}", log("P04"));
-    let found = zwidth(root.path(), &["verify", "survey"]).exits(0).out;
-    assert_eq!(found, "survey: no findings (schema 2)\n");
+    has_no_findings(root.path());
     zwidth(root.path(), &["run", "survey"]).exits(0);
     zwidth(root.path(), &["compare", "survey", "--by", "answer"]).exits(0);
     let mean = |side: usize| SLIDER.iter().map(|pair| pair[side]).sum::<f64>() / 6.0;
@@ -319,8 +319,8 @@ fn late_answers_have_decimals_on_a_line_and_on_no_other_scale() {
         let of = ["answer", "survey", "-p", "P01", "-s", "S01", "--trial", "1"];
         zwidth(root.path(), &[&of[..], &["--question", question, value]].concat())
     };
-    let told = answer("line", "47.273").exits(0).out;
-    assert!(told.contains("line is answered with 47.273, in place of 47.125"), "{told}");
+    let words = "line is answered with 47.273, in place of 47.125";
+    answer("line", "47.273").exits(0).prints(&[words]);
     for (question, value, words) in [
         ("line", "100.5", "100.5 is no answer to line: it must be a number from 0 to 100"),
         ("mood", "-0.5", "it must be a whole number from -3 to 3"),

@@ -3,12 +3,12 @@
 use crate::acquire::{Desk, Live, TRIALS, ended_after_all, holds_samples, journaling};
 use crate::binary::{binary, zwidth};
 use crate::folders::files;
-use crate::participant::{ends, screen, session};
+use crate::participant::{ends, lines, screen, session};
 use crate::small::{Study, repeats};
 use serde_json::Value;
 use std::ffi::OsString;
 use std::path::Path;
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Command};
 use std::thread;
 use zwidth_link::Window;
 
@@ -42,11 +42,7 @@ fn beside(desk: &Desk, window: &Window, child: &mut Child) -> Live {
         }
         thread::yield_now();
     }
-    let mut command = Command::new(binary());
-    command.args(arguments(desk.root(), &["participant", "small", "--plain"]));
-    command.env_remove("ZWIDTH_ROOT");
-    command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
-    Live::of(command)
+    lines(desk)
 }
 
 /// Goes on in a window to a phase. Where the machine stands still for so long that safety stops what
@@ -60,15 +56,18 @@ fn go_on_to(phase: In, window: &Window, lines: &mut Live, is_plain: bool) {
     }
     loop {
         let line = lines.until_any(&["ready: ", "go: ", "question ", "pause: ", "stopped: "]);
-        match (line.as_str(), phase) {
-            (line, In::Ready) if line.starts_with("ready: ") => return,
-            (line, In::Trial) if line.starts_with("go: ") => return,
-            (line, In::Question) if line.starts_with("question ") => return,
-            (line, In::Pause) if line.starts_with("pause: ") => return,
-            (line, In::Stopped) if line.starts_with("stopped: ") => return,
-            (line, In::Stopped) if line.starts_with("ready: ") => window.type_keys(stop),
-            (line, _) if line.starts_with("question ") => window.type_keys(answer),
-            (line, _) if line.starts_with("go: ") || line.starts_with("pause: ") => {}
+        let is = match line.split([':', ' ']).next() {
+            Some("ready") => In::Ready,
+            Some("go") => In::Trial,
+            Some("question") => In::Question,
+            Some("pause") => In::Pause,
+            _ => In::Stopped,
+        };
+        match (is, phase) {
+            _ if is == phase => return,
+            (In::Ready, In::Stopped) => window.type_keys(stop),
+            (In::Question, _) => window.type_keys(answer),
+            (In::Trial | In::Pause, _) => {}
             _ => window.type_keys(start),
         }
     }

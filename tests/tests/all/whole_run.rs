@@ -1,12 +1,11 @@
 //! The main job on the study that comes with the software, through the program.
 
-use crate::binary::zwidth;
+use crate::binary::{zwidth, zwidth_line};
 use crate::folders::{files, listing, workspace};
 use crate::{shipped, small};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
-use zwidth_store::{RealFiles, append_events};
 use zwidth_study::{Event, Source};
 use zwidth_tables::{Format, Table};
 
@@ -34,17 +33,20 @@ fn tables() -> BTreeSet<String> {
     made("tables", "csv")
 }
 
-/// Jobs of the study: each has a record.
+/// The records of a run: one for each job.
+fn records(root: &Path) -> serde_json::Value {
+    let records = root.join("derived/thesis-twin/records.json");
+    serde_json::from_slice(&fs::read(records).unwrap()).unwrap()
+}
+
+/// Jobs of the study.
 fn jobs() -> usize {
-    let records = shipped::folder().join("derived/thesis-twin/records.json");
-    let records: serde_json::Value = serde_json::from_slice(&fs::read(records).unwrap()).unwrap();
-    records.as_object().unwrap().len()
+    records(shipped::folder()).as_object().unwrap().len()
 }
 
 #[test]
 fn the_bytes_written_down_are_of_the_versions_that_stages_have() {
-    let records = shipped::folder().join("derived/thesis-twin/records.json");
-    let records: serde_json::Value = serde_json::from_slice(&fs::read(records).unwrap()).unwrap();
+    let records = records(shipped::folder());
     let mut versions = BTreeMap::new();
     for record in records.as_object().unwrap().values() {
         versions.insert(record["stage"].as_str().unwrap(), record["version"].as_u64().unwrap());
@@ -153,11 +155,8 @@ fn a_run_leaves_the_raw_data_as_they_were() {
 fn a_second_run_makes_nothing_and_touches_nothing() {
     let root = shipped::finished();
     let before = listing(root.path());
-    let again = zwidth(root.path(), &["run"]).exits(0);
-    assert!(
-        again.out.contains(&format!("thesis-twin: 0 made, {} up to date", jobs())),
-        "{again:#?}"
-    );
+    let told = format!("thesis-twin: 0 made, {} up to date", jobs());
+    zwidth(root.path(), &["run"]).exits(0).prints(&[&told]);
     assert!(zwidth(root.path(), &["run", "--json"]).exits(0).made().is_empty());
     assert_eq!(listing(root.path()), before);
 }
@@ -176,14 +175,7 @@ fn one_thread_and_four_give_the_same_bytes() {
 #[test]
 fn a_superseded_trial_remakes_what_depends_on_it_and_nothing_else() {
     let root = shipped::finished();
-    let log = root.path().join("raw/thesis-twin/sessions/P01_S01.events.jsonl");
-    append_events(
-        &RealFiles,
-        &log,
-        "2026-01-02T00:00:00Z",
-        &[Event::Superseded { trial: 4, by: 40 }],
-    )
-    .unwrap();
+    shipped::log(root.path(), Event::Superseded { trial: 4, by: 40 });
     let ran = zwidth(root.path(), &["run", "--json"]).exits(0);
     // The plant rests on all trials, and so do every figure of it, the metrics with it and the
     // replays of the fitted model. No other condition's mean, replays by eye and figures do, nor
@@ -236,8 +228,9 @@ fn a_superseded_trial_remakes_what_depends_on_it_and_nothing_else() {
     ]);
     for condition in CONDITIONS.map(|c| c.replace('.', " ")) {
         expect.push(format!("replay P01 S01 {condition} fitted"));
-        expect.push(format!("samples P01 S01 {condition}")); // with the models' runs
     }
+    // With the models' runs.
+    expect.extend(["spring", "spring_wall"].map(|it| format!("samples P01 S01 {it}")));
     let compared = |name: &&String| {
         [
             "compare.",
@@ -338,8 +331,6 @@ struct Recorded {
 }
 
 fn recorded(root: &Path) -> Vec<Recorded> {
-    let text = fs::read_to_string(root.join("derived/thesis-twin/records.json")).unwrap();
-    let records: serde_json::Value = serde_json::from_str(&text).unwrap();
     let paths = |of: &serde_json::Value| of.as_object().unwrap().keys().cloned().collect();
     let job = |(name, record): (&String, &serde_json::Value)| Recorded {
         name: name.clone(),
@@ -347,7 +338,7 @@ fn recorded(root: &Path) -> Vec<Recorded> {
         inputs: paths(&record["inputs"]),
         outputs: paths(&record["outputs"]),
     };
-    records.as_object().unwrap().iter().map(job).collect()
+    records(root).as_object().unwrap().iter().map(job).collect()
 }
 
 /// The jobs that are called so, by stage, name or the stem of an output, and those whose outputs they
@@ -397,9 +388,8 @@ fn a_dry_run_says_what_would_be_made_and_makes_nothing() {
 #[test]
 fn every_listing_is_json_where_it_is_asked_for() {
     let root = shipped::finished();
-    let log = root.path().join("raw/thesis-twin/sessions/P01_S01.events.jsonl");
-    let event = Event::Excluded { trial: 20, reason: "slipped off".to_owned() };
-    append_events(&RealFiles, &log, "2026-01-02T00:00:00Z", &[event]).unwrap();
+    let excluded = Event::Excluded { trial: 20, reason: "slipped off".to_owned() };
+    shipped::log(root.path(), excluded);
     let json = |arguments: &[&str]| zwidth(root.path(), arguments).exits(0).json();
     let list = json(&["list", "--json"]);
     assert_eq!(list[0]["sessions"][0]["trials_that_count"], 35);
@@ -413,11 +403,11 @@ fn every_listing_is_json_where_it_is_asked_for() {
 #[test]
 fn methods_in_words_count_what_was_recorded() {
     let root = shipped::finished();
-    let told = zwidth(root.path(), &["methods", "thesis-twin"]).exits(0).out;
-    assert!(told.contains("1 participant, 1 session, 36 trials that count"), "{told}");
-    assert!(told.contains("All data are simulated"), "{told}");
-    let latex = zwidth(root.path(), &["methods", "thesis-twin", "--format", "tex"]).exits(0).out;
-    assert!(latex.contains("\\subsection{Statistics}"), "{latex}");
+    let words = ["1 participant, 1 session, 36 trials that count", "All data are simulated"];
+    zwidth(root.path(), &["methods", "thesis-twin"]).exits(0).prints(&words);
+    zwidth(root.path(), &["methods", "thesis-twin", "--format", "tex"])
+        .exits(0)
+        .prints(&["\\subsection{Statistics}"]);
     zwidth(root.path(), &["methods", "nowhere"]).exits(1).one_error();
 }
 
@@ -552,19 +542,8 @@ fn the_study_that_comes_along_has_no_findings() {
 #[test]
 fn the_study_that_comes_along_follows_from_its_seed_byte_for_byte() {
     let root = tempfile::tempdir().unwrap();
-    let twin = [
-        "twin",
-        "thesis-twin",
-        "--participants",
-        "1",
-        "--sessions",
-        "1",
-        "--seed",
-        "1",
-        "--rate",
-        "120",
-    ];
-    zwidth(root.path(), &twin).exits(0);
+    let twin = "twin thesis-twin --participants 1 --sessions 1 --seed 1 --rate 120";
+    zwidth_line(root.path(), twin).exits(0);
     // The figures of scenes, and the scenes, are the study's own; that these are those of `scenes/`
     // is told elsewhere.
     let text = |root: &Path| fs::read_to_string(root.join("raw/thesis-twin/study.toml")).unwrap();

@@ -2,6 +2,7 @@
 
 use super::case::Case;
 use super::table::{Table, number, tables};
+use crate::shell::files;
 use anyhow::Context as _;
 use std::collections::BTreeMap;
 use std::fs;
@@ -225,15 +226,14 @@ fn from_criterion(target: &Path, groups: &[&str]) -> anyhow::Result<Vec<Case>> {
 /// The medians of everything that criterion has measured here, s, by its full name.
 fn medians(folder: &Path) -> anyhow::Result<BTreeMap<String, f64>> {
     let mut found = BTreeMap::new();
-    let mut folders = vec![folder.to_owned()];
-    while let Some(folder) = folders.pop() {
-        let entries = fs::read_dir(&folder).into_iter().flatten().flatten();
-        folders.extend(entries.map(|entry| entry.path()).filter(|path| path.is_dir()));
-        if folder.ends_with("new") {
-            let id = json(&folder.join("benchmark.json"))?["full_id"].as_str().map(str::to_owned);
-            let median = json(&folder.join("estimates.json"))?["median"]["point_estimate"].as_f64();
-            found.extend(id.zip(median.map(|ns| ns * 1e-9)));
-        }
+    if !folder.exists() {
+        return Ok(found);
+    }
+    for path in files(folder)?.iter().filter(|path| path.ends_with("new/benchmark.json")) {
+        let id = json(path)?["full_id"].as_str().map(str::to_owned);
+        let estimates = json(&path.with_file_name("estimates.json"))?;
+        let median = estimates["median"]["point_estimate"].as_f64();
+        found.extend(id.zip(median.map(|ns| ns * 1e-9)));
     }
     Ok(found)
 }

@@ -6,11 +6,11 @@ mod benches;
 mod case;
 mod table;
 
+use crate::shell::target;
 use anyhow::{Context as _, ensure};
 use benches::{BENCHES, Bench, PRELUDE};
 use case::{Case, listed, read_back};
 use std::fs;
-use std::path::Path;
 use std::process::Command;
 
 const RESULTS: &str = "benches/RESULTS.md";
@@ -122,11 +122,6 @@ fn worse(committed: &[Case], now: &[Case]) -> Vec<String> {
         })
     };
     committed.iter().filter_map(one).collect()
-}
-
-/// The folder of builds, where criterion writes.
-fn target() -> std::path::PathBuf {
-    std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| Path::new("target").to_owned(), Into::into)
 }
 
 /// Processor, cores and compiler of this machine.

@@ -10,9 +10,8 @@ use anyhow::ensure;
 use std::io;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
-use zwidth_device::{Device, DeviceError};
-use zwidth_link::Drive;
-use zwidth_link::{Rig, Settings, Wire};
+use zwidth_device::Device as _;
+use zwidth_link::{Drive, Rig, Settings, Wire};
 use zwidth_study::Voltages;
 
 /// Readings of a run.
@@ -46,11 +45,7 @@ impl Line {
 
 impl Wire for Line {
     fn receive(&mut self, into: &mut [u8], _wait: Duration) -> io::Result<usize> {
-        let said = &mut self.board().said;
-        let n = into.len().min(said.len());
-        into[..n].copy_from_slice(&said[..n]);
-        said.drain(..n);
-        Ok(n)
+        Ok(self.board().receive(into))
     }
 
     fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
@@ -72,9 +67,10 @@ pub(crate) fn run(command: &[&str]) -> anyhow::Result<()> {
     rig.home(line.now_s())?;
     // Homing goes by real time: the host's clock is past it.
     line.board().us += 1_000_000;
-    readings(&line, &mut rig, Voltages { motor_v: can.motor_max_v, brake_v: can.brake_max_v })?;
+    let full = Voltages { motor_v: can.motor_max_v, brake_v: can.brake_max_v };
+    readings(&line, &mut rig, full)?;
     noise(&line, &mut rig)?;
-    watchdog(&line, &mut rig)?;
+    watchdog(&line, &mut rig, full)?;
     println!("{READINGS} readings, none lost; noise is dropped; without a write for 50 ms: 0 V");
     Ok(())
 }
@@ -132,12 +128,8 @@ fn noise(line: &Line, rig: &mut Rig<Line>) -> anyhow::Result<()> {
 }
 
 /// Without a write for its time the board goes to 0 V, says so, and runs again once it is homed.
-fn watchdog(line: &Line, rig: &mut Rig<Line>) -> anyhow::Result<()> {
-    let full = |rig: &mut Rig<Line>| -> Result<(), DeviceError> {
-        let can = rig.capabilities().clone();
-        rig.write(0.0, Voltages { motor_v: can.motor_max_v, brake_v: can.brake_max_v })
-    };
-    full(rig)?;
+fn watchdog(line: &Line, rig: &mut Rig<Line>, full: Voltages) -> anyhow::Result<()> {
+    rig.write(0.0, full)?;
     line.board().run(45_000, &[])?;
     ensure!(line.out() == [STEPS, STEPS, 1], "{:?} before its time", line.out());
     line.board().run(5_000, &[])?;
@@ -148,7 +140,7 @@ fn watchdog(line: &Line, rig: &mut Rig<Line>) -> anyhow::Result<()> {
     rig.write(now_s, Voltages::OFF)?;
     line.board().set("angle", STOP)?;
     rig.home(now_s)?;
-    full(rig)?;
+    rig.write(0.0, full)?;
     ensure!(line.out() == [STEPS, STEPS, 1], "{:?} after homing", line.out());
     Ok(())
 }

@@ -2,14 +2,15 @@
 //! and with the cable pulled under voltage, where only the firmware's own watchdog can set 0 V.
 
 use crate::emulator::Emulator;
-use crate::played::{Person, plan, play, short_study, told};
-use anyhow::anyhow;
+use crate::played::{Person, WIRE, plan, play, short_study};
+use anyhow::{Context as _, anyhow, bail, ensure};
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
 use std::io;
 use std::path::Path;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
+use zwidth_acquire::Outcome;
 use zwidth_device::Clock;
 use zwidth_link::framed::frame::{Frame, Frames};
 use zwidth_link::framed::message::{FromBoard, Seen, ToBoard};
@@ -200,11 +201,7 @@ impl Wire for Line {
             bench.step(until_us)?;
         }
         bench.check()?;
-        let said = &mut bench.emulator.said;
-        let n = into.len().min(said.len());
-        into[..n].copy_from_slice(&said[..n]);
-        said.drain(..n);
-        Ok(n)
+        Ok(bench.emulator.receive(into))
     }
 
     fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
@@ -256,19 +253,18 @@ impl Clock for Line {
 pub(crate) fn sessions(repeats: u32, command: &[&str]) -> anyhow::Result<()> {
     for pulls in [false, true] {
         let of = if pulls { "the cable pulled under voltage" } else { "undisturbed" };
-        let line = session(repeats, pulls, command).map_err(|why| anyhow!("{of}: {why}"))?;
-        println!("{of}: {line}");
+        println!("{of}: {}", session(repeats, pulls, command).context(of)?);
     }
     Ok(())
 }
 
-fn session(repeats: u32, pulls: bool, command: &[&str]) -> Result<String, String> {
+fn session(repeats: u32, pulls: bool, command: &[&str]) -> anyhow::Result<String> {
     let study_toml = short_study(RATE_HZ, LIMIT_S)?
         .replace("\nrepeats = 1\n", &format!("\nrepeats = {repeats}\n"))
         .replace("\nmotor_max_v = 16.0\n", &format!("\nmotor_max_v = {SUPPLY_V:?}\n"));
-    let (disk, plan) = plan(&study_toml)?;
+    let (disk, plan) = plan(WIRE, &study_toml)?;
     let line = Line(Arc::new(Mutex::new(Bench {
-        emulator: Emulator::start(command).map_err(told)?,
+        emulator: Emulator::start(command)?,
         to_board: Frames::default(),
         from_board: Frames::default(),
         trial: None,
@@ -283,9 +279,9 @@ fn session(repeats: u32, pulls: bool, command: &[&str]) -> Result<String, String
         gone: false,
     })));
     let settings: Settings =
-        toml::from_str(&format!("newtons_per_count = {}", 1.0 / COUNTS_PER_N)).map_err(told)?;
+        toml::from_str(&format!("newtons_per_count = {}", 1.0 / COUNTS_PER_N))?;
     let environments = plan.study.environments.iter().map(|e| e.id.clone()).collect();
-    let mut rig = Rig::connect(line.clone(), settings, environments).map_err(told)?;
+    let mut rig = Rig::connect(line.clone(), settings, environments)?;
     let waits = line.clone();
     let mut person = Person::new(move |s| waits.wait(s));
     let mut clock = line.clone();
@@ -293,39 +289,41 @@ fn session(repeats: u32, pulls: bool, command: &[&str]) -> Result<String, String
     line.wait(SHOWN_US as f64 * 1e-6);
     let bench = line.bench();
     let total = repeats as usize * MODES;
-    if (outcome.done, outcome.total) != (total, total) {
-        return Err(format!("{} of {} trials are done", outcome.done, outcome.total));
-    }
-    if person.stops != u32::from(pulls) {
-        return Err(format!("it was stopped {} times", person.stops));
-    }
+    let Outcome { done, total: planned, .. } = outcome;
+    ensure!((done, planned) == (total, total), "{done} of {planned} trials are done");
+    ensure!(person.stops == u32::from(pulls), "it was stopped {} times", person.stops);
     if let Some((moment, _)) = bench.moments.front() {
-        return Err(format!("no pin showed '{}'", moment.as_str()));
+        bail!("no pin showed '{}'", moment.as_str());
     }
-    if bench.shown < 3 * total || bench.shown_us > SHOWN_US {
-        let Bench { shown, shown_us, .. } = &*bench;
-        return Err(format!("{shown} markers were on the pins, one after {shown_us} µs"));
-    }
+    let Bench { shown, shown_us, .. } = &*bench;
+    ensure!(
+        *shown >= 3 * total && *shown_us <= SHOWN_US,
+        "{shown} markers were on the pins, one after {shown_us} µs"
+    );
     if let Some(wrong) = bench.wrong {
-        return Err(format!("the board said what no sensor had: {wrong:?}"));
+        bail!("the board said what no sensor had: {wrong:?}");
     }
     if let Some(finding) = verify_kept(&disk, &plan.layout).first() {
-        return Err(format!("verify finds: {finding}"));
+        bail!("verify finds: {finding}");
     }
-    let data = StudyData::load_from(&disk, &plan.layout).map_err(|e| format!("{e:?}"))?;
+    let data = StudyData::load_from(&disk, &plan.layout).map_err(|e| anyhow!("{e:?}"))?;
     let whole = data.trials.iter().filter(|trial| trial.meta.status == Status::Complete).count();
-    if whole != total {
-        return Err(format!("{whole} of {total} trials are whole"));
-    }
+    ensure!(whole == total, "{whole} of {total} trials are whole");
     let mut readings = 0;
     let mut passed_over = 0;
     for trial in &data.trials {
-        let [own, over] = arrived(&disk, &trial.path, &bench.told)?;
+        let [own, over] = arrived(&disk, &trial.path, &bench.told)
+            .with_context(|| trial.path.display().to_string())?;
         (readings, passed_over) = (readings + own, passed_over + over);
     }
     let off = match bench.pulled {
-        Some(pulled) => format!(", {}", off_after(pulled)?),
-        None if pulls => return Err("no voltage was ever out".to_owned()),
+        Some(Pulled { at_us, off_us }) => {
+            let took_us = off_us.context("the voltage stayed on")? - at_us;
+            ensure!(took_us <= WATCHDOG_US, "0 V came {took_us} µs after the cable was pulled");
+            let took_ms = took_us as f64 * 1e-3;
+            format!(", 0 V {took_ms:.1} ms after the cable was pulled, by the watchdog")
+        }
+        None if pulls => bail!("no voltage was ever out"),
         None => String::new(),
     };
     Ok(format!(
@@ -338,22 +336,11 @@ fn session(repeats: u32, pulls: bool, command: &[&str]) -> Result<String, String
     ))
 }
 
-/// When the watchdog had done its work.
-fn off_after(pulled: Pulled) -> Result<String, String> {
-    let off_us = pulled.off_us.ok_or("the voltage stayed on")?;
-    let took_us = off_us - pulled.at_us;
-    if took_us > WATCHDOG_US {
-        return Err(format!("0 V came {took_us} µs after the cable was pulled"));
-    }
-    Ok(format!("0 V {:.1} ms after the cable was pulled, by the watchdog", took_us as f64 * 1e-3))
-}
-
 /// How many readings a trial has, and how many that the board sent meanwhile it has not. Each it has
 /// is one that the board sent, in the board's order.
-fn arrived(disk: &Memory, path: &Path, told: &[Seen]) -> Result<[usize; 2], String> {
-    let broken = |why: &str| format!("{}: {why}", path.display());
-    let trial = read_trial_from(disk, path, Signal::all()).map_err(|e| e.to_string())?;
-    let column = |signal| trial.samples.get(signal).ok_or_else(|| broken("a column is missing"));
+fn arrived(disk: &Memory, path: &Path, told: &[Seen]) -> anyhow::Result<[usize; 2]> {
+    let trial = read_trial_from(disk, path, Signal::all())?;
+    let column = |signal| trial.samples.get(signal).context("a column is missing");
     let raw = column(Signal::ThetaRaw)?;
     let times = column(Signal::DeviceTime)?;
     let mut own: Vec<(u32, u16)> = (raw.iter().zip(times))
@@ -364,16 +351,12 @@ fn arrived(disk: &Memory, path: &Path, told: &[Seen]) -> Result<[usize; 2], Stri
         told.iter().position(|seen| (seen.t_us, seen.counts) == (*t_us, *counts))
     };
     let places: Option<Vec<usize>> = own.iter().map(place).collect();
-    let places = places.ok_or_else(|| broken("a reading that the board never sent"))?;
+    let places = places.context("a reading that the board never sent")?;
     let [Some(first), Some(last)] = [places.first(), places.last()] else {
-        return Err(broken("it has no reading"));
+        bail!("it has no reading");
     };
-    if !places.is_sorted() {
-        return Err(broken("readings are out of turn"));
-    }
+    ensure!(places.is_sorted(), "readings are out of turn");
     let passed_over = last + 1 - first - places.len();
-    if passed_over > HELD_BACK {
-        return Err(broken(&format!("{passed_over} readings of the board are missing")));
-    }
+    ensure!(passed_over <= HELD_BACK, "{passed_over} readings of the board are missing");
     Ok([places.len(), passed_over])
 }

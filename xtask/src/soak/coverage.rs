@@ -1,16 +1,17 @@
 //! Does a 95 % interval contain the truth 95 times in a hundred? Sessions of the simulated device,
 //! whose truth is known, are recorded and identified as users do it, one per seed.
 
-use super::{STUDY, fresh, run};
-use anyhow::{Context as _, bail, ensure};
+use super::{RATE, STUDY, fresh, most_hits, of_seeds, run, twin};
+use crate::shell::{program, scratch};
+use anyhow::{Context as _, ensure};
 use std::path::Path;
-use std::sync::atomic::{AtomicU32, Ordering};
 use zwidth_device::TwinParameters;
+use zwidth_results::{Identifiability, PlantEstimate, PlantParameter, Row, ThresholdBracket};
 use zwidth_stats::power::clopper_pearson;
+use zwidth_store::Layout;
 use zwidth_study::Control;
+use zwidth_tables::{Measured, Table};
 
-/// At this rate as the study that comes along, Hz.
-const RATE: &str = "120";
 /// Of so many seeds the share must lie between these.
 const MANY: usize = 400;
 const SHARES: [f64; 2] = [0.92, 0.98];
@@ -23,21 +24,10 @@ const MOST_BIAS: f64 = 0.5;
 /// With few seeds the mean itself scatters by 1/√seeds of that: so many times this is allowed
 /// besides.
 const BIAS_SCATTER: f64 = 3.3;
-/// Seeds at once: one writes while another computes.
-const AT_ONCE: u32 = 2;
-
-/// One parameter of one seed.
-struct Coverage {
-    parameter: String,
-    fitted: f64,
-    std_error: f64,
-    interval: [f64; 2],
-    identifiable: bool,
-}
 
 /// What one seed gave: the parameters, the threshold's bracket, and the force discrepancies.
 struct Found {
-    rows: Vec<Coverage>,
+    rows: Vec<PlantEstimate>,
     bracket: [f64; 2],
     discrepancies: Vec<Discrepancies>,
     /// What the energy observers looked at, and of it what they called active: contacts with the
@@ -55,80 +45,37 @@ struct Discrepancies {
     step_of_appendix_b: f64,
 }
 
-pub(crate) fn coverage(program: &Path, folder: &Path, seeds: u32) -> anyhow::Result<()> {
-    let next = AtomicU32::new(1);
+pub(crate) fn coverage(seeds: u32) -> anyhow::Result<()> {
+    let program = program()?;
     let began = std::time::Instant::now();
-    let work = || -> anyhow::Result<Vec<Found>> {
-        let mut found = Vec::new();
-        loop {
-            let seed = next.fetch_add(1, Ordering::Relaxed);
-            if seed > seeds {
-                return Ok(found);
-            }
-            let root = folder.join(format!("coverage-{seed}"));
-            found.push(one(program, &root, seed).with_context(|| format!("seed {seed}"))?);
-            std::fs::remove_dir_all(&root)?;
-        }
-    };
-    let parts: Vec<Vec<Found>> = std::thread::scope(|scope| {
-        let threads: Vec<_> = (0..AT_ONCE).map(|_| scope.spawn(work)).collect();
-        threads
-            .into_iter()
-            .map(|thread| thread.join().unwrap_or_else(|_| bail!("a thread panicked")))
-            .collect::<anyhow::Result<_>>()
-    })?;
-    let found: Vec<Found> = parts.into_iter().flatten().collect();
+    let found = of_seeds(&scratch("coverage"), seeds, |root, seed| one(&program, root, seed))?;
     println!("{} seeds in {:.0} s", found.len(), began.elapsed().as_secs_f64());
     tell(&found)
 }
 
 /// Records and identifies one session.
 fn one(program: &Path, root: &Path, seed: u32) -> anyhow::Result<Found> {
-    fresh(root, &[("\nrate_hz = 1000.0\n", &format!("\nrate_hz = {RATE}.0\n"))])?;
-    let seed = seed.to_string();
-    let twin = [
-        "--quiet",
-        "twin",
-        STUDY,
-        "--participants",
-        "1",
-        "--sessions",
-        "1",
-        "--seed",
-        &seed,
-        "--rate",
-        RATE,
-    ];
-    run(program, root, &twin, &[0])?;
+    let layout = fresh(root, &[("\nrate_hz = 1000.0\n", &format!("\nrate_hz = {RATE}.0\n"))])?;
+    twin(program, root, seed)?;
     run(program, root, &["--quiet", "run", STUDY, "--only", "metrics of the study"], &[0])?;
-    let table = |name: &str| -> anyhow::Result<String> {
-        let output = run(program, root, &["table", STUDY, name, "--format", "csv"], &[0])?;
-        Ok(String::from_utf8(output.stdout)?)
-    };
-    let [low, high] = columns(&table("identify.threshold")?, ["low_n", "high_n"])?
-        .pop()
-        .context("no threshold was bracketed")?;
-    let names = ["parameter", "fitted", "std_error", "ci_low", "ci_high", "verdict"];
-    let row =
-        |[parameter, fitted, std_error, low, high, verdict]: [String; 6]| -> anyhow::Result<Coverage> {
-            let number =
-                |text: &str| text.parse::<f64>().with_context(|| format!("{parameter}: '{text}'"));
-            // An interval that is not there holds nothing.
-            let end = |text: &str| if text.is_empty() { Ok(f64::NAN) } else { number(text) };
-            Ok(Coverage {
-                fitted: number(&fitted)?,
-                std_error: number(&std_error)?,
-                interval: [end(&low)?, end(&high)?],
-                identifiable: verdict == "identifiable",
-                parameter,
-            })
-        };
-    let rows =
-        columns(&table("identify")?, names)?.into_iter().map(row).collect::<anyhow::Result<_>>()?;
-    let metrics = table("metrics")?;
+    let estimates: Vec<PlantEstimate> = rows(&layout)?;
+    for row in &estimates {
+        let parameter = row.parameter.as_str();
+        row.std_error.with_context(|| format!("{parameter} has no standard error"))?;
+    }
+    let threshold = rows::<ThresholdBracket>(&layout)?.pop();
+    let bracket = threshold.and_then(|of| Some([of.low_n?, of.high_n?]));
+    let bracket = bracket.context("no threshold was bracketed")?;
+    let metrics = Measured::read(&layout.derived().join("metrics.parquet"), &METRICS)?;
     let discrepancies = discrepancies(&metrics)?;
-    let observed = observed(&metrics)?;
-    Ok(Found { rows, bracket: [low.parse()?, high.parse()?], discrepancies, observed })
+    let observed = observed(metrics.table())?;
+    Ok(Found { rows: estimates, bracket, discrepancies, observed })
+}
+
+/// The rows of a table of the study.
+fn rows<R: Row>(layout: &Layout) -> anyhow::Result<Vec<R>> {
+    let file = layout.derived().join(format!("{}.parquet", R::NAME));
+    Ok(Table::from_parquet(&file)?.to_rows()?)
 }
 
 /// The spring of the study, N/rad, where it rests, rad, and what motor and brake give at 8 V, N.
@@ -137,32 +84,35 @@ const REST_RAD: f64 = -std::f64::consts::FRAC_PI_4;
 const MOTOR_N: f64 = 2.08;
 const BRAKE_N: f64 = 13.0;
 
+/// The metrics that are looked at: of the force discrepancies, then of the energy observers.
+const METRICS: [&str; 11] = [
+    "theta_max_rad",
+    "discrepancy_actuator_mean_ci_low_n",
+    "discrepancy_actuator_mean_ci_high_n",
+    "discrepancy_user_mean_ci_low_n",
+    "discrepancy_user_mean_ci_high_n",
+    "discrepancy_actuator_step_ci_low_n",
+    "discrepancy_actuator_step_ci_high_n",
+    "wall_contacts",
+    "wall_contacts_active",
+    "closed_loops",
+    "closed_loops_active",
+];
+
 /// Of the trials in the spring without a wall that have a way back.
-fn discrepancies(metrics: &str) -> anyhow::Result<Vec<Discrepancies>> {
-    let names = [
-        "environment",
-        "mode",
-        "theta_max_rad",
-        "discrepancy_actuator_mean_ci_low_n",
-        "discrepancy_actuator_mean_ci_high_n",
-        "discrepancy_user_mean_ci_low_n",
-        "discrepancy_user_mean_ci_high_n",
-        "discrepancy_actuator_step_ci_low_n",
-        "discrepancy_actuator_step_ci_high_n",
-    ];
+fn discrepancies(metrics: &Measured) -> anyhow::Result<Vec<Discrepancies>> {
+    let columns = METRICS[..7].iter().map(|name| metrics.numbers(name));
+    let columns: Vec<Vec<Option<f64>>> = columns.collect::<Result<_, _>>()?;
     let mut found = Vec::new();
-    for [environment, mode, numbers @ ..] in columns(metrics, names)? {
-        let mut of = [0.0; 7];
-        let all = numbers.iter().map(|text| text.parse::<f64>());
-        if environment != "spring" || numbers.iter().any(String::is_empty) {
+    for (row, trial) in metrics.trials().iter().enumerate() {
+        let numbers: Option<Vec<f64>> = columns.iter().map(|column| column[row]).collect();
+        let Some(Ok(of)) = numbers.map(<[f64; 7]>::try_from) else { continue };
+        if trial.environment.as_str() != "spring" {
             continue;
-        }
-        for (place, number) in of.iter_mut().zip(all) {
-            *place = number?;
         }
         let asked_n = SPRING_N_PER_RAD * (of[0] - REST_RAD);
         found.push(Discrepancies {
-            mode,
+            mode: trial.mode.to_string(),
             actuators: [of[1], of[2]],
             user: [of[3], of[4]],
             step: [of[5], of[6]],
@@ -211,13 +161,11 @@ fn tell_discrepancies(found: &[Found], wrong: &mut Vec<String>) {
 }
 
 /// What the energy observers of all trials looked at, and called active.
-fn observed(metrics: &str) -> anyhow::Result<[[usize; 2]; 2]> {
-    let names = ["wall_contacts", "wall_contacts_active", "closed_loops", "closed_loops_active"];
+fn observed(metrics: &Table) -> anyhow::Result<[[usize; 2]; 2]> {
     let mut sums = [[0; 2]; 2];
-    for counts in columns(metrics, names)? {
-        for (place, count) in counts.iter().enumerate().filter(|(_, count)| !count.is_empty()) {
-            sums[place / 2][place % 2] += count.parse::<usize>()?;
-        }
+    for (place, name) in METRICS[7..].iter().enumerate() {
+        let counts = metrics.numbers(name)?.into_iter().flatten();
+        sums[place / 2][place % 2] = counts.sum::<f64>() as usize;
     }
     Ok(sums)
 }
@@ -249,36 +197,21 @@ fn tell_observed(found: &[Found], wrong: &mut Vec<String>) -> anyhow::Result<()>
     Ok(())
 }
 
-/// Some columns of a table in CSV, whose cells hold no commas.
-fn columns<const N: usize>(csv: &str, names: [&str; N]) -> anyhow::Result<Vec<[String; N]>> {
-    let mut lines = csv.lines().map(|line| line.split(',').map(str::to_owned).collect::<Vec<_>>());
-    let header = lines.next().context("an empty table")?;
-    let place = |name: &str| {
-        header.iter().position(|h| h == name).with_context(|| format!("no column {name}"))
-    };
-    let places = names.iter().map(|name| place(name)).collect::<anyhow::Result<Vec<_>>>()?;
-    lines
-        .map(|line| {
-            let cells: Vec<String> = places.iter().filter_map(|i| line.get(*i).cloned()).collect();
-            cells.try_into().map_err(|_| anyhow::anyhow!("a line is too short"))
-        })
-        .collect()
-}
-
 /// What the twin's plant is in the words of the fit: mass and inertia at the lever's end, what
 /// damps there (bearings and the closed winding), friction in motion, lags.
-fn truth(parameter: &str) -> anyhow::Result<f64> {
+fn truth(parameter: PlantParameter) -> anyhow::Result<f64> {
     let plant = TwinParameters::default().plant(None);
     let friction = plant.friction.context("the twin has friction")?;
     let [on, off] = plant.brake_lag_on_off_s.context("the twin's brake has lags")?;
     Ok(match parameter {
-        "mass" => plant.inertia_kg_m2 / (plant.lever_m * plant.lever_m),
-        "damping" => friction.viscous_ns_per_rad + plant.back_emf_ns_per_rad.unwrap_or(0.0),
-        "friction" => friction.kinetic_n,
-        "motor_lag" => plant.motor_lag_s.unwrap_or(0.0),
-        "brake_on" => on,
-        "brake_off" => off,
-        other => bail!("the twin has no '{other}'"),
+        PlantParameter::Mass => plant.inertia_kg_m2 / (plant.lever_m * plant.lever_m),
+        PlantParameter::Damping => {
+            friction.viscous_ns_per_rad + plant.back_emf_ns_per_rad.unwrap_or(0.0)
+        }
+        PlantParameter::Friction => friction.kinetic_n,
+        PlantParameter::MotorLag => plant.motor_lag_s.unwrap_or(0.0),
+        PlantParameter::BrakeOn => on,
+        PlantParameter::BrakeOff => off,
     })
 }
 
@@ -289,30 +222,31 @@ fn tell(found: &[Found]) -> anyhow::Result<()> {
     let allowed = allowed(n);
     println!("parameter   truth      mean       coverage  bias/SD  SE/SD  identifiable");
     for (j, first) in found.first().context("no seeds")?.rows.iter().enumerate() {
-        let rows: Vec<&Coverage> = found.iter().filter_map(|f| f.rows.get(j)).collect();
-        let truth = truth(&first.parameter)?;
+        let rows: Vec<&PlantEstimate> = found.iter().filter_map(|f| f.rows.get(j)).collect();
+        let parameter = first.parameter.as_str();
+        let truth = truth(first.parameter)?;
         let mean = rows.iter().map(|r| r.fitted).sum::<f64>() / n as f64;
         let squares =
-            |of: &dyn Fn(&Coverage) -> f64| rows.iter().map(|r| of(r) * of(r)).sum::<f64>();
+            |of: &dyn Fn(&PlantEstimate) -> f64| rows.iter().map(|r| of(r) * of(r)).sum::<f64>();
         let sd = (squares(&|r| r.fitted - mean) / (n as f64 - 1.0)).sqrt();
-        let std_error = (squares(&|r| r.std_error) / n as f64).sqrt();
-        let covered =
-            rows.iter().filter(|r| r.interval[0] <= truth && truth <= r.interval[1]).count();
-        let identifiable = rows.iter().filter(|r| r.identifiable).count();
+        let std_error = (squares(&|r| r.std_error.unwrap_or(f64::NAN)) / n as f64).sqrt();
+        // An interval that is not there holds nothing.
+        let ends = rows.iter().filter_map(|r| Some([r.ci_low?, r.ci_high?]));
+        let covered = ends.filter(|[low, high]| *low <= truth && truth <= *high).count();
+        let verdicts = rows.iter().map(|r| r.verdict);
+        let identifiable = verdicts.filter(|v| *v == Identifiability::Identifiable).count();
         let bias = (mean - truth) / sd;
         let most = MOST_BIAS + if n < MANY { BIAS_SCATTER / (n as f64).sqrt() } else { 0.0 };
         println!(
-            "{:<10} {truth:<10.3e} {mean:<10.4e} {covered:>3}/{n:<5} {bias:>6.2} {:>6.2}  {identifiable}",
-            first.parameter,
+            "{parameter:<10} {truth:<10.3e} {mean:<10.4e} {covered:>3}/{n:<5} {bias:>6.2} {:>6.2}  {identifiable}",
             std_error / sd,
         );
         if covered < allowed[0] || covered > allowed[1] {
-            wrong.push(format!("{}: {covered} intervals of {n} hold the truth", first.parameter));
+            wrong.push(format!("{parameter}: {covered} intervals of {n} hold the truth"));
         }
         if bias.abs() > most {
             wrong.push(format!(
-                "{}: its mean is {bias:.2} standard deviations off, {most:.2} at most",
-                first.parameter
+                "{parameter}: its mean is {bias:.2} standard deviations off, {most:.2} at most"
             ));
         }
     }
@@ -335,28 +269,14 @@ fn allowed(seeds: usize) -> [usize; 2] {
         return [(SHARES[0] * n).ceil() as usize, (SHARES[1] * n).floor() as usize];
     }
     let tail = (1.0 - CENTRAL) / 2.0;
-    let mut probability = NOMINAL.powi(seeds as i32);
-    let mut below = 0.0;
-    let mut low = 0;
-    // from all of them down: the chance of k misses
-    let mut high = seeds;
-    for misses in 0..=seeds {
-        if below + probability < tail {
-            high = seeds - misses - 1;
-        }
-        below += probability;
-        if 1.0 - below < tail {
-            low = seeds - misses;
-            break;
-        }
-        probability *= (n - misses as f64) / (misses as f64 + 1.0) * (1.0 - NOMINAL) / NOMINAL;
-    }
-    [low, high]
+    let low = most_hits(seeds, NOMINAL, |below| 1.0 - below < tail);
+    [low, most_hits(seeds, NOMINAL, |below| below >= tail)]
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use zwidth_tables::Column;
 
     /// SciPy: `binom.ppf(0.0005, n, 0.95)`, and the largest k with `binom.sf(k - 1, n, 0.95) >=
     /// 0.0005`.
@@ -369,18 +289,14 @@ mod tests {
 
     #[test]
     fn what_observers_looked_at_is_summed_over_the_trials() {
-        let csv = "closed_loops_active,wall_contacts,wall_contacts_active,closed_loops\n\
-                   0,,,1\n1,2,1,3\n,1,0,\n";
-        assert_eq!(observed(csv).unwrap(), [[3, 1], [4, 1]]);
-    }
-
-    #[test]
-    fn columns_come_by_their_names() {
-        let csv = "a,b,c\n1,2,3\n4,,6\n";
-        assert_eq!(
-            columns(csv, ["c", "b"]).unwrap(),
-            [["3", "2"], ["6", ""]].map(|r| r.map(str::to_owned))
-        );
-        assert!(columns(csv, ["d"]).is_err());
+        let of = |name, values: [Option<i64>; 3]| Column::integer(name, "1", "", values);
+        let columns = vec![
+            of("closed_loops_active", [Some(0), Some(1), None]),
+            of("wall_contacts", [None, Some(2), Some(1)]),
+            of("wall_contacts_active", [None, Some(1), Some(0)]),
+            of("closed_loops", [Some(1), Some(3), None]),
+        ];
+        let metrics = Table::new("metrics", "", columns).unwrap();
+        assert_eq!(observed(&metrics).unwrap(), [[3, 1], [4, 1]]);
     }
 }

@@ -1,8 +1,7 @@
 //! Scenes at the extremes, more than a test has time for, and the page of their results.
 
+use crate::shell::cargo;
 use crate::tried::held;
-use anyhow::bail;
-use std::process::Command;
 use std::time::Instant;
 
 /// Scenes of a full turn.
@@ -13,22 +12,12 @@ pub(crate) const SCENES: u64 = 1_000_000;
 pub(crate) fn extremes(scenes: u64) -> anyhow::Result<()> {
     println!("{scenes} scenes");
     let began = Instant::now();
-    let status = Command::new(env!("CARGO"))
-        .args([
-            "test",
-            "--release",
-            "--locked",
-            "--package",
-            "zwidth-dynamics",
-            "--test",
-            "extremes",
-        ])
-        .args(["--", "--ignored"])
-        .env("ZWIDTH_EXTREMES", scenes.to_string())
-        .status()?;
-    if !status.success() {
-        bail!("a scene at the extremes ends as none may: keep it as a test with a name");
-    }
+    cargo(
+        "test --release --locked --package zwidth-dynamics --test extremes -- --ignored",
+        &[],
+        &[("ZWIDTH_EXTREMES", scenes.to_string())],
+        "a scene at the extremes ends as none may: keep it as a test with a name",
+    )?;
     let what = "scenes at the extremes, which end in numbers or in errors that say what is wrong";
     held(what, format!("cargo xtask soak extremes {scenes}"), scenes, began)
 }

@@ -2,14 +2,13 @@
 //! progress keeps its samples, `verify` is clean after `recover`, and the session continues in the
 //! same order.
 
-use super::{SESSION, STUDY, fraction, fresh, run};
+use super::{SESSION, STUDY, fraction, fresh, run, started};
+use crate::shell::{program, scratch, words};
 use crate::tried::held;
 use anyhow::{Context as _, ensure};
 use jiff::Timestamp;
 use std::io::{BufRead as _, BufReader};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
-use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
 use zwidth_store::{Layout, Signal, StudyData, TrialEntry};
 use zwidth_study::Status;
@@ -33,11 +32,13 @@ const LOST_S: f64 = 0.1;
 /// and a write that is under way is lost whole. What a loaded machine may make of both, s.
 const SLACK_S: f64 = 0.05;
 
-pub(crate) fn kill(program: &Path, folder: &Path, kills: u32, seed: u64) -> anyhow::Result<()> {
+pub(crate) fn kill(kills: u32, seed: u64) -> anyhow::Result<()> {
+    let program = &program()?;
+    let folder = scratch("kill");
     let reference = folder.join("reference");
     let started = Instant::now();
     let whole = fresh(&reference, &SHORT)?;
-    acquire(program, &reference, seed, false)?;
+    run(program, &reference, &words(&line(seed, false)), &[0])?;
     let length = started.elapsed();
     let began = Instant::now();
     let mut cut = 0;
@@ -72,17 +73,10 @@ pub(crate) fn kill(program: &Path, folder: &Path, kills: u32, seed: u64) -> anyh
     held(what, format!("cargo xtask soak kill {kills}"), kills.into(), began)
 }
 
-/// The arguments of a session that runs by itself.
-fn arguments(seed: &str, live: bool) -> Vec<&str> {
-    let mut all = vec!["acquire", STUDY];
-    all.extend(SESSION);
-    all.extend(["--plain", "--auto", "--seed", seed]);
-    all.extend((!live).then_some("--fast"));
-    all
-}
-
-fn acquire(program: &Path, root: &Path, seed: u64, live: bool) -> anyhow::Result<()> {
-    run(program, root, &arguments(&seed.to_string(), live), &[0]).map(drop)
+/// The command of a session that runs by itself.
+fn line(seed: u64, live: bool) -> String {
+    let fast = if live { "" } else { " --fast" };
+    format!("acquire {STUDY} {SESSION} --plain --auto --seed {seed}{fast}")
 }
 
 /// Starts a session, kills it after a while, and returns what it had said until then.
@@ -93,33 +87,15 @@ fn killed(
     live: bool,
     after: Duration,
 ) -> anyhow::Result<(Vec<String>, Timestamp)> {
-    let mut child = Command::new(program)
-        .arg("--root")
-        .arg(root)
-        .args(arguments(&seed.to_string(), live))
-        .stdin(Stdio::null())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::null())
-        .spawn()?;
-    let heard = listen(child.stdout.take().context("the acquisition has no output")?);
+    let mut child = started(program, root, &line(seed, live))?;
+    let pipe = BufReader::new(child.stdout.take().context("the acquisition has no output")?);
+    // Read while it runs: a full pipe would stop it. The pipe ends with it.
+    let heard = std::thread::spawn(|| pipe.lines().map_while(Result::ok).collect());
     std::thread::sleep(after);
     let killed = Timestamp::now();
     child.kill()?;
     child.wait()?;
-    Ok((heard.iter().collect(), killed))
-}
-
-/// Lines until the pipe ends.
-fn listen(pipe: impl std::io::Read + Send + 'static) -> Receiver<String> {
-    let (sender, heard) = channel();
-    std::thread::spawn(move || {
-        for line in BufReader::new(pipe).lines().map_while(Result::ok) {
-            if sender.send(line).is_err() {
-                break;
-            }
-        }
-    });
-    heard
+    Ok((heard.join().unwrap_or_default(), killed))
 }
 
 /// Checks what a kill left, after `recover`; gives what the trial in progress lost, where that can
@@ -162,7 +138,7 @@ fn inspect(
         }
         return Ok(None);
     }
-    Ok(current.map(|number| lost(&data, number, killed)).transpose()?.flatten())
+    current.map_or(Ok(None), |number| lost(&data, number, killed))
 }
 
 /// The journals a kill left, each with the time of its last write.
@@ -257,7 +233,7 @@ fn lost(data: &StudyData, number: u32, killed: Timestamp) -> anyhow::Result<Opti
 fn go_on(program: &Path, root: &Path, layout: &Layout, seed: u64) -> anyhow::Result<()> {
     let record = layout.session(&"P01".parse()?, &"S01".parse()?);
     let before = std::fs::read(&record).ok();
-    acquire(program, root, seed, false)?;
+    run(program, root, &words(&line(seed, false)), &[0])?;
     run(program, root, &["verify", STUDY], &[0])?;
     let after = std::fs::read(&record)?;
     ensure!(before.is_none_or(|before| before == after), "the session's record changed");

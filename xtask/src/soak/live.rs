@@ -4,9 +4,9 @@
 
 use super::{SESSION, STUDY, fresh, run};
 use crate::board::Plugged;
+use crate::shell::{program, scratch, words};
 use crate::tried::held;
 use anyhow::{Context as _, ensure};
-use std::path::Path;
 use std::time::Instant;
 use zwidth_store::{Layout, Signal, StudyData, read_trial};
 use zwidth_study::Flags;
@@ -35,34 +35,29 @@ fn plugged(layout: &Layout, link: &str) -> anyhow::Result<String> {
 }
 
 /// `link`: of the board, where the device is one.
-pub(crate) fn live(
-    program: &Path,
-    folder: &Path,
-    minutes: f64,
-    link: Option<&str>,
-) -> anyhow::Result<()> {
+pub(crate) fn live(minutes: f64, link: Option<&str>) -> anyhow::Result<()> {
+    let program = program()?;
     let began = Instant::now();
     let repeats = (minutes * 60.0 / (TRIAL_S * CONDITIONS)).ceil().max(1.0);
     let layout = fresh(
-        &folder.join("live"),
+        &scratch("live").join("live"),
         &[
             ("\nrepeats = 6\n", &format!("\nrepeats = {repeats}\n")),
             ("\nfamiliarisation = 3\n", "\nfamiliarisation = 0\n"),
             ("\npause_s = 5.0\n", "\npause_s = 2.0\n"),
         ],
     )?;
-    let mut arguments = vec!["acquire", STUDY];
-    arguments.extend(SESSION);
-    arguments.extend(["--plain", "--auto", "--seed", "1"]);
-    let device = link.map(|link| plugged(&layout, link)).transpose()?;
-    arguments.extend(device.iter().flat_map(|device| ["--device", device]));
+    let mut line = format!("acquire {STUDY} {SESSION} --plain --auto --seed 1");
+    if let Some(link) = link {
+        line += &format!(" --device {}", plugged(&layout, link)?);
+    }
     // A machine that has no time for the loop is stopped by safety, as it should be; the session
     // then goes on.
     let mut ticks = 0;
     let mut stops = 0;
     let mut timings = Vec::new();
     loop {
-        let output = run(program, layout.root(), &arguments, &[0, 1])?;
+        let output = run(&program, layout.root(), &words(&line), &[0, 1])?;
         let [out, err] = [&output.stdout, &output.stderr]
             .map(|bytes| String::from_utf8_lossy(bytes).into_owned());
         let told = out + &err;
@@ -77,7 +72,7 @@ pub(crate) fn live(
         stops += 1;
         ensure!(stops <= MOST_STOPS, "stopped {stops} times, the last time so:\n{told}");
     }
-    run(program, layout.root(), &["verify", STUDY], &[0])?;
+    run(&program, layout.root(), &["verify", STUDY], &[0])?;
 
     let data = StudyData::load(&layout).map_err(|errors| anyhow::anyhow!("{errors:?}"))?;
     let mut rows = 0;
@@ -106,10 +101,11 @@ pub(crate) fn live(
         "{flagged} samples are flagged as coming after a gap, {stale} repeat an angle; safety stopped \
          the session {stops} times"
     );
-    let what = "samples at 1 kHz in real time, none lost";
-    let (what, over) = match link {
-        Some(link) => (format!("{what}, over the {link} link"), format!(" {link}")),
-        None => (what.to_owned(), String::new()),
-    };
-    held(&what, format!("cargo xtask soak live {minutes}{over}"), rows as u64, began)
+    let mut what = "samples at 1 kHz in real time, none lost".to_owned();
+    let mut command = format!("cargo xtask soak live {minutes}");
+    if let Some(link) = link {
+        what += &format!(", over the {link} link");
+        command += &format!(" {link}");
+    }
+    held(&what, command, rows as u64, began)
 }

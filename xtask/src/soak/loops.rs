@@ -1,34 +1,32 @@
 //! Does a mean of force against position lie between its repeats? Sessions of the simulated device
 //! and people, one seed per study, are compared with the recordings themselves.
 
-use super::run;
+use super::{RATE, run};
+use crate::shell::{program, scratch, words};
 use anyhow::{Context as _, ensure};
-use std::path::Path;
 use zwidth_store::{Layout, Signal, StudyData, TrialEntry, read_trial};
 use zwidth_study::StudyId;
 use zwidth_tables::Table;
 
 /// Participants of a study, with one session each.
 const PEOPLE: usize = 10;
-/// As slow as a movement can be read from, so that many sessions take little time, Hz.
-const RATE: &str = "120";
 /// What interpolation between samples of different repeats rounds by, N.
 const ROUNDING_N: f64 = 1e-9;
 
 /// The angle and the force of a repeat, rad and N.
 type Course = (Vec<f64>, Vec<f64>);
 
-pub(crate) fn loops(program: &Path, folder: &Path, sessions: usize) -> anyhow::Result<()> {
+pub(crate) fn loops(sessions: usize) -> anyhow::Result<()> {
+    let program = program()?;
     let mut conditions = 0;
     let mut points = 0;
     let mut outside = 0;
     for seed in 1..=sessions.div_ceil(PEOPLE) {
-        let root = folder.join(format!("loops-{seed}"));
-        let people = PEOPLE.to_string();
-        let seed = seed.to_string();
-        let twin = ["twin", "loops", "--participants", &people, "--sessions", "1"];
-        run(program, &root, &[twin.as_slice(), &["--rate", RATE, "--seed", &seed]].concat(), &[0])?;
-        run(program, &root, &["run", "loops", "--only", "average", "--quiet"], &[0, 3])?;
+        let root = scratch("loops").join(format!("loops-{seed}"));
+        let people = format!("--participants {PEOPLE} --sessions 1");
+        let twin = format!("twin loops {people} --rate {RATE} --seed {seed}");
+        run(&program, &root, &words(&twin), &[0])?;
+        run(&program, &root, &["run", "loops", "--only", "average", "--quiet"], &[0, 3])?;
         let layout = Layout::new(&root, StudyId::new("loops")?);
         let data = StudyData::load(&layout).map_err(|found| anyhow::anyhow!("{found:?}"))?;
         let mut trials: Vec<&TrialEntry> = data.counting().collect();

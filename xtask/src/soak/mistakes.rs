@@ -9,6 +9,7 @@
 //! one sample that stands alone.
 
 use super::optimised;
+use crate::shell::{remove, scratch};
 use crate::tried::held;
 use anyhow::{Context as _, ensure};
 use rayon::prelude::*;
@@ -28,53 +29,139 @@ const T_8: f64 = 2.306_004_135_204_166;
 /// A hand moves where it is faster than this, rad/s (5°/s).
 const ONSET_RAD_S: f64 = 0.087;
 
+/// Makes a mistake; beside the files it takes a share of a trial, and what it draws from.
+type Spoil = fn(Files, f64, &mut Draw) -> Files;
+
 /// What is done to a clean study, and whether it leaves a trace.
-const MISTAKES: [(&str, bool); 34] = [
-    ("a label flips just before files end", true),
-    ("a label flips in the middle of a file", true),
-    ("an attempt that was cut short counts", true),
-    ("an attempt counts twice", true),
-    ("a trial is missing", true),
-    ("files in a shell's order", true),
-    ("a counter of microseconds starts over", true),
-    ("samples are missing, their times are there", true),
-    ("samples are missing at a rate, a counter shows them", true),
-    ("each row twice", true),
-    ("a clock is set back", true),
-    ("a clock is set forward", true),
-    ("milliseconds taken for seconds", true),
-    ("seconds taken for milliseconds", true),
-    ("mN taken for N", true),
-    ("a torque taken for a force", true),
-    ("a force of the other sign", true),
-    ("degrees taken for radians", true),
-    ("deg/s taken for rad/s", true),
-    ("a first sample that is no zero", true),
-    ("a zero over a stretch in motion", true),
-    ("a word for a missing value", true),
-    ("a number for a missing value", true),
-    ("decimal commas", true),
-    ("an angle that starts over", true),
-    ("a sensor at the end of its range", true),
-    ("a sensor that stops", true),
-    ("an angle that is stuck in one trial", true),
-    ("another rate in one file", true),
-    ("a stump of a trial", true),
-    ("rows out of order", true),
-    ("samples are missing at a rate, and nothing counts them", false),
-    ("two labels exchanged", false),
-    ("a force off by a half", false),
+const MISTAKES: [(&str, bool, Spoil); 34] = [
+    ("a label flips just before files end", true, |mut files, _, draw| {
+        let seconds = draw.between(0.1, 0.3);
+        for trial in files.trials.iter_mut().filter(|trial| trial.mode[0] == "b") {
+            let end = trial.rows[trial.rows.len() - 1][0] - seconds;
+            let flips = trial.rows.iter().position(|row| row[0] > end).unwrap_or(0);
+            trial.mode[flips..].fill("a");
+        }
+        // No number tells the second trial from the first.
+        files.unnumbered()
+    }),
+    ("a label flips in the middle of a file", true, |files, _, draw| {
+        let flipped = files.in_one(draw, |trial| {
+            let middle = trial.rows.len() / 2;
+            let other = if trial.mode[0] == "a" { "b" } else { "a" };
+            trial.mode[middle..].fill(other);
+        });
+        flipped.unnumbered()
+    }),
+    ("an attempt that was cut short counts", true, |files, share, draw| {
+        files.attempted(draw, |rows| (share * rows as f64) as usize)
+    }),
+    ("an attempt counts twice", true, |files, _, draw| files.attempted(draw, |rows| rows)),
+    ("a trial is missing", true, |mut files, _, draw| {
+        let one = draw.below(files.trials.len());
+        files.trials.remove(one);
+        files
+    }),
+    ("files in a shell's order", true, |mut files, _, _| {
+        files.trials.reverse();
+        files.unnumbered()
+    }),
+    ("a counter of microseconds starts over", true, |mut files, _, _| {
+        const TURN: f64 = 4_294_967_296.0;
+        files.time = |t| format!("{}", (1e6 * t + TURN - 1.2e6).rem_euclid(TURN).round());
+        files.mapped("unit = \"s\"", "unit = \"us\"")
+    }),
+    ("samples are missing, their times are there", true, |files, share, draw| {
+        let seconds = draw.between(0.15, 0.4);
+        files.in_all(|trial| trial.loses(share, seconds))
+    }),
+    ("samples are missing at a rate, a counter shows them", true, |files, share, draw| Files {
+        is_counted: true,
+        ..files.at_a_rate(share, draw)
+    }),
+    ("each row twice", true, |files, _, _| Files { is_doubled: true, ..files }),
+    ("a clock is set back", true, |files, _, draw| files.in_half(draw, |row| row[0] -= 0.3)),
+    ("a clock is set forward", true, |files, _, draw| files.in_half(draw, |row| row[0] += 10.0)),
+    ("milliseconds taken for seconds", true, |files, _, _| Files {
+        time: |t| format!("{:.3}", 1e3 * t),
+        ..files
+    }),
+    ("seconds taken for milliseconds", true, |files, _, _| {
+        files.mapped("unit = \"s\"", "unit = \"ms\"")
+    }),
+    ("mN taken for N", true, |files, _, _| files.in_rows(|row| row[3] *= 1e3)),
+    ("a torque taken for a force", true, |files, _, _| files.in_rows(|row| row[3] *= 0.1)),
+    ("a force of the other sign", true, |files, _, _| files.in_rows(|row| row[3] = -row[3])),
+    ("degrees taken for radians", true, |files, _, _| {
+        files.mapped("from = \"angle\"\nunit = \"deg\"", "from = \"angle\"\nunit = \"rad\"")
+    }),
+    ("deg/s taken for rad/s", true, |files, _, _| {
+        files.mapped("unit = \"deg/s\"", "unit = \"rad/s\"")
+    }),
+    ("a first sample that is no zero", true, |files, _, draw| {
+        let off = files.in_all(|trial| {
+            let offset = draw.between(1.5, 3.0);
+            trial.rows.iter_mut().for_each(|row| row[3] += offset);
+            trial.rows[0][3] /= 2.0;
+        });
+        off.mapped("unit = \"N\"", "unit = \"N\"\nzero = \"first\"")
+    }),
+    ("a zero over a stretch in motion", true, |files, _, _| {
+        files.mapped("unit = \"N\"", "unit = \"N\"\nzero = { from_s = 0.4, to_s = 1.0 }")
+    }),
+    ("a word for a missing value", true, |files, _, draw| {
+        let word = ["NA", "n/a", "None", "-nan(ind)", "#N/A", "null"][draw.below(6)];
+        files.with_word(draw, word)
+    }),
+    ("a number for a missing value", true, |files, _, draw| files.with_word(draw, "-9999")),
+    ("decimal commas", true, |files, _, _| Files { decimal: ',', ..files }),
+    ("an angle that starts over", true, |files, _, _| {
+        files.in_rows(|row| row[1] = (row[1] + 340.0).rem_euclid(360.0))
+    }),
+    ("a sensor at the end of its range", true, |files, _, draw| {
+        let forces = files.trials.iter().flat_map(|trial| &trial.rows).map(|row| row[3]);
+        let end = draw.between(0.5, 0.7) * forces.fold(0.0, f64::max);
+        files.in_rows(|row| row[3] = row[3].min(end))
+    }),
+    ("a sensor that stops", true, |files, _, draw| {
+        files.in_one(draw, |trial| {
+            let from = trial.rows.len() * 2 / 5;
+            let held = trial.rows[from][3];
+            trial.rows[from..].iter_mut().for_each(|row| row[3] = held);
+        })
+    }),
+    ("an angle that is stuck in one trial", true, |files, _, draw| {
+        files.in_one(draw, |trial| trial.rows.iter_mut().for_each(|row| row[1] = 0.0))
+    }),
+    ("another rate in one file", true, |files, _, draw| {
+        files.in_one(draw, |trial| trial.rows.iter_mut().for_each(|row| row[0] *= 2.0))
+    }),
+    ("a stump of a trial", true, |files, _, draw| files.attempted(draw, |rows| rows / 8)),
+    ("rows out of order", true, |files, _, draw| {
+        files.in_one(draw, |trial| {
+            let middle = trial.rows.len() / 2;
+            trial.rows.swap(middle, middle + 5);
+        })
+    }),
+    ("samples are missing at a rate, and nothing counts them", false, |files, share, draw| {
+        files.at_a_rate(share, draw)
+    }),
+    ("two labels exchanged", false, |mut files, _, _| {
+        let [one, other] = [0, REPEATS].map(|trial| files.trials[trial].mode[0]);
+        files.trials[0].mode.fill(other);
+        files.trials[REPEATS].mode.fill(one);
+        files
+    }),
+    ("a force off by a half", false, |files, _, _| files.in_rows(|row| row[3] *= 1.5)),
 ];
 
 /// Tries so many seeds, one mistake each and as many clean studies.
-pub(crate) fn mistakes(folder: &Path, studies: u64, first: u64) -> anyhow::Result<()> {
+pub(crate) fn mistakes(studies: u64, first: u64) -> anyhow::Result<()> {
     if cfg!(debug_assertions) && studies > 500 {
         return optimised(&["mistakes", &studies.to_string(), &first.to_string()]);
     }
     let began = Instant::now();
-    if folder.exists() {
-        std::fs::remove_dir_all(folder)?;
-    }
+    let folder = &scratch("mistakes");
+    remove(folder)?;
     let tried: Vec<(usize, Outcome, Outcome)> = (first..first + studies)
         .into_par_iter()
         .map(|seed| one(folder, seed).with_context(|| format!("seed {seed}")))
@@ -85,7 +172,7 @@ pub(crate) fn mistakes(folder: &Path, studies: u64, first: u64) -> anyhow::Resul
     let mut untraced = 0;
     let mut unlike = Vec::new();
     for (seed, (mistake, clean, spoilt)) in (first..).zip(&tried) {
-        let (name, leaves_trace) = MISTAKES[*mistake];
+        let (name, leaves_trace, _) = MISTAKES[*mistake];
         let row = rows.entry(*mistake).or_default();
         match spoilt {
             Outcome::Refused => row[0] += 1,
@@ -150,7 +237,9 @@ fn one(folder: &Path, seed: u64) -> anyhow::Result<(usize, Outcome, Outcome)> {
     let mut draw = Draw(seed, 0);
     let mistake = (seed % MISTAKES.len() as u64) as usize;
     let clean = Files::clean(&mut draw);
-    let spoilt = clean.clone().spoilt(mistake, &mut draw);
+    let share = draw.between(0.35, 0.5);
+    let (_, _, spoil) = MISTAKES[mistake];
+    let spoilt = spoil(clean.clone(), share, &mut draw);
     let mut found = imported(&folder.join(format!("{seed}-clean")), &clean)?;
     let mut other = imported(&folder.join(format!("{seed}-spoilt")), &spoilt)?;
     if let (Outcome::Silent { means, .. }, Outcome::Silent { means: spoilt, is_off }) =
@@ -255,12 +344,9 @@ impl Files {
                 for repeat in 1..=REPEATS {
                     let slower = if mode == "b" { 1.25 } else { 1.0 };
                     let move_s = pace * slower * draw.between(0.55, 0.65);
-                    let reach = [
-                        draw.between(35.0, 45.0),
-                        draw.between(0.5, 0.8),
-                        move_s,
-                        draw.between(0.1, 0.3),
-                    ];
+                    let far = draw.between(35.0, 45.0);
+                    let rest_s = draw.between(0.5, 0.8);
+                    let reach = [far, rest_s, move_s, draw.between(0.1, 0.3)];
                     let rows = rows(reach, rate_hz, stiffness, noise_n, draw);
                     trials.push(Trial {
                         name: format!("P{person}_{mode}_{repeat}.csv"),
@@ -282,10 +368,61 @@ impl Files {
         }
     }
 
-    /// The trial that a mistake is made in.
-    fn some(&mut self, draw: &mut Draw) -> &mut Trial {
+    /// With a change in one trial that is drawn.
+    fn in_one(mut self, draw: &mut Draw, change: impl FnOnce(&mut Trial)) -> Self {
         let one = draw.below(self.trials.len());
-        &mut self.trials[one]
+        change(&mut self.trials[one]);
+        self
+    }
+
+    /// With a change in the second half of such a trial.
+    fn in_half(self, draw: &mut Draw, change: fn(&mut [f64; 4])) -> Self {
+        self.in_one(draw, |trial| {
+            let middle = trial.rows.len() / 2;
+            trial.rows[middle..].iter_mut().for_each(change);
+        })
+    }
+
+    /// With a change in every trial.
+    fn in_all(mut self, change: impl FnMut(&mut Trial)) -> Self {
+        self.trials.iter_mut().for_each(change);
+        self
+    }
+
+    /// With a change in every row.
+    fn in_rows(mut self, change: impl FnMut(&mut [f64; 4])) -> Self {
+        self.trials.iter_mut().flat_map(|trial| &mut trial.rows).for_each(change);
+        self
+    }
+
+    /// With a word in the place of a force.
+    fn with_word(self, draw: &mut Draw, word: &'static str) -> Self {
+        self.in_one(draw, |trial| {
+            let row = trial.rows.len() / 2;
+            trial.words.insert((row, 3), word);
+        })
+    }
+
+    /// With another attempt at a trial, of so many of its rows.
+    fn attempted(mut self, draw: &mut Draw, kept: impl FnOnce(usize) -> usize) -> Self {
+        let mut trial = self.trials[draw.below(self.trials.len())].clone();
+        trial.name = trial.name.replace(".csv", "_2.csv");
+        trial.rows.iter_mut().for_each(|row| row[3] += 0.001);
+        let kept = kept(trial.rows.len());
+        trial.rows.truncate(kept);
+        trial.mode.truncate(kept);
+        self.trials.push(trial);
+        self.unnumbered()
+    }
+
+    /// With samples missing, and times that are told by their rate alone.
+    fn at_a_rate(self, share: f64, draw: &mut Draw) -> Self {
+        let rate_hz = 1.0 / (self.trials[0].rows[1][0] - self.trials[0].rows[0][0]);
+        let seconds = draw.between(0.15, 0.4);
+        let timed = "from = \"t\"\nunit = \"s\"\nzero = \"first\"";
+        let lacking = self.in_all(|trial| trial.loses(share, seconds));
+        let at_a_rate = lacking.mapped(timed, &format!("rate_hz = {rate_hz:?}"));
+        Self { time: |_| "0".to_owned(), ..at_a_rate }
     }
 
     fn mapped(mut self, from: &str, to: &str) -> Self {
@@ -294,198 +431,9 @@ impl Files {
         self
     }
 
-    #[allow(clippy::too_many_lines)] // a case a mistake
-    fn spoilt(mut self, mistake: usize, draw: &mut Draw) -> Self {
-        let share = draw.between(0.35, 0.5);
-        match MISTAKES[mistake].0 {
-            "a label flips just before files end" => {
-                let seconds = draw.between(0.1, 0.3);
-                for trial in self.trials.iter_mut().filter(|trial| trial.mode[0] == "b") {
-                    let end = trial.rows[trial.rows.len() - 1][0] - seconds;
-                    let flips = trial.rows.iter().position(|row| row[0] > end).unwrap_or(0);
-                    trial.mode[flips..].fill("a");
-                }
-                // No number tells the second trial from the first.
-                self.mapped("repeat = { name = \"repeat\" }\n", "")
-            }
-            "a label flips in the middle of a file" => {
-                let trial = self.some(draw);
-                let middle = trial.rows.len() / 2;
-                let other = if trial.mode[0] == "a" { "b" } else { "a" };
-                trial.mode[middle..].fill(other);
-                self.mapped("repeat = { name = \"repeat\" }\n", "")
-            }
-            word @ ("an attempt that was cut short counts"
-            | "an attempt counts twice"
-            | "a stump of a trial") => {
-                let mut trial = self.some(draw).clone();
-                trial.name = trial.name.replace(".csv", "_2.csv");
-                trial.rows.iter_mut().for_each(|row| row[3] += 0.001);
-                let kept = match word {
-                    "an attempt counts twice" => trial.rows.len(),
-                    "a stump of a trial" => trial.rows.len() / 8,
-                    _ => (share * trial.rows.len() as f64) as usize,
-                };
-                trial.rows.truncate(kept);
-                trial.mode.truncate(kept);
-                self.trials.push(trial);
-                self.mapped("repeat = { name = \"repeat\" }\n", "")
-            }
-            "a trial is missing" => {
-                let one = draw.below(self.trials.len());
-                self.trials.remove(one);
-                self
-            }
-            "files in a shell's order" => {
-                self.trials.reverse();
-                self.mapped("repeat = { name = \"repeat\" }\n", "")
-            }
-            "a counter of microseconds starts over" => {
-                self.time = |t| {
-                    format!(
-                        "{}",
-                        (1e6 * t + 4_294_967_296.0 - 1.2e6).rem_euclid(4_294_967_296.0).round()
-                    )
-                };
-                self.mapped("unit = \"s\"", "unit = \"us\"")
-            }
-            "samples are missing, their times are there" => {
-                let seconds = draw.between(0.15, 0.4);
-                for trial in &mut self.trials {
-                    trial.loses(share, seconds);
-                }
-                self
-            }
-            word @ ("samples are missing at a rate, a counter shows them"
-            | "samples are missing at a rate, and nothing counts them") => {
-                let rate_hz = 1.0 / (self.trials[0].rows[1][0] - self.trials[0].rows[0][0]);
-                let seconds = draw.between(0.15, 0.4);
-                for trial in &mut self.trials {
-                    trial.loses(share, seconds);
-                }
-                self.is_counted = true;
-                let at_a_rate = self.mapped(
-                    "from = \"t\"\nunit = \"s\"\nzero = \"first\"",
-                    &format!("rate_hz = {rate_hz:?}"),
-                );
-                Self {
-                    is_counted: word.contains("a counter"),
-                    time: |_| "0".to_owned(),
-                    ..at_a_rate
-                }
-            }
-            "each row twice" => Self { is_doubled: true, ..self },
-            "a clock is set back" => {
-                let trial = self.some(draw);
-                let middle = trial.rows.len() / 2;
-                trial.rows[middle..].iter_mut().for_each(|row| row[0] -= 0.3);
-                self
-            }
-            "a clock is set forward" => {
-                let trial = self.some(draw);
-                let middle = trial.rows.len() / 2;
-                trial.rows[middle..].iter_mut().for_each(|row| row[0] += 10.0);
-                self
-            }
-            "milliseconds taken for seconds" => {
-                Self { time: |t| format!("{:.3}", 1e3 * t), ..self }
-            }
-            "seconds taken for milliseconds" => self.mapped("unit = \"s\"", "unit = \"ms\""),
-            "mN taken for N" => self.forces(|force| 1e3 * force),
-            "a torque taken for a force" => self.forces(|force| 0.1 * force),
-            "a force of the other sign" => self.forces(|force| -force),
-            "a force off by a half" => self.forces(|force| 1.5 * force),
-            "degrees taken for radians" => {
-                self.mapped("from = \"angle\"\nunit = \"deg\"", "from = \"angle\"\nunit = \"rad\"")
-            }
-            "deg/s taken for rad/s" => self.mapped("unit = \"deg/s\"", "unit = \"rad/s\""),
-            "a first sample that is no zero" => {
-                for trial in &mut self.trials {
-                    let offset = draw.between(1.5, 3.0);
-                    trial.rows.iter_mut().for_each(|row| row[3] += offset);
-                    trial.rows[0][3] /= 2.0;
-                }
-                self.mapped("unit = \"N\"", "unit = \"N\"\nzero = \"first\"")
-            }
-            "a zero over a stretch in motion" => {
-                self.mapped("unit = \"N\"", "unit = \"N\"\nzero = { from_s = 0.4, to_s = 1.0 }")
-            }
-            "a word for a missing value" => {
-                let word = ["NA", "n/a", "None", "-nan(ind)", "#N/A", "null"][draw.below(6)];
-                let trial = self.some(draw);
-                let row = trial.rows.len() / 2;
-                trial.words.insert((row, 3), word);
-                self
-            }
-            "a number for a missing value" => {
-                let trial = self.some(draw);
-                let row = trial.rows.len() / 2;
-                trial.words.insert((row, 3), "-9999");
-                self
-            }
-            "decimal commas" => Self { decimal: ',', ..self },
-            "an angle that starts over" => {
-                for trial in &mut self.trials {
-                    trial
-                        .rows
-                        .iter_mut()
-                        .for_each(|row| row[1] = (row[1] + 340.0).rem_euclid(360.0));
-                }
-                self
-            }
-            "a sensor at the end of its range" => {
-                let most = self
-                    .trials
-                    .iter()
-                    .flat_map(|trial| &trial.rows)
-                    .map(|row| row[3])
-                    .fold(0.0, f64::max);
-                let end = draw.between(0.5, 0.7) * most;
-                for trial in &mut self.trials {
-                    trial.rows.iter_mut().for_each(|row| row[3] = row[3].min(end));
-                }
-                self
-            }
-            "a sensor that stops" => {
-                let trial = self.some(draw);
-                let from = trial.rows.len() * 2 / 5;
-                let held = trial.rows[from][3];
-                trial.rows[from..].iter_mut().for_each(|row| row[3] = held);
-                self
-            }
-            "an angle that is stuck in one trial" => {
-                let trial = self.some(draw);
-                trial.rows.iter_mut().for_each(|row| row[1] = 0.0);
-                self
-            }
-            "another rate in one file" => {
-                let trial = self.some(draw);
-                trial.rows.iter_mut().for_each(|row| row[0] *= 2.0);
-                self
-            }
-            "rows out of order" => {
-                let trial = self.some(draw);
-                let middle = trial.rows.len() / 2;
-                trial.rows.swap(middle, middle + 5);
-                self
-            }
-            "two labels exchanged" => {
-                let one = &self.trials[0];
-                let other = &self.trials[REPEATS];
-                let modes = (one.mode[0], other.mode[0]);
-                self.trials[0].mode.fill(modes.1);
-                self.trials[REPEATS].mode.fill(modes.0);
-                self
-            }
-            other => unreachable!("{other}"),
-        }
-    }
-
-    fn forces(mut self, change: fn(f64) -> f64) -> Self {
-        for trial in &mut self.trials {
-            trial.rows.iter_mut().for_each(|row| row[3] = change(row[3]));
-        }
-        self
+    /// No file says which repeat it is.
+    fn unnumbered(self) -> Self {
+        self.mapped("repeat = { name = \"repeat\" }\n", "")
     }
 
     /// Writes the files; their paths in the order of the trials.

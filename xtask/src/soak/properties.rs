@@ -1,9 +1,9 @@
 //! Fresh cases for every random property: `cargo test` draws the same cases each time
 //! (`.cargo/config.toml`); this chore draws others.
 
+use crate::shell::cargo;
 use crate::tried::held;
-use anyhow::{bail, ensure};
-use std::process::Command;
+use anyhow::ensure;
 use std::time::Instant;
 
 /// The properties of the dynamics draw so many times the cases of the others
@@ -19,14 +19,13 @@ pub(crate) fn properties(cases: u32, seed: u64) -> anyhow::Result<()> {
         cases / DYNAMICS
     );
     let began = Instant::now();
-    let status = Command::new(env!("CARGO"))
-        .args(["test", "--workspace", "--locked", "--lib", "--bins"])
-        .env("PROPTEST_CASES", (cases / DYNAMICS).to_string())
-        .env("PROPTEST_RNG_SEED", seed.to_string())
-        .status()?;
-    if !status.success() {
-        bail!("a property fails with seed {seed}: keep its smallest case as a test with a name");
-    }
+    let cases_of_others = (cases / DYNAMICS).to_string();
+    cargo(
+        "test --workspace --locked --lib --bins",
+        &[],
+        &[("PROPTEST_CASES", cases_of_others), ("PROPTEST_RNG_SEED", seed.to_string())],
+        &format!("a property fails with seed {seed}: keep its smallest case as a test with a name"),
+    )?;
     let what = "fresh random cases for each property of the dynamics";
     held(what, format!("cargo xtask soak properties {cases}"), cases.into(), began)
 }

@@ -2,9 +2,9 @@
 //! effect. These are the tests of `crates/stats` with other numbers of data sets and studies. Their
 //! counts are in `docs/statistics-tried.md`.
 
+use crate::shell::{cargo, files, scratch};
 use crate::tried::{END, held, parts};
 use anyhow::{Context as _, bail, ensure};
-use std::path::Path;
 use std::process::Command;
 use std::time::Instant;
 
@@ -24,18 +24,25 @@ const OF_R: [(&str, &str); 6] = [
 
 /// Compares linear mixed models, cumulative-link models and exact tests with R, SciPy and
 /// statsmodels on so many random data sets each.
-pub(crate) fn against_r(scratch: &Path, sets: u32, seed: Option<u32>) -> anyhow::Result<()> {
-    need_r()?;
-    need_python()?;
+pub(crate) fn against_r(sets: u32, seed: Option<u32>) -> anyhow::Result<()> {
+    let loaded: String = OF_R.map(|(package, _)| format!("library({package}); ")).concat();
+    let debian = OF_R.map(|(_, package)| package).join(" ");
+    let remedy = format!("install R with its packages (apt install r-base-core {debian})");
+    need("Rscript", &["-e", &loaded]).context(remedy)?;
+    let python = std::env::var("ZWIDTH_PYTHON").unwrap_or_else(|_| "python3".to_owned());
+    let remedy = "install Python with what tests/interop/requirements.txt lists, and name it by \
+                  ZWIDTH_PYTHON";
+    need(&python, &["-c", "import scipy, statsmodels"]).context(remedy)?;
     let began = Instant::now();
-    let sets_text = sets.to_string();
-    let mut settings = vec![("ZWIDTH_R_CASES", &sets_text), ("ZWIDTH_EXACT_CASES", &sets_text)];
-    let seed = seed.map(|seed| seed.to_string());
-    let seeds = ["ZWIDTH_R_SEED", "ZWIDTH_EXACT_SEED"];
-    settings.extend(seeds.into_iter().zip(seed.iter().cycle()));
-    let tests = ["--test", "r", "--test", "ordinal", "--test", "exact"];
+    let mut settings =
+        ["ZWIDTH_R_CASES", "ZWIDTH_EXACT_CASES"].map(|name| (name, sets.to_string())).to_vec();
+    if let Some(seed) = seed {
+        settings
+            .extend(["ZWIDTH_R_SEED", "ZWIDTH_EXACT_SEED"].map(|name| (name, seed.to_string())));
+    }
+    let tests = "--test r --test ordinal --test exact";
     // Each says what it counted; what is asked for by a name alone is not random.
-    let tables = tables_of(scratch, &tests, &["--ignored", "--nocapture"], &settings)?;
+    let tables = tables_of("r", tests, &["--ignored", "--nocapture"], settings)?;
     put("cargo xtask soak r", [sets, SETS], None, &tables)?;
     let what =
         "random data sets of each kind: models and tests as R, SciPy and statsmodels have them";
@@ -45,11 +52,11 @@ pub(crate) fn against_r(scratch: &Path, sets: u32, seed: Option<u32>) -> anyhow:
 /// Puts all tests, models and intervals to so many studies of each kind in which there is nothing
 /// to find, and compares power with its prediction; or, as all of it takes hours, to `part`, the
 /// tests whose names have it.
-pub(crate) fn null(scratch: &Path, studies: u32, part: Option<&str>) -> anyhow::Result<()> {
+pub(crate) fn null(studies: u32, part: Option<&str>) -> anyhow::Result<()> {
     let began = Instant::now();
-    let settings = [("ZWIDTH_NULL_STUDIES", &studies.to_string())];
+    let settings = vec![("ZWIDTH_NULL_STUDIES", studies.to_string())];
     let how: Vec<&str> = ["--nocapture"].into_iter().chain(part).collect();
-    let tables = tables_of(scratch, &["--test", "null_studies"], &how, &settings)?;
+    let tables = tables_of("null", "--test null_studies", &how, settings)?;
     ensure!(!tables.is_empty(), "no test of null_studies is called {}", part.unwrap_or_default());
     put("cargo xtask soak null", [studies, STUDIES], part, &tables)?;
     if part.is_some() {
@@ -63,27 +70,17 @@ pub(crate) fn null(scratch: &Path, studies: u32, part: Option<&str>) -> anyhow::
 /// Runs tests of `crates/stats`, built for release, and gives what they wrote, in order of its
 /// names.
 fn tables_of(
-    scratch: &Path,
-    tests: &[&str],
+    name: &str,
+    tests: &str,
     how: &[&str],
-    settings: &[(&str, &String)],
+    mut settings: Vec<(&str, String)>,
 ) -> anyhow::Result<Vec<String>> {
-    std::fs::create_dir_all(scratch)?;
-    let folder = scratch.canonicalize()?;
-    let status = Command::new(env!("CARGO"))
-        .args(["test", "--release", "--locked", "--package", "zwidth-stats"])
-        .args(tests)
-        .arg("--")
-        .args(how)
-        .envs(settings.iter().copied())
-        .env("ZWIDTH_TRIED", &folder)
-        .status()?;
-    if !status.success() {
-        bail!("a promise of the statistics is broken, see above");
-    }
-    let entries = std::fs::read_dir(&folder)?;
-    let mut paths: Vec<_> =
-        entries.map(|entry| Ok(entry?.path())).collect::<anyhow::Result<_>>()?;
+    std::fs::create_dir_all(scratch(name))?;
+    let folder = scratch(name).canonicalize()?;
+    settings.push(("ZWIDTH_TRIED", folder.display().to_string()));
+    let line = format!("test --release --locked --package zwidth-stats {tests} --");
+    cargo(&line, how, &settings, "a promise of the statistics is broken, see above")?;
+    let mut paths = files(&folder)?;
     paths.sort();
     let tables = paths.iter().map(std::fs::read_to_string).collect::<Result<_, _>>()?;
     std::fs::remove_dir_all(&folder)?;
@@ -137,22 +134,8 @@ fn replaced(text: &str, chore: &str, times: u32, tables: &[String]) -> anyhow::R
     Ok(format!("{before}{begin}Written by `{chore} {times}`.\n\n{tables}{END}{after}"))
 }
 
-fn need_r() -> anyhow::Result<()> {
-    let loaded: String = OF_R.map(|(package, _)| format!("library({package}); ")).concat();
-    let debian = OF_R.map(|(_, package)| package).join(" ");
-    let remedy = format!("install R with its packages (apt install r-base-core {debian})");
-    run("Rscript", &["-e", &loaded]).context(remedy)
-}
-
-fn need_python() -> anyhow::Result<()> {
-    let python = std::env::var("ZWIDTH_PYTHON").unwrap_or_else(|_| "python3".to_owned());
-    let remedy = "install Python with what tests/interop/requirements.txt lists, and name it by \
-                  ZWIDTH_PYTHON";
-    run(&python, &["-c", "import scipy, statsmodels"]).context(remedy)
-}
-
 /// Runs a program that must end well.
-fn run(program: &str, arguments: &[&str]) -> anyhow::Result<()> {
+fn need(program: &str, arguments: &[&str]) -> anyhow::Result<()> {
     let output = Command::new(program).args(arguments).output().context(program.to_owned())?;
     if !output.status.success() {
         bail!("{program}: {}", String::from_utf8_lossy(&output.stderr).trim());

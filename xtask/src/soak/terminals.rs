@@ -4,7 +4,8 @@
 //! and the session can be resumed. The participant's screen ends likewise, and another one is
 //! accepted.
 
-use super::{SESSION, STUDY, fraction, fresh, run};
+use super::{SESSION, STUDY, fraction, fresh, run, started};
+use crate::shell::{program, scratch, words};
 use crate::tried::held;
 use anyhow::{Context as _, bail, ensure};
 use std::ffi::OsString;
@@ -64,12 +65,9 @@ const KINDS: [Kind; 6] = [
 ];
 
 /// Lets so many terminals go away.
-pub(crate) fn terminals(
-    program: &Path,
-    folder: &Path,
-    tries: u32,
-    seed: u64,
-) -> anyhow::Result<()> {
+pub(crate) fn terminals(tries: u32, seed: u64) -> anyhow::Result<()> {
+    let program = &program()?;
+    let root = scratch("terminals").join("closed");
     let began = Instant::now();
     let mut within = 0;
     let mut longest = Duration::ZERO;
@@ -79,7 +77,6 @@ pub(crate) fn terminals(
         // Those of a kind by turns.
         let is_told = (number as usize / KINDS.len()).is_multiple_of(2);
         let after = LONGEST_S * fraction(&format!("terminals {seed} {number}"))?;
-        let root = folder.join("closed");
         let layout = fresh(&root, &SHORT)?;
         let what = format!(
             "try {number} of seed {seed}, {kind:?} (told: {is_told}), {after:.3} s after its first word; see {}",
@@ -88,8 +85,8 @@ pub(crate) fn terminals(
         let closed =
             Closed { program, layout: &layout, is_told, after: Duration::from_secs_f64(after) };
         let ended = match kind {
-            Kind::Participant => closed.participant(&[]),
-            Kind::ParticipantLines => closed.participant(&["--plain"]),
+            Kind::Participant => closed.participant(""),
+            Kind::ParticipantLines => closed.participant(" --plain"),
             _ => closed.session(kind),
         };
         let ended = ended.with_context(|| what.clone())?;
@@ -126,29 +123,21 @@ struct Ended {
 }
 
 impl Closed<'_> {
-    fn arguments(&self, more: &[&str]) -> Vec<OsString> {
-        let mut all: Vec<OsString> = vec!["--root".into(), self.layout.root().into()];
-        all.extend(more.iter().map(OsString::from));
-        all
+    fn arguments(&self, line: &str) -> Vec<OsString> {
+        let root: [OsString; 2] = ["--root".into(), self.layout.root().into()];
+        root.into_iter().chain(line.split(' ').map(OsString::from)).collect()
     }
 
-    fn acquire(&self, more: &[&str]) -> Vec<OsString> {
-        let mut words = vec!["acquire", STUDY];
-        words.extend(SESSION);
-        words.extend(more);
-        self.arguments(&words)
+    fn acquire(&self, more: &str) -> Vec<OsString> {
+        self.arguments(&format!("acquire {STUDY} {SESSION} {more}"))
     }
 
     /// The terminal of a session that runs by itself.
     fn session(&self, kind: Kind) -> anyhow::Result<Ended> {
         let log = self.layout.root().join("log");
         if kind == Kind::Reader {
-            let mut child = Command::new(self.program)
-                .args(self.acquire(&["--plain", "--auto"]))
-                .stdin(Stdio::null())
-                .stdout(Stdio::piped())
-                .stderr(Stdio::null())
-                .spawn()?;
+            let line = format!("acquire {STUDY} {SESSION} --plain --auto");
+            let mut child = started(self.program, self.layout.root(), &line)?;
             let mut reader = BufReader::new(child.stdout.take().context("no output")?);
             let mut line = String::new();
             reader.read_line(&mut line)?;
@@ -156,16 +145,16 @@ impl Closed<'_> {
             return self.ended(child, || drop(reader), &[1]);
         }
         let (window, child) = match kind {
-            Kind::Screen => Window::open(self.program, self.acquire(&["--auto"]), self.is_told)?,
+            Kind::Screen => Window::open(self.program, self.acquire("--auto"), self.is_told)?,
             Kind::Nohup => {
                 let script = "log=$1; shift; exec nohup \"$0\" \"$@\" >\"$log\" 2>&1";
                 let mut all: Vec<OsString> = vec!["-c".into(), script.into()];
                 all.extend([self.program.into(), log.clone().into()]);
-                all.extend(self.acquire(&["--plain", "--auto"]));
+                all.extend(self.acquire("--plain --auto"));
                 // Nothing but the system can tell it: it has no end of the window.
                 Window::open("sh", all, true)?
             }
-            _ => Window::open(self.program, self.acquire(&["--plain", "--auto"]), self.is_told)?,
+            _ => Window::open(self.program, self.acquire("--plain --auto"), self.is_told)?,
         };
         let said = || std::fs::metadata(&log).is_ok_and(|log| log.len() > 0);
         wait_until(BEGINS, || Ok(!window.drawn().is_empty() || said()))?;
@@ -174,10 +163,10 @@ impl Closed<'_> {
     }
 
     /// The participant's terminal beside a session, which goes on, and lets another one in.
-    fn participant(&self, more: &[&str]) -> anyhow::Result<Ended> {
+    fn participant(&self, more: &str) -> anyhow::Result<Ended> {
         let mut session = Beside(
             Command::new(self.program)
-                .args(self.acquire(&["--plain"]))
+                .args(self.acquire("--plain"))
                 .stdin(Stdio::piped())
                 .stdout(File::create(self.layout.root().join("log"))?)
                 .stderr(Stdio::null())
@@ -188,32 +177,22 @@ impl Closed<'_> {
             writeln!(lines, "start\n4")?;
         }
         wait_until(BEGINS, || Ok(self.layout.raw().join(".participant").exists()))?;
-        let words = [&["participant", STUDY], more].concat();
-        let (window, child) = Window::open(self.program, self.arguments(&words), self.is_told)?;
+        let screen = self.arguments(&format!("participant {STUDY}{more}"));
+        let (window, child) = Window::open(self.program, screen, self.is_told)?;
         wait_until(BEGINS, || Ok(!window.drawn().is_empty()))?;
         std::thread::sleep(self.after);
         let ended = self.ended(child, || window.close(), &[0])?;
         ensure!(session.0.try_wait()?.is_none(), "the session ended with it");
-        self.another()?;
-        Command::new("kill").args(["-TERM", &session.0.id().to_string()]).status()?;
-        wait_until(HANGS, || Ok(session.0.try_wait()?.is_some()))?;
-        Ok(ended)
-    }
-
-    /// Another participant's screen is let in.
-    fn another(&self) -> anyhow::Result<()> {
-        let mut another = Beside(
-            Command::new(self.program)
-                .args(self.arguments(&["participant", STUDY, "--plain"]))
-                .stdin(Stdio::null())
-                .stdout(Stdio::piped())
-                .stderr(Stdio::null())
-                .spawn()?,
-        );
+        // Another participant's screen is let in.
+        let line = format!("participant {STUDY} --plain");
+        let mut another = Beside(started(self.program, self.layout.root(), &line)?);
         let mut line = String::new();
         BufReader::new(another.0.stdout.take().context("no output")?).read_line(&mut line)?;
         ensure!(!line.is_empty(), "no other participant's screen was let in");
-        Ok(())
+        drop(another);
+        Command::new("kill").args(["-TERM", &session.0.id().to_string()]).status()?;
+        wait_until(HANGS, || Ok(session.0.try_wait()?.is_some()))?;
+        Ok(ended)
     }
 
     /// Takes the terminal away, and waits for the program's end.
@@ -280,10 +259,8 @@ fn is_in_order(program: &Path, layout: &Layout) -> anyhow::Result<()> {
     ensure!(left.is_empty(), "journals were left: {left:?}");
     run(program, layout.root(), &["recover", STUDY], &[0])?;
     run(program, layout.root(), &["verify", STUDY], &[0])?;
-    let mut again = vec!["acquire", STUDY];
-    again.extend(SESSION);
-    again.extend(["--plain", "--auto", "--fast"]);
-    run(program, layout.root(), &again, &[0])?;
+    let again = format!("acquire {STUDY} {SESSION} --plain --auto --fast");
+    run(program, layout.root(), &words(&again), &[0])?;
     run(program, layout.root(), &["verify", STUDY], &[0])?;
     Ok(())
 }

@@ -2,14 +2,14 @@
 //! one session of one person, each number of the device drawn over its range, recorded and judged
 //! as users do it. No seed is selected.
 
-use super::{STUDY, fraction, fresh, run};
+use super::{RATE, STUDY, fraction, fresh, most_hits, of_seeds, run, twin};
+use crate::shell::{program, scratch};
 use crate::tried::{END, held, parts};
-use anyhow::{Context as _, bail, ensure};
-use std::collections::BTreeMap;
+use anyhow::{Context as _, ensure};
 use std::path::Path;
-use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Instant;
 use zwidth_device::TwinParameters;
+use zwidth_results::JudgedStatement;
 use zwidth_tables::Table;
 
 const PAGE: &str = "docs/twin.md";
@@ -17,12 +17,8 @@ const CHORE: &str = "cargo xtask soak thesis";
 /// Seeds of a whole run, and how many the page takes at least.
 pub(crate) const SEEDS: u32 = 200;
 const LEAST: u32 = 50;
-/// At this rate as the study that comes along, Hz.
-const RATE: &str = "120";
 /// The one number that stands in the study's own file.
 const LEVER: &str = "lever_m";
-/// Seeds at once: one writes while another computes.
-const AT_ONCE: u32 = 2;
 /// A statement holds where so many studies of a hundred support it.
 const HOLDS: f64 = 0.9;
 /// Of fewer seeds it may be supported by as many as 90 % would leave in one of a thousand runs.
@@ -90,22 +86,10 @@ const WHY: &[(&str, &str)] = &[
     ),
 ];
 
-/// One statement in one study.
-struct Row {
-    key: String,
-    source: String,
-    text: String,
-    verdict: String,
-    value: Option<f64>,
-    unit: String,
-}
-
-/// What the studies of some seeds gave.
-type Found = Vec<(u32, Vec<Row>)>;
-
 /// A statement over all studies.
 #[derive(Default)]
 struct Counted {
+    key: String,
     source: String,
     text: String,
     unit: String,
@@ -114,50 +98,28 @@ struct Counted {
     verdicts: [usize; 4],
 }
 
-const VERDICTS: [&str; 4] = ["supported", "contradicted", "undecided", "not measured"];
-
-pub(crate) fn thesis(program: &Path, folder: &Path, seeds: u32) -> anyhow::Result<()> {
-    let next = AtomicU32::new(1);
+pub(crate) fn thesis(seeds: u32) -> anyhow::Result<()> {
+    let program = program()?;
+    let folder = scratch("thesis");
     let began = Instant::now();
-    let work = || -> anyhow::Result<Found> {
-        let mut found = Vec::new();
-        loop {
-            let seed = next.fetch_add(1, Ordering::Relaxed);
-            if seed > seeds {
-                return Ok(found);
-            }
-            let root = folder.join(format!("thesis-{seed}"));
-            let rows = one(program, &root, seed).with_context(|| format!("seed {seed}"))?;
-            found.push((seed, rows));
-            std::fs::remove_dir_all(&root)?;
-        }
-    };
-    let parts: Vec<Found> = std::thread::scope(|scope| {
-        let threads: Vec<_> = (0..AT_ONCE).map(|_| scope.spawn(work)).collect();
-        threads
-            .into_iter()
-            .map(|thread| thread.join().unwrap_or_else(|_| bail!("a thread panicked")))
-            .collect::<anyhow::Result<_>>()
-    })?;
-    let mut studies: Found = parts.into_iter().flatten().collect();
-    studies.sort_by_key(|(seed, _)| *seed);
-    let (keys, counted) = count(studies.into_iter().flat_map(|(_, rows)| rows))?;
-    std::fs::remove_dir_all(folder)?;
-    let table = written(&keys, &counted, seeds);
+    let studies = of_seeds(&folder, seeds, |root, seed| one(&program, root, seed))?;
+    let counted = count(studies.into_iter().flatten());
+    std::fs::remove_dir_all(&folder)?;
+    let table = written(&counted, seeds);
     println!("{table}{seeds} studies in {:.0} s", began.elapsed().as_secs_f64());
     if seeds >= LEAST {
         put(seeds, &table)?;
     } else {
         println!("{PAGE} takes the table of {LEAST} or more alone");
     }
-    judge(&keys, &counted, seeds as usize)?;
+    judge(&counted, seeds as usize)?;
     let what = "studies of the simulated device over its ranges: nine of ten support each thesis' \
                 statement but those with a reason";
     held(what, format!("{CHORE} {seeds}"), seeds.into(), began)
 }
 
 /// Records one session by somebody at a device of this seed, and judges it.
-fn one(program: &Path, root: &Path, seed: u32) -> anyhow::Result<Vec<Row>> {
+fn one(program: &Path, root: &Path, seed: u32) -> anyhow::Result<Vec<JudgedStatement>> {
     let drawn = TwinParameters::table().map(|parameter| {
         let [low, high] = parameter.range;
         Ok((parameter.name, low + (high - low) * fraction(&format!("{} {seed}", parameter.name))?))
@@ -175,69 +137,40 @@ fn one(program: &Path, root: &Path, seed: u32) -> anyhow::Result<Vec<Row>> {
     let others = drawn.iter().filter(|drawn| !is_lever(drawn));
     let numbers: String = others.map(|(name, value)| format!("{name} = {value:?}\n")).collect();
     std::fs::write(layout.raw().join("twin.toml"), numbers)?;
-    let seed = seed.to_string();
-    let twin =
-        ["--quiet", "twin", STUDY, "--participants", "1", "--sessions", "1", "--seed", &seed];
-    run(program, root, &[&twin[..], &["--rate", RATE]].concat(), &[0])?;
+    twin(program, root, seed)?;
     run(program, root, &["--quiet", "run", STUDY, "--only", "report"], &[0])?;
-    rows(&Table::from_parquet(&layout.derived().join("report/thesis.parquet"))?)
+    Ok(Table::from_parquet(&layout.derived().join("report/thesis.parquet"))?.to_rows()?)
 }
 
-fn rows(table: &Table) -> anyhow::Result<Vec<Row>> {
-    let text = |name: &str| -> anyhow::Result<Vec<String>> {
-        Ok(table.texts(name)?.into_iter().map(Option::unwrap_or_default).collect())
-    };
-    let keys = text("key")?;
-    let sources = text("source")?;
-    let texts = text("statement")?;
-    let verdicts = text("verdict")?;
-    let units = text("unit")?;
-    let values = table.floats("value")?;
-    Ok((0..table.height())
-        .map(|i| Row {
-            key: keys[i].clone(),
-            source: sources[i].clone(),
-            text: texts[i].clone(),
-            verdict: verdicts[i].clone(),
-            value: values[i],
-            unit: units[i].clone(),
-        })
-        .collect())
-}
-
-/// The statements in their order, and what was found of each.
-fn count(
-    rows: impl Iterator<Item = Row>,
-) -> anyhow::Result<(Vec<String>, BTreeMap<String, Counted>)> {
-    let mut keys = Vec::new();
-    let mut counted = BTreeMap::<String, Counted>::new();
-    for Row { key, source, text, verdict, value, unit } in rows {
-        let of = counted.entry(key.clone()).or_insert_with(|| {
-            keys.push(key);
-            Counted { source, text, ..Counted::default() }
+/// The statements in their order, with what was found of each.
+fn count(rows: impl Iterator<Item = JudgedStatement>) -> Vec<Counted> {
+    let mut counted: Vec<Counted> = Vec::new();
+    for JudgedStatement { key, source, statement: text, verdict, value, unit, .. } in rows {
+        let place = counted.iter().position(|of| of.key == key).unwrap_or_else(|| {
+            counted.push(Counted { key, source, text, ..Counted::default() });
+            counted.len() - 1
         });
-        let which = VERDICTS.iter().position(|word| *word == verdict);
-        of.verdicts[which.with_context(|| format!("'{verdict}' is no verdict"))?] += 1;
+        let of = &mut counted[place];
+        // In the order of the words: supported, contradicted, undecided, not measured.
+        of.verdicts[verdict as usize] += 1;
         of.values.extend(value);
-        if !unit.is_empty() {
+        if let Some(unit) = unit {
             of.unit = unit;
         }
     }
-    Ok((keys, counted))
+    counted
 }
 
 /// The table, and why what is not told is not.
-fn written(keys: &[String], counted: &BTreeMap<String, Counted>, seeds: u32) -> String {
-    let of = |key: &String| Some((key.clone(), counted.get(key)?));
-    let all: Vec<(String, &Counted)> = keys.iter().filter_map(of).collect();
-    let told = all.iter().filter(|(_, of)| of.is_told(seeds)).count();
+fn written(counted: &[Counted], seeds: u32) -> String {
+    let told = counted.iter().filter(|of| of.is_told(seeds)).count();
     let mut text = format!(
         "Written by `{CHORE} {seeds}`: {seeds} studies, one session of one person each. {told} of {} statements are told.\n\n\
          | statement | source | supported | contradicted | undecided | not measured | value: median (5 to 95 %) |\n\
          |---|---|---|---|---|---|---|\n",
-        all.len()
+        counted.len()
     );
-    for (_, of) in &all {
+    for of in counted {
         let [a, b, c, d] = of.verdicts;
         let words = &of.text;
         let source = &of.source;
@@ -246,8 +179,8 @@ fn written(keys: &[String], counted: &BTreeMap<String, Counted>, seeds: u32) -> 
         text += &format!("| {words} | {source} | {a} | {b} | {c} | {d} | {value} |\n");
     }
     text += "\nNot told, and why:\n\n";
-    for (key, of) in all.iter().filter(|(_, of)| !of.is_told(seeds)) {
-        text += &format!("* {}: {}.\n", of.text, why(key).unwrap_or("unknown"));
+    for of in counted.iter().filter(|of| !of.is_told(seeds)) {
+        text += &format!("* {}: {}.\n", of.text, why(&of.key).unwrap_or("unknown"));
     }
     text
 }
@@ -285,16 +218,15 @@ fn put(seeds: u32, table: &str) -> anyhow::Result<()> {
 }
 
 /// Fails where a statement is told too seldom without a reason.
-fn judge(keys: &[String], counted: &BTreeMap<String, Counted>, seeds: usize) -> anyhow::Result<()> {
+fn judge(counted: &[Counted], seeds: usize) -> anyhow::Result<()> {
     let least = least(seeds);
-    let mut wrong: Vec<String> = keys
-        .iter()
-        .filter(|key| {
-            why(key).is_none() && counted.get(*key).is_some_and(|of| of.verdicts[0] < least)
-        })
-        .map(|key| format!("{key}: supported by fewer than {least} of {seeds}"))
-        .collect();
-    let unknown = WHY.iter().filter(|(key, _)| !counted.contains_key(*key));
+    let mut wrong = Vec::new();
+    for Counted { key, verdicts, .. } in counted {
+        if why(key).is_none() && verdicts[0] < least {
+            wrong.push(format!("{key}: supported by fewer than {least} of {seeds}"));
+        }
+    }
+    let unknown = WHY.iter().filter(|(key, _)| counted.iter().all(|of| of.key != *key));
     wrong.extend(unknown.map(|(key, _)| format!("{key} is no statement")));
     ensure!(wrong.is_empty(), "{}", wrong.join("\n"));
     Ok(())
@@ -303,27 +235,16 @@ fn judge(keys: &[String], counted: &BTreeMap<String, Counted>, seeds: usize) -> 
 /// How many studies must support a statement: 90 %, or of fewer than a whole run as many as 90 %
 /// would give but for one run in a thousand.
 fn least(seeds: usize) -> usize {
-    let n = seeds as f64;
     if seeds >= SEEDS as usize {
-        return (HOLDS * n).ceil() as usize;
+        return (HOLDS * seeds as f64).ceil() as usize;
     }
-    // from all of them down: the chance of k misses
-    let mut probability = HOLDS.powi(seeds as i32);
-    let mut reached = 0.0;
-    for misses in 0..=seeds {
-        reached += probability;
-        if 1.0 - reached < RARE {
-            return seeds - misses;
-        }
-        let k = misses as f64;
-        probability *= (n - k) / (k + 1.0) * (1.0 - HOLDS) / HOLDS;
-    }
-    0
+    most_hits(seeds, HOLDS, |reached| 1.0 - reached < RARE)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use zwidth_results::ClaimVerdict;
 
     /// SciPy: `binom.ppf(0.999, n, 0.1)` misses.
     #[test]
@@ -342,19 +263,29 @@ mod tests {
 
     #[test]
     fn statements_are_counted_by_their_verdicts_in_their_order() {
-        let row = |key: &str, verdict: &str| Row {
+        let row = |key: &str, verdict| JudgedStatement {
             key: key.to_owned(),
             source: "§1".to_owned(),
-            text: key.to_owned(),
-            verdict: verdict.to_owned(),
+            statement: key.to_owned(),
+            verdict,
+            metric: None,
             value: Some(1.0),
-            unit: "N".to_owned(),
+            ci_low: None,
+            ci_high: None,
+            unit: Some("N".to_owned()),
+            n: None,
+            unit_of_analysis: None,
+            asked: None,
+            shown: None,
+            remark: None,
         };
-        let rows = [row("b", "supported"), row("a", "undecided"), row("b", "contradicted")];
-        let (keys, counted) = count(rows.into_iter()).unwrap();
-        assert_eq!(keys, ["b", "a"]);
-        assert_eq!(counted["b"].verdicts, [1, 1, 0, 0]);
-        assert_eq!(counted["a"].verdicts, [0, 0, 1, 0]);
-        assert!(count([row("a", "perhaps")].into_iter()).is_err());
+        let rows = [
+            row("b", ClaimVerdict::Supported),
+            row("a", ClaimVerdict::Undecided),
+            row("b", ClaimVerdict::Contradicted),
+        ];
+        let counted = count(rows.into_iter());
+        let found: Vec<_> = counted.iter().map(|of| (of.key.as_str(), of.verdicts)).collect();
+        assert_eq!(found, [("b", [1, 1, 0, 0]), ("a", [0, 0, 1, 0])]);
     }
 }

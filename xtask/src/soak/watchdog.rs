@@ -4,6 +4,7 @@
 
 use super::cable::{Board, Remote};
 use super::{STUDY, fraction};
+use crate::shell::scratch;
 use crate::tried::held;
 use anyhow::{Context as _, bail, ensure};
 use std::ops::ControlFlow;
@@ -39,9 +40,10 @@ enum Cut {
 
 /// Cuts hosts off, by turns by SIGKILL and by the cable, and tells how long the voltages outlived
 /// them.
-pub(crate) fn watchdog(folder: &Path, cuts: u32, seed: u64) -> anyhow::Result<()> {
+pub(crate) fn watchdog(cuts: u32, seed: u64) -> anyhow::Result<()> {
+    let folder = scratch("watchdog");
     let began = Instant::now();
-    std::fs::create_dir_all(folder)?;
+    std::fs::create_dir_all(&folder)?;
     let study = study()?;
     let mut longest_s = [0.0_f64; 2];
     let mut done = [0; 2];
@@ -51,7 +53,7 @@ pub(crate) fn watchdog(folder: &Path, cuts: u32, seed: u64) -> anyhow::Result<()
         ensure!(tries <= 10 * cuts, "the actuators had no voltage in most of {tries} tries");
         let cut = if done[0] <= done[1] { Cut::Kill } else { Cut::Cable };
         let after_s = LONGEST_S * fraction(&format!("watchdog {seed} {tries}"))?;
-        let on_s = round(folder, &study, cut, after_s).with_context(|| {
+        let on_s = round(&folder, &study, cut, after_s).with_context(|| {
             format!("try {tries} of seed {seed}, {cut:?} {after_s} s after the first voltage")
         })?;
         if let Some(on_s) = on_s {

@@ -116,8 +116,7 @@ impl Flow {
                 refuse("nothing is asked about that trial")
             }
             Phase::Ready | Phase::Pause | Phase::Done if self.places[place].done => {
-                self.ask(place, 0, true);
-                Vec::new()
+                self.ask(place, 0, true)
             }
             Phase::Ready | Phase::Pause | Phase::Done => refuse("that trial is to be done again"),
             _ => refuse("the session is not ready for a question"),

@@ -54,32 +54,29 @@ impl Flow {
             return Vec::new();
         }
         // A question that a stop left open comes before the next trial.
+        self.ask_or_go_on()
+    }
+
+    /// Asks the question that is open, or goes on to what follows.
+    fn ask_or_go_on(&mut self) -> Vec<Action> {
         match self.open {
-            Some((place, question)) => {
-                self.ask(place, question, true);
-                Vec::new()
-            }
+            Some((place, question)) => self.ask(place, question, true),
             None => self.go_on(),
         }
     }
 
     /// Opens a question of the trial at `place`.
-    pub(super) fn ask(&mut self, place: usize, question: usize, late: bool) {
+    pub(super) fn ask(&mut self, place: usize, question: usize, late: bool) -> Vec<Action> {
         self.shown_s = None;
         self.phase = Phase::Question { place, question, late };
+        Vec::new()
     }
 
     /// Goes on after a question: to the trial's next one, or to what follows.
     fn after(&mut self, place: usize, question: usize) -> Vec<Action> {
         let next = question + 1;
         self.open = (next < self.places[place].questions.len()).then_some((place, next));
-        match self.open {
-            Some((place, next)) => {
-                self.ask(place, next, true);
-                Vec::new()
-            }
-            None => self.go_on(),
-        }
+        self.ask_or_go_on()
     }
 
     /// Goes on to the pause, if some of it is left; to the next trial, with the device check before
@@ -108,9 +105,7 @@ impl Flow {
             // A trial ends with a reason of its own; after the last one no device is needed.
             Phase::Trial { .. } | Phase::Done => self.halt(Halt::Stop),
             Phase::Question { place, late: false, .. } => {
-                let mut actions = vec![self.finish(place, None)];
-                actions.extend(self.stop(why));
-                actions
+                [vec![self.finish(place, None)], self.stop(why)].concat()
             }
             _ => self.stop(why),
         }
@@ -168,24 +163,23 @@ impl Flow {
             End::Cut(why) => {
                 let trial = self.places[place].trial.trial;
                 let finish = Action::Finish { trial, complete: false, likert: None };
-                let mut actions = vec![finish, self.supersede(place)];
-                actions.extend(match halted {
+                let actions = vec![finish, self.supersede(place)];
+                let then = match halted {
                     Some(Halt::Quit) => self.leave(),
                     _ => self.stop(why),
-                });
-                actions
+                };
+                [actions, then].concat()
             }
             End::Complete if halted.is_none() && !self.places[place].questions.is_empty() => {
-                self.ask(place, 0, false);
-                Vec::new()
+                self.ask(place, 0, false)
             }
             End::Complete => {
-                let mut actions = vec![self.finish(place, None)];
-                actions.extend(match halted {
+                let actions = vec![self.finish(place, None)];
+                let then = match halted {
                     Some(halt) => self.halt_idle(halt),
                     None => self.go_on(),
-                });
-                actions
+                };
+                [actions, then].concat()
             }
         }
     }
@@ -221,18 +215,13 @@ impl Flow {
         if !question.scale.has(value) {
             return refuse(format!("{value} is not an answer: {}", question.scale.range()));
         }
+        let time_ms = self.took_ms();
         let action = if late {
             let trial = self.places[place].trial.trial;
             let question = question.id.clone();
-            Action::Log(Event::Answer {
-                trial,
-                question,
-                value: value.into(),
-                time_ms: self.took_ms(),
-            })
+            Action::Log(Event::Answer { trial, question, value: value.into(), time_ms })
         } else {
-            let likert = Given { value, time_ms: self.took_ms() };
-            self.finish(place, Some(likert))
+            self.finish(place, Some(Given { value, time_ms }))
         };
         [vec![action], self.after(place, index)].concat()
     }
@@ -271,9 +260,8 @@ impl Flow {
             return refuse("no question is open");
         };
         // A trial has no file before its first question is settled.
-        let mut actions = if late { Vec::new() } else { vec![self.finish(place, None)] };
-        actions.extend(self.after(place, question));
-        actions
+        let actions = if late { Vec::new() } else { vec![self.finish(place, None)] };
+        [actions, self.after(place, question)].concat()
     }
 
     fn halt(&mut self, halt: Halt) -> Vec<Action> {
@@ -284,9 +272,7 @@ impl Flow {
                 vec![Action::Halt]
             }
             Phase::Question { place, late: false, .. } => {
-                let mut actions = vec![self.finish(place, None)];
-                actions.extend(self.halt_idle(halt));
-                actions
+                [vec![self.finish(place, None)], self.halt_idle(halt)].concat()
             }
             _ => self.halt_idle(halt),
         }

@@ -29,8 +29,18 @@ impl Flow {
         events: &[Event],
     ) -> (Self, Vec<Action>) {
         let files: BTreeMap<u32, Recorded> = recorded.iter().map(|r| (r.trial, *r)).collect();
-        let successors = successors(events);
-        let excluded = excluded(events);
+        let mut successors = BTreeMap::new();
+        let mut excluded = BTreeSet::new();
+        for event in events {
+            match event {
+                // Numbers only grow; an event that says otherwise is not followed.
+                Event::Superseded { trial, by } if by > trial => {
+                    successors.insert(*trial, *by);
+                }
+                Event::Excluded { trial, .. } => _ = excluded.insert(*trial),
+                _ => {}
+            }
+        }
         // Of files and of the log, too: no number is used twice, whatever one of them lacks.
         let used = order.iter().map(|(t, _)| t.trial).chain(files.keys().copied());
         let next_number = used.chain(successors.values().copied()).max().unwrap_or(0) + 1;
@@ -64,7 +74,9 @@ impl Flow {
         flow.open = flow.last.and_then(|i| Some((i, flow.left_open(i, &files, events)?)));
         // Where nothing is left to do, nothing is checked, and no lever is homed.
         match flow.open {
-            Some((place, question)) if flow.here().is_none() => flow.ask(place, question, true),
+            Some((place, question)) if flow.here().is_none() => {
+                actions.extend(flow.ask(place, question, true));
+            }
             _ => actions.extend(flow.go_on()),
         }
         (flow, actions)
@@ -94,24 +106,7 @@ impl Flow {
     }
 }
 
-/// Which trial took whose place. Numbers only grow; an event that says otherwise is not followed.
-fn successors(events: &[Event]) -> BTreeMap<u32, u32> {
-    let pairs = events.iter().filter_map(|event| match event {
-        Event::Superseded { trial, by } if by > trial => Some((*trial, *by)),
-        _ => None,
-    });
-    pairs.collect()
-}
-
-/// The trials that were excluded.
-fn excluded(events: &[Event]) -> BTreeSet<u32> {
-    let trials = events.iter().filter_map(|event| match event {
-        Event::Excluded { trial, .. } => Some(*trial),
-        _ => None,
-    });
-    trials.collect()
-}
-
+/// A place of the order with the trial that holds it last.
 fn place(
     mut trial: PlannedTrial,
     questions: Vec<Question>,

@@ -46,6 +46,11 @@ fn ready() -> Flow {
     flow
 }
 
+/// The file of a trial that was answered at once.
+fn finish(trial: u32, value: i16) -> Action {
+    Action::Finish { trial, complete: true, likert: Some(Given { value, time_ms: None }) }
+}
+
 fn run_one(flow: &mut Flow) -> Vec<Action> {
     feed(flow, [Input::Start, Input::Ended(End::Complete), Input::Answer(4)])
 }
@@ -53,8 +58,7 @@ fn run_one(flow: &mut Flow) -> Vec<Action> {
 #[test]
 fn an_answer_has_the_time_for_which_its_question_was_shown() {
     let mut flow = ready();
-    let until = [Input::Start, Input::Ended(End::Complete), Input::Elapsed(6.0)];
-    feed(&mut flow, until);
+    feed(&mut flow, [Input::Start, Input::Ended(End::Complete), Input::Elapsed(6.0)]);
     let given = |time_ms| {
         let likert = Some(Given { value: 2, time_ms });
         [Action::Finish { trial: 1, complete: true, likert }]
@@ -78,6 +82,13 @@ fn three() -> Vec<(PlannedTrial, Vec<Question>)> {
         .collect()
 }
 
+/// A flow at the first of these questions.
+fn questioned() -> Flow {
+    let (mut flow, _) = Flow::begin(three(), PAUSE_S, &[], &[]);
+    feed(&mut flow, [Input::Checked, Input::Homed, Input::Start, Input::Ended(End::Complete)]);
+    flow
+}
+
 fn answered(question: &str, value: i16) -> Event {
     let question = question.parse().unwrap();
     Event::Answer { trial: 1, question, value: value.into(), time_ms: None }
@@ -85,12 +96,8 @@ fn answered(question: &str, value: i16) -> Event {
 
 #[test]
 fn an_answer_at_the_participants_screen_is_the_same_and_a_remark_on_its_trial_says_so() {
-    let begun = || {
-        let (mut flow, _) = Flow::begin(three(), PAUSE_S, &[], &[]);
-        feed(&mut flow, [Input::Checked, Input::Homed, Input::Start, Input::Ended(End::Complete)]);
-        flow
-    };
-    let (mut here, mut there) = (begun(), begun());
+    let mut here = questioned();
+    let mut there = questioned();
     for (question, value) in [("felt", 4), ("mood", -2), ("last", 5)] {
         let text = format!("{question} was answered at the participant's screen");
         let remark = Action::Log(Event::Note { trial: Some(1), text });
@@ -119,15 +126,10 @@ fn what_is_told_changes_nothing() {
 
 #[test]
 fn several_questions_follow_each_other_and_the_trial_is_safe_from_the_first_answer_on() {
-    let (mut flow, _) = Flow::begin(three(), PAUSE_S, &[], &[]);
-    feed(&mut flow, [Input::Checked, Input::Homed, Input::Start, Input::Ended(End::Complete)]);
-    let likert = Some(Given { value: 4, time_ms: None });
-    let finish = Action::Finish { trial: 1, complete: true, likert };
-    assert_eq!(flow.step(Input::Answer(4)), [finish]);
+    let mut flow = questioned();
+    assert_eq!(flow.step(Input::Answer(4)), [finish(1, 4)]);
     assert_eq!(flow.phase(), &Phase::Question { place: 0, question: 1, late: true });
-    assert!(
-        matches!(&flow.step(Input::Answer(4))[..], [Action::Refuse(why)] if why.contains("-3 to 3"))
-    );
+    assert!(is_refused(&flow.step(Input::Answer(4)), "-3 to 3"));
     assert_eq!(flow.step(Input::Answer(-2)), [Action::Log(answered("mood", -2))]);
     assert_eq!(flow.step(Input::Skip), []);
     assert_eq!(flow.phase(), &Phase::Pause);
@@ -135,8 +137,7 @@ fn several_questions_follow_each_other_and_the_trial_is_safe_from_the_first_answ
 
 #[test]
 fn a_stop_among_several_questions_comes_back_to_the_one_that_is_open() {
-    let (mut flow, _) = Flow::begin(three(), PAUSE_S, &[], &[]);
-    feed(&mut flow, [Input::Checked, Input::Homed, Input::Start, Input::Ended(End::Complete)]);
+    let mut flow = questioned();
     feed(&mut flow, [Input::Answer(4), Input::Stop, Input::Start, Input::Homed]);
     assert_eq!(flow.phase(), &Phase::Question { place: 0, question: 1, late: true });
     // So does a session that is resumed, by its log.
@@ -156,12 +157,7 @@ fn a_session_goes_from_check_to_done() {
         assert_eq!(flow.phase(), &Phase::Ready);
         assert!(matches!(&flow.step(Input::Start)[..], [Action::Run(t)] if t.trial == trial));
         assert_eq!(flow.step(Input::Ended(End::Complete)), []);
-        let finish = Action::Finish {
-            trial,
-            complete: true,
-            likert: Some(Given { value: 2, time_ms: None }),
-        };
-        assert_eq!(flow.step(Input::Answer(2)), [finish]);
+        assert_eq!(flow.step(Input::Answer(2)), [finish(trial, 2)]);
         flow.step(Input::Elapsed(PAUSE_S));
     }
     assert_eq!((flow.phase(), flow.done()), (&Phase::Done, 3));
@@ -177,11 +173,7 @@ fn the_pause_is_at_least_as_long_as_asked_for_and_the_question_is_no_part_of_it(
     );
     assert_eq!(flow.phase(), &Phase::Pause);
     feed(&mut flow, [Input::Elapsed(4.9), Input::Elapsed(f64::NAN), Input::Elapsed(-3.0)]);
-    let refused = flow.step(Input::Start);
-    assert!(
-        matches!(&refused[..], [Action::Refuse(why)] if why.contains("0.1 s to go")),
-        "{refused:?}"
-    );
+    assert!(is_refused(&flow.step(Input::Start), "0.1 s to go"));
     feed(&mut flow, [Input::Elapsed(0.2)]);
     assert_eq!(flow.phase(), &Phase::Ready);
 }
@@ -191,8 +183,7 @@ fn a_repeat_comes_right_away_under_a_new_number_and_keeps_its_place() {
     let mut flow = ready();
     run_one(&mut flow);
     assert_eq!(flow.step(Input::Repeat), [Action::Log(Event::Superseded { trial: 1, by: 4 })]);
-    let again = flow.step(Input::Repeat);
-    assert!(matches!(&again[..], [Action::Refuse(why)] if why.contains("trial 1")), "{again:?}");
+    assert!(is_refused(&flow.step(Input::Repeat), "trial 1"));
     feed(&mut flow, [Input::Elapsed(PAUSE_S)]);
     assert!(
         matches!(&flow.step(Input::Start)[..], [Action::Run(t)] if t.trial == 4 && t.mode == order(3)[0].0.mode)
@@ -231,13 +222,7 @@ fn a_question_that_a_stop_left_open_is_asked_again_and_its_answer_is_an_event() 
     assert_eq!(actions, [Action::Finish { trial: 1, complete: true, likert: None }, Action::Off]);
     feed(&mut flow, [Input::Start, Input::Homed]);
     assert_eq!(flow.phase(), &Phase::Question { place: 0, question: 0, late: true });
-    let answer = Event::Answer {
-        trial: 1,
-        question: "felt".parse().unwrap(),
-        value: 5.into(),
-        time_ms: None,
-    };
-    assert_eq!(flow.step(Input::Answer(5)), [Action::Log(answer)]);
+    assert_eq!(flow.step(Input::Answer(5)), [Action::Log(answered("felt", 5))]);
 }
 
 #[test]

@@ -18,30 +18,18 @@ pub(super) enum Argument<'a> {
 
 /// A message: address, types, arguments.
 pub(super) fn message(address: &str, arguments: &[Argument<'_>]) -> Vec<u8> {
-    let mut bytes = text(address);
-    let types: String = arguments.iter().map(letter).collect();
-    bytes.extend(text(&format!(",{types}")));
-    arguments.iter().for_each(|argument| bytes.extend(value(argument)));
-    bytes
+    let (types, values): (String, Vec<Vec<u8>>) = arguments.iter().map(encoded).unzip();
+    [text(address), text(&format!(",{types}")), values.concat()].concat()
 }
 
-fn letter(argument: &Argument<'_>) -> char {
+/// The letter of an argument's type, and its bytes.
+fn encoded(argument: &Argument<'_>) -> (char, Vec<u8>) {
     match argument {
-        Argument::Int(_) => 'i',
+        Argument::Int(n) => ('i', n.to_be_bytes().to_vec()),
         #[cfg(test)]
-        Argument::Float(_) => 'f',
-        Argument::Double(_) => 'd',
-        Argument::Text(_) => 's',
-    }
-}
-
-fn value(argument: &Argument<'_>) -> Vec<u8> {
-    match argument {
-        Argument::Int(n) => n.to_be_bytes().to_vec(),
-        #[cfg(test)]
-        Argument::Float(x) => x.to_be_bytes().to_vec(),
-        Argument::Double(x) => x.to_be_bytes().to_vec(),
-        Argument::Text(words) => text(words),
+        Argument::Float(x) => ('f', x.to_be_bytes().to_vec()),
+        Argument::Double(x) => ('d', x.to_be_bytes().to_vec()),
+        Argument::Text(words) => ('s', text(words)),
     }
 }
 

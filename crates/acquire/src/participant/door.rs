@@ -237,17 +237,6 @@ mod tests {
     }
 
     #[test]
-    fn a_second_screen_is_told_so_and_let_in_once_the_first_is_gone() {
-        let door = Door::open(secret()).unwrap();
-        let (first, mut input) = enter(&door);
-        assert_eq!(said(&mut input), Message::Sight(sight(0)));
-        assert_eq!(said(&mut enter(&door).1), Message::Taken);
-        first.shutdown(Shutdown::Both).unwrap();
-        until(|| !door.reception.is_open());
-        assert_eq!(said(&mut enter(&door).1), Message::Sight(sight(0)));
-    }
-
-    #[test]
     fn who_does_not_know_the_secret_hears_nothing_of_the_session() {
         let door = Door::open(secret()).unwrap();
         door.reception.show(&sight(1));

@@ -38,7 +38,9 @@ pub(super) fn render(
         centred(foot, Role::Quiet, look, Rect { y: area.bottom() - 1, ..area }, buffer);
         (top, height) = (top + 1, height - 2);
     }
-    let word = large(sight, is_answered);
+    // Where there is a question to be read there is no room for a word.
+    let is_asked = matches!(sight.now, Now::Question(_)) && !is_answered;
+    let word = if is_asked { String::new() } else { words(&sight.now).0 };
     let is_large = height >= text.len() + ROWS && big_width(&word) <= usize::from(area.width);
     let head = match (is_large, word.is_empty()) {
         (_, true) => Vec::new(),
@@ -76,21 +78,6 @@ fn centred(line: &str, role: Role, look: Look, area: Rect, buffer: &mut Buffer) 
     buffer.set_string(left, area.y, line, style);
 }
 
-/// The word in large letters; none where there is a question to be read.
-fn large(sight: &Sight, is_answered: bool) -> String {
-    match &sight.now {
-        Now::Wait => "WAIT".to_owned(),
-        Now::Ready => "READY".to_owned(),
-        Now::Go => "GO".to_owned(),
-        Now::Question(_) if is_answered => "WAIT".to_owned(),
-        Now::Question(_) => String::new(),
-        Now::Pause { left_s } => left_s.to_string(),
-        Now::Held => "PAUSE".to_owned(),
-        Now::Stopped => "STOP".to_owned(),
-        Now::Done | Now::Left => "DONE".to_owned(),
-    }
-}
-
 /// What is to be read, in lines of at most `limit` cells, and in `height` rows if it can be.
 fn text(sight: &Sight, typed: &str, is_answered: bool, limit: usize, height: usize) -> Vec<String> {
     match &sight.now {
@@ -103,23 +90,26 @@ fn text(sight: &Sight, typed: &str, is_answered: bool, limit: usize, height: usi
             let environment = sight.environment.as_deref().filter(|_| is_trial);
             let practice = if sight.practice { " (practice)" } else { "" };
             let environment = environment.map(|name| wrap(&format!("{name}{practice}"), limit));
-            [environment.unwrap_or_default(), wrap(instruction(now), limit)].concat()
+            [environment.unwrap_or_default(), wrap(words(now).1, limit)].concat()
         }
     }
 }
 
-/// What to do now.
-fn instruction(now: &Now) -> &'static str {
-    match now {
-        Now::Wait => "Please wait. The device is being prepared.",
-        Now::Ready => "Finger on the lever. The experimenter starts the trial.",
-        Now::Go => "Move the lever forward and back, once.",
-        Now::Question(_) => "Thank you. Please wait.",
-        Now::Pause { .. } => "seconds of rest. Finger off the lever.",
-        Now::Held => "Rest until the experimenter goes on. Finger off the lever.",
-        Now::Stopped => "Finger off the lever. Please wait for the experimenter.",
-        Now::Done | Now::Left => "That was the last trial. Thank you.",
-    }
+/// The word in large letters, and what to do now; a question was answered.
+fn words(now: &Now) -> (String, &'static str) {
+    let (word, instruction) = match now {
+        Now::Wait => ("WAIT", "Please wait. The device is being prepared."),
+        Now::Ready => ("READY", "Finger on the lever. The experimenter starts the trial."),
+        Now::Go => ("GO", "Move the lever forward and back, once."),
+        Now::Question(_) => ("WAIT", "Thank you. Please wait."),
+        Now::Pause { left_s } => {
+            return (left_s.to_string(), "seconds of rest. Finger off the lever.");
+        }
+        Now::Held => ("PAUSE", "Rest until the experimenter goes on. Finger off the lever."),
+        Now::Stopped => ("STOP", "Finger off the lever. Please wait for the experimenter."),
+        Now::Done | Now::Left => ("DONE", "That was the last trial. Thank you."),
+    };
+    (word.to_owned(), instruction)
 }
 
 /// The question and its answers, one per line; without empty lines if it is not `wide`.
@@ -161,7 +151,7 @@ mod tests {
         cells.map(|row| row.iter().map(|cell| cell.symbol()).collect()).collect()
     }
 
-    fn words(rows: &[String]) -> String {
+    fn joined(rows: &[String]) -> String {
         rows.join(" ").split_whitespace().collect::<Vec<_>>().join(" ")
     }
 
@@ -177,10 +167,10 @@ mod tests {
         for size in [LARGE, SMALL, (120, 40), (20, 4), (1, 1)] {
             for phase in phases() {
                 let sight = Sight::of(&telling(phase.clone()), 1);
-                let told = words(&rows(&telling(phase.clone()), "", FULL, size));
+                let told = joined(&rows(&telling(phase.clone()), "", FULL, size));
                 assert!(!told.contains("SECRET") && !told.contains("8888"), "{told}");
                 if size.0 >= SMALL.0 && sight.question().is_none() {
-                    assert!(told.contains(instruction(&sight.now)), "{phase:?} {size:?} {told}");
+                    assert!(told.contains(words(&sight.now).1), "{phase:?} {size:?} {told}");
                 }
             }
         }
@@ -190,7 +180,7 @@ mod tests {
     fn the_longest_question_is_read_with_all_its_answers_in_the_small_window() {
         let view = telling(Phase::Question { text: longest(), scale: AnswerScale::FivePoint });
         for size in [LARGE, SMALL] {
-            let told = words(&rows(&view, "", FULL, size));
+            let told = joined(&rows(&view, "", FULL, size));
             assert!(told.contains(&longest()), "{told}");
             for answer in ["1 strongly disagree", "3 neutral", "5 strongly agree"] {
                 assert!(told.contains(answer), "{size:?} {told}");
@@ -203,7 +193,7 @@ mod tests {
         let scale = NumberScale { points: 101, from: 0, step: 1, labels: Vec::new() };
         let scale = AnswerScale::Numbers(scale);
         let view = telling(Phase::Question { text: "How stiff?".into(), scale });
-        let told = words(&rows(&view, "42", FULL, SMALL));
+        let told = joined(&rows(&view, "42", FULL, SMALL));
         assert!(
             told.contains("How stiff? 0 100 A number from 0 to 100, then Enter: 42_"),
             "{told}"
@@ -220,7 +210,7 @@ mod tests {
             assert_eq!(large(Phase::Pause { left_s: 5.0, pause_s: 5.0 }, size), ROWS, "{size:?}");
         }
         assert_eq!(large(Phase::Ready, (40, 6)), 0);
-        let told = words(&rows(&telling(Phase::Ready), "", FULL, (40, 6)));
+        let told = joined(&rows(&telling(Phase::Ready), "", FULL, (40, 6)));
         assert!(told.contains("READY"), "{told}");
     }
 

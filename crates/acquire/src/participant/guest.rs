@@ -56,28 +56,27 @@ impl Guest {
                 _ => break,
             }
         }
-        let (mut input, first) = match greeted {
-            Greeted::By(input, Message::Sight(sight)) => (input, sight),
-            Greeted::By(_, Message::Taken) => {
-                return Err(refused(
-                    "another participant's screen is open for this session",
-                    "close that one first (Ctrl-C there)",
-                ));
-            }
-            Greeted::HungUp => {
-                return Err(refused(
-                    "the session does not let this screen in",
-                    "use the same version of zwidth for both, and open the screen again",
-                ));
-            }
-            Greeted::ByAStranger => {
-                return Err(refused(
-                    "no session of this study is being recorded: another program has the port that \
-                     an earlier session had, and nothing of what it says is shown",
-                    START,
-                ));
-            }
+        let (what, remedy) = match greeted {
+            Greeted::By(input, Message::Sight(first)) => return Self::seated(input, first),
+            Greeted::By(_, Message::Taken) => (
+                "another participant's screen is open for this session",
+                "close that one first (Ctrl-C there)",
+            ),
+            Greeted::HungUp => (
+                "the session does not let this screen in",
+                "use the same version of zwidth for both, and open the screen again",
+            ),
+            Greeted::ByAStranger => (
+                "no session of this study is being recorded: another program has the port that \
+                 an earlier session had, and nothing of what it says is shown",
+                START,
+            ),
         };
+        Err(AcquireError::refused(what, remedy))
+    }
+
+    /// A screen that was let in; `first` is what it sees first.
+    fn seated(mut input: BufReader<Patient>, first: Sight) -> Result<Self, AcquireError> {
         input.get_mut().until = None;
         let stream = input.get_ref().stream.try_clone().map_err(nobody)?;
         let (sender, sights) = channel();
@@ -107,7 +106,9 @@ impl Guest {
             }
             Err(RecvTimeoutError::Timeout) => Ok(None),
             Err(RecvTimeoutError::Disconnected) if self.is_over => Ok(None),
-            Err(RecvTimeoutError::Disconnected) => Err(refused("the session is gone", GO_ON)),
+            Err(RecvTimeoutError::Disconnected) => {
+                Err(AcquireError::refused("the session is gone", GO_ON))
+            }
         }
     }
 
@@ -116,8 +117,9 @@ impl Guest {
     /// # Errors
     /// The session is gone.
     pub(super) fn answer(&mut self, number: u64, value: i16) -> Result<(), AcquireError> {
-        write_line(&mut self.stream, &answer(number, value))
-            .map_err(|_| refused("the session is gone, and the answer with it", GO_ON))
+        write_line(&mut self.stream, &answer(number, value)).map_err(|_| {
+            AcquireError::refused("the session is gone, and the answer with it", GO_ON)
+        })
     }
 }
 
@@ -127,17 +129,12 @@ impl Drop for Guest {
     }
 }
 
-const NOBODY: &str = "no session of this study is being recorded";
 const START: &str = "start it with `zwidth acquire` in another terminal, then open this screen";
 const GO_ON: &str = "go on with it by `zwidth acquire`, then open this screen again";
 
 /// Whatever went wrong at the port: no session of this study is behind it.
 fn nobody(_: io::Error) -> AcquireError {
-    refused(NOBODY, START)
-}
-
-fn refused(what: &str, remedy: &str) -> AcquireError {
-    AcquireError::Refused { what: what.to_owned(), remedy: remedy.to_owned() }
+    AcquireError::refused("no session of this study is being recorded", START)
 }
 
 /// Proves to whoever listens that this screen knows the secret, once they have proven the same.

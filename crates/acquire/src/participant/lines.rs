@@ -7,10 +7,11 @@
 use super::guest::Guest;
 use super::sight::{Now, OpenQuestion, Sight};
 use crate::AcquireError;
+use crate::plain::read_lines;
 use std::collections::VecDeque;
 use std::io::{self, BufRead, IsTerminal as _, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use std::sync::mpsc::TryRecvError;
 use std::time::Duration;
 use zwidth_study::printable;
 
@@ -28,7 +29,7 @@ pub fn show_lines(
     mut out: impl Write,
     quit: &AtomicBool,
 ) -> Result<bool, AcquireError> {
-    let typed = read(input);
+    let typed = read_lines(input, |_| {});
     let is_at_terminal = io::stdin().is_terminal();
     let mut waiting = VecDeque::new();
     let mut shown = None;
@@ -51,7 +52,8 @@ pub fn show_lines(
         }
         let has_ended = loop {
             match typed.try_recv() {
-                Ok(line) => waiting.push_back(line),
+                Ok(line) if line.trim().is_empty() => {}
+                Ok(line) => waiting.push_back(line.trim().to_owned()),
                 Err(ended) => break ended == TryRecvError::Disconnected,
             }
         };
@@ -76,20 +78,6 @@ pub fn show_lines(
         }
     }
     Ok(false)
-}
-
-/// Lines, read on a thread of its own, which ends with the input or with the program.
-fn read(input: impl BufRead + Send + 'static) -> Receiver<String> {
-    let (sender, lines) = channel();
-    std::thread::spawn(move || {
-        for bytes in input.split(b'\n').map_while(Result::ok) {
-            let line = String::from_utf8_lossy(&bytes).trim().to_owned();
-            if !line.is_empty() && sender.send(line).is_err() {
-                break;
-            }
-        }
-    });
-    lines
 }
 
 /// The answer that a line gives; the error says what may be answered.
@@ -122,20 +110,12 @@ fn line(sight: &Sight) -> String {
 mod tests {
     use super::super::door::Door;
     use super::super::proof::Secret;
-    use super::super::sight::tests::{phases, telling};
+    use super::super::sight::tests::telling;
     use super::super::wire::place_of;
     use super::*;
     use crate::Phase;
     use std::io::Cursor;
     use zwidth_study::AnswerScale;
-
-    #[test]
-    fn no_line_tells_a_mode() {
-        for phase in phases() {
-            let told = line(&Sight::of(&telling(phase), 1));
-            assert!(!told.contains("SECRET") && !told.contains("8888"), "{told}");
-        }
-    }
 
     #[test]
     fn numbers_answer_questions_in_order_and_what_is_no_answer_is_told() {

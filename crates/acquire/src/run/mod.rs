@@ -17,7 +17,7 @@ mod trial;
 
 use crate::course::{Conditions, course};
 use crate::flow::{Action, Flow, Input, Phase};
-use crate::folder::{StudyFolder, Within};
+use crate::folder::Within;
 use crate::markers::Markers;
 use crate::plan::Plan;
 use crate::session::Session;
@@ -34,7 +34,7 @@ use zwidth_device::{
     Attendant, Capabilities, Clock, Device, Guard, Limits, Station, Timing, TrialPlan,
 };
 use zwidth_store::{Entered, Files, OpenSession, sync_names};
-use zwidth_study::{Event, ExperimenterId, Study};
+use zwidth_study::{Event, ExperimenterId};
 
 /// How long one look at the keys may wait, and how often an idle screen is drawn.
 const WAIT: Duration = Duration::from_millis(50);
@@ -61,7 +61,7 @@ pub struct Parts<'a> {
 }
 
 /// How a session runs.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Options {
     /// The clock is the machine's: the device gets a thread of its own, and pauses are waited for.
     pub live: bool,
@@ -167,15 +167,17 @@ pub fn run<'a>(
         guard.admit(mode, &plan.calibration)?;
     }
     if options.markers.contains(&Target::Board) && !capabilities.shows_moments {
-        return Err(AcquireError::Refused {
-            what: format!("--markers board: {} has no pin for markers", capabilities.name),
-            remedy: "leave board out, or use the framed link, or a sketch that takes markers \
-                     (docs/rig.md)"
-                .to_owned(),
-        });
+        return Err(AcquireError::refused(
+            format!("--markers board: {} has no pin for markers", capabilities.name),
+            "leave board out, or use the framed link, or a sketch that takes markers (docs/rig.md)",
+        ));
     }
-    let rate_hz = rate_hz(&plan.study, &capabilities)?;
-    let files = Within::new(files, StudyFolder::open(files, &plan.layout.raw())?);
+    // The study's rate, or the device's if that is lower.
+    let rate_hz = match plan.study.environments.first() {
+        Some(environment) => TrialPlan::new(&plan.study, environment, 0, &capabilities)?.rate_hz,
+        None => capabilities.rate_hz,
+    };
+    let files = Within::open(files, &plan.layout.raw())?;
     let folder = files.clone();
     let (flow, first) = Flow::begin(
         session.order(&plan.study),
@@ -222,32 +224,31 @@ pub fn run<'a>(
         runner.begin(first).and_then(|()| runner.go_on())?;
         let stays_on = runner.stays_on();
         // However the runner is left, the attendant in it leaves the device at 0 V.
-        Ok(runner.outcome(stays_on))
+        Ok(Outcome {
+            stays_on,
+            done: runner.flow.done(),
+            total: runner.flow.places().len(),
+            stopped: runner.stopped,
+            interrupted: options.quit.load(Ordering::SeqCst),
+            gone: runner.front.gone().map(str::to_owned),
+            timing: runner.timing,
+        })
     });
     // A folder that is gone is behind whatever could not be written.
     left.map_err(|error| folder.check().err().unwrap_or(error))
 }
 
-/// A life of this session that was killed may have left a folder's name unsynced; what is recorded
-/// into it would go with it in a power cut.
-fn sync_folder_names(plan: &Plan, files: &dyn Files) -> Result<(), AcquireError> {
-    let Plan { layout, participant, session, .. } = plan;
-    let trials = layout.trial(participant, session, 1);
-    let folders =
-        [trials.parent().map(Path::to_owned), Some(layout.journals()), Some(layout.sessions())];
-    let mut folders = folders.into_iter().flatten();
-    Ok(folders.try_for_each(|folder| sync_names(files, &folder, layout.root()))?)
-}
-
-/// The rate of the loop: the study's, or the device's if that is lower.
-fn rate_hz(study: &Study, device: &Capabilities) -> Result<f64, AcquireError> {
-    let Some(environment) = study.environments.first() else { return Ok(device.rate_hz) };
-    Ok(TrialPlan::new(study, environment, 0, device)?.rate_hz)
-}
-
 impl<'a> Runner<'a> {
     fn begin(&mut self, first: Vec<Action>) -> Result<(), AcquireError> {
-        sync_folder_names(self.plan, &self.files)?;
+        // A life of this session that was killed may have left a folder's name unsynced; what is
+        // recorded into it would go with it in a power cut.
+        let Plan { layout, participant, session, .. } = self.plan;
+        let trials = layout.trial(participant, session, 1);
+        let folders =
+            [trials.parent().map(Path::to_owned), Some(layout.journals()), Some(layout.sessions())];
+        for folder in folders.into_iter().flatten() {
+            sync_names(&self.files, &folder, layout.root())?;
+        }
         if self.session.laid_down {
             let place = self.flow.done();
             self.view
@@ -295,59 +296,50 @@ impl<'a> Runner<'a> {
     /// Does what the flow asks for, and what comes of it.
     fn act(&mut self, actions: Vec<Action>) -> Result<(), AcquireError> {
         for action in actions {
-            let input = match action {
-                Action::Check => Some(self.check()?),
-                Action::Home => Some(self.home()?),
+            match action {
+                Action::Check => {
+                    let input = self.check()?;
+                    self.feed(input)?;
+                }
+                Action::Home => {
+                    let input = self.home()?;
+                    self.feed(input)?;
+                }
                 Action::Run(trial) => {
                     self.began = self.began.or(Some((self.attendant.now_s(), self.flow.done())));
                     let end = self.record(&trial)?;
                     // The trial is no part of the pause after it.
                     self.seen_s = self.attendant.now_s();
-                    Some(Input::Ended(end))
+                    self.feed(Input::Ended(end))?;
                 }
                 Action::Finish { trial, complete, likert } => {
                     if likert.is_some() {
                         self.mark_answer(trial)?;
                     }
                     self.finish(trial, complete, likert)?;
-                    None
                 }
                 Action::Log(event) => {
                     if let Event::Answer { trial, .. } = event {
                         self.mark_answer(trial)?;
                     }
                     self.log(event)?;
-                    None
                 }
-                Action::Refuse(why) | Action::Tell(why) => {
-                    self.view.say(why);
-                    None
-                }
-                Action::Halt => {
-                    self.options.stop.store(true, Ordering::SeqCst);
-                    None
-                }
+                Action::Refuse(why) | Action::Tell(why) => self.view.say(why),
+                Action::Halt => self.options.stop.store(true, Ordering::SeqCst),
                 Action::Off => {
-                    self.off();
-                    None
+                    if *self.flow.phase() == Phase::Done {
+                        // Nothing homes from here before a trial that is done again, so the stop
+                        // is over now.
+                        self.options.stop.store(false, Ordering::SeqCst);
+                    }
+                    // 0 V now. A device that does not take it is lost, which its next reading
+                    // tells; its watchdog does the rest.
+                    let _ = self.attendant.ask(Station::off);
                 }
-                Action::Leave => None,
-            };
-            if let Some(input) = input {
-                self.feed(input)?;
+                Action::Leave => {}
             }
         }
         Ok(())
-    }
-
-    /// 0 V now. A device that does not take it is lost, which its next reading tells; its watchdog
-    /// does the rest.
-    fn off(&mut self) {
-        if *self.flow.phase() == Phase::Done {
-            // Nothing homes from here before a trial that is done again, so the stop is over now.
-            self.options.stop.store(false, Ordering::SeqCst);
-        }
-        let _ = self.attendant.ask(Station::off);
     }
 
     fn log(&mut self, event: Event) -> Result<(), AcquireError> {
@@ -416,17 +408,5 @@ impl<'a> Runner<'a> {
             first.and(station.off())
         });
         !matches!(off, Ok(Ok(())))
-    }
-
-    fn outcome(self, stays_on: bool) -> Outcome {
-        Outcome {
-            stays_on,
-            done: self.flow.done(),
-            total: self.flow.places().len(),
-            stopped: self.stopped,
-            interrupted: self.options.quit.load(Ordering::SeqCst),
-            gone: self.front.gone().map(str::to_owned),
-            timing: self.timing,
-        }
     }
 }

@@ -1,7 +1,7 @@
 //! One trial: run, written to the journal, shown, and made a file.
 
 use super::mark::Marking;
-use super::{Ran, Runner, look};
+use super::{Options, Ran, Runner, look};
 use crate::course::Conditions;
 use crate::flow::{Action, EMERGENCY_STOP, End, Flow, Input};
 use crate::plan::Plan;
@@ -10,15 +10,13 @@ use crate::tape::Tape;
 use crate::view::Point;
 use crate::{AcquireError, Front, View};
 use std::ops::ControlFlow;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 use zwidth_device::{
     Controller, Histogram, Station, Timing, TrialEnd, TrialPlan, TrialRun, TrialTask, Trip, watch,
 };
 use zwidth_store::{Entered, Files, Journal, OpenSession, Protocol, TrialFile};
-use zwidth_study::{
-    Environment, Event, ExperimenterId, Flags, Given, Mode, PlannedTrial, Sample, Study,
-};
+use zwidth_study::{Event, Flags, Given, PlannedTrial, Sample, Study};
 
 /// Why a trial was cut that a signal ended.
 const SIGNAL: &str = "a signal ended the program";
@@ -46,7 +44,18 @@ impl<'a> Runner<'a> {
             session: self.plan.name(),
             findings: vec![finding],
         })?;
-        let (environment, mode) = self.condition(trial)?;
+        // The environment and the mode of the place at hand.
+        let study: &'a Study = &self.plan.study;
+        let mode = self.flow.here().and_then(|place| self.session.modes.get(place));
+        let mode = mode.and_then(|id| study.mode(id));
+        let condition = study.environment(&trial.environment).zip(mode);
+        let (environment, mode) = condition.ok_or_else(|| {
+            let number = trial.trial;
+            AcquireError::refused(
+                format!("trial {number} has an environment or a mode that is not in study.toml"),
+                "put study.toml back as it was when the session began",
+            )
+        })?;
         let plan = TrialPlan::new(&self.plan.study, environment, trial.trial, &self.capabilities)?;
         let plan = TrialPlan { shows_moments: self.shows_moments(), ..plan };
         if let Some(cut) = self.await_lever()? {
@@ -62,7 +71,7 @@ impl<'a> Runner<'a> {
             tape: Tape::new(journal, plan.rate_hz),
             view: &mut self.view,
             blinded: self.session.blinded,
-            pace: Pace::new(plan.rate_hz),
+            pace: Pace { rate_hz: plan.rate_hz, ..Pace::default() },
             marking: Marking::new(&self.markers, trial.trial),
         };
         let stop = &*self.options.stop;
@@ -75,9 +84,7 @@ impl<'a> Runner<'a> {
             session: &self.session,
             stored: &mut self.stored,
             conditions: &self.conditions,
-            stop,
-            by: self.options.by.as_ref(),
-            quit: &self.options.quit,
+            options: self.options,
             drawn: Instant::now(),
             error: None,
         };
@@ -91,7 +98,7 @@ impl<'a> Runner<'a> {
         }
         // What it finds is in `error`.
         let _ = live.tape.write();
-        live.show_timing();
+        live.view.timing = live.pace.timing();
         let (last_s, sent) = live.marking.end();
         let mut tape = live.tape;
         if let Some(error) = tape.error.take() {
@@ -148,7 +155,7 @@ impl<'a> Runner<'a> {
         run: &TrialRun,
     ) -> Result<End, AcquireError> {
         let crate::Timing { rate_hz, measured_hz, dropouts, .. } = self.view.timing;
-        let Timing { missed, lateness, .. } = &run.timing;
+        let Timing { ticks, missed, lateness, .. } = &run.timing;
         self.view.timing = look::timing(rate_hz, measured_hz, *missed, dropouts, lateness);
         self.timing.merge(&run.timing);
         let end = match &run.end {
@@ -164,8 +171,13 @@ impl<'a> Runner<'a> {
             self.answer = self.flow.here().and_then(|place| self.ask_participant(place, 0));
         }
         self.tape = Some(tape);
-        if run.timing.missed > 0 {
-            self.log(Event::Note { trial: Some(trial), text: missed_words(&run.timing) })?;
+        if *missed > 0 {
+            let text = format!(
+                "{missed} of {} ticks missed their deadline; the latest came {:.1} ms late",
+                ticks + missed,
+                lateness.max_s() * 1e3
+            );
+            self.log(Event::Note { trial: Some(trial), text })?;
         }
         // After every trial, also after one without a motor: it must not tell a blinded mode.
         if self.is_unwatched() {
@@ -209,21 +221,6 @@ impl<'a> Runner<'a> {
         Ok(())
     }
 
-    /// The environment and the mode of the place at hand.
-    fn condition(&self, trial: &PlannedTrial) -> Result<(&'a Environment, &'a Mode), AcquireError> {
-        let study: &'a Study = &self.plan.study;
-        let mode = self.flow.here().and_then(|place| self.session.modes.get(place));
-        let condition =
-            study.environment(&trial.environment).zip(mode.and_then(|id| study.mode(id)));
-        condition.ok_or_else(|| AcquireError::Refused {
-            what: format!(
-                "trial {} has an environment or a mode that is not in study.toml",
-                trial.trial
-            ),
-            remedy: "put study.toml back as it was when the session began".to_owned(),
-        })
-    }
-
     fn journal(&mut self, trial: &PlannedTrial) -> Result<Journal, AcquireError> {
         let start_utc = (self.utc)(self.attendant.now_s());
         let record = &self.session.record;
@@ -250,15 +247,6 @@ impl<'a> Runner<'a> {
     }
 }
 
-fn missed_words(timing: &Timing) -> String {
-    format!(
-        "{} of {} ticks missed their deadline; the latest came {:.1} ms late",
-        timing.missed,
-        timing.ticks + timing.missed,
-        timing.lateness.max_s() * 1e3
-    )
-}
-
 /// Where samples go: to the journal and to the trace.
 struct Live<'a> {
     tape: Tape,
@@ -274,6 +262,7 @@ const ROUNDED: f64 = 1e-6;
 
 /// How the loop keeps its time, as far as the samples tell: deadlines are a grid from the trial's
 /// start.
+#[derive(Default)]
 struct Pace {
     rate_hz: f64,
     /// When the last sample was taken, s.
@@ -287,17 +276,6 @@ struct Pace {
 }
 
 impl Pace {
-    fn new(rate_hz: f64) -> Self {
-        Self {
-            rate_hz,
-            t_s: 0.0,
-            samples: 0,
-            deadlines: 0,
-            dropouts: 0,
-            lateness: Histogram::default(),
-        }
-    }
-
     fn add(&mut self, sample: &Sample) {
         let periods = sample.t_s * self.rate_hz;
         let due = (periods + ROUNDED).floor();
@@ -336,11 +314,6 @@ impl Live<'_> {
     fn add_all(&mut self, samples: &[Sample]) -> ControlFlow<()> {
         samples.iter().try_for_each(|sample| self.add(sample))
     }
-
-    /// Shows how the loop keeps its time.
-    fn show_timing(&mut self) {
-        self.view.timing = self.pace.timing();
-    }
 }
 
 /// What else goes on in real time while a trial runs: the screen, the keys, remarks.
@@ -353,9 +326,7 @@ struct Desk<'a> {
     session: &'a Session,
     stored: &'a mut OpenSession,
     conditions: &'a Conditions,
-    stop: &'a AtomicBool,
-    by: Option<&'a ExperimenterId>,
-    quit: &'a AtomicBool,
+    options: &'a Options,
     drawn: Instant,
     error: Option<AcquireError>,
 }
@@ -373,7 +344,7 @@ impl Desk<'_> {
     }
 
     fn serve(&mut self, live: &mut Live<'_>) -> Result<(), AcquireError> {
-        let signalled = self.quit.load(Ordering::SeqCst).then_some(Input::Quit);
+        let signalled = self.options.quit.load(Ordering::SeqCst).then_some(Input::Quit);
         for input in self.front.next(Duration::ZERO)?.into_iter().chain(signalled) {
             for action in self.flow.step(input) {
                 self.act(live, action)?;
@@ -381,7 +352,7 @@ impl Desk<'_> {
         }
         if self.drawn.elapsed() >= FRAME {
             self.drawn = Instant::now();
-            live.show_timing();
+            live.view.timing = live.pace.timing();
             look::refresh_trial(live.view, self.flow, self.plan, self.session, self.conditions);
             self.front.show(live.view)?;
         }
@@ -391,12 +362,12 @@ impl Desk<'_> {
     /// While a trial runs only these can be asked for.
     fn act(&mut self, live: &mut Live<'_>, action: Action) -> Result<(), AcquireError> {
         match action {
-            Action::Halt => self.stop.store(true, Ordering::SeqCst),
+            Action::Halt => self.options.stop.store(true, Ordering::SeqCst),
             Action::Refuse(why) | Action::Tell(why) => live.view.say(why),
             Action::Log(event) => {
                 live.view.say(look::event(&event));
                 // In real time the time of day is the machine's, whatever the loop's clock shows.
-                let entered = Entered { utc: &(self.utc)(0.0), by: self.by };
+                let entered = Entered { utc: &(self.utc)(0.0), by: self.options.by.as_ref() };
                 self.stored.append(self.files, entered, &[event])?;
             }
             _ => {}
@@ -428,7 +399,7 @@ mod tests {
 
     #[test]
     fn the_screen_counts_missed_deadlines_and_the_gaps_they_leave() {
-        let mut pace = Pace::new(1000.0);
+        let mut pace = Pace { rate_hz: 1000.0, ..Pace::default() };
         // Deadlines 3 to 5 are missed; sample 2 is a bit early by rounding, sample 6 comes 0.25 ms
         // late.
         for (t_s, gap) in [(0.0, false), (0.001, false), (0.002 - 1e-12, false), (0.00625, true)] {

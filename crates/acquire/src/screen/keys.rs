@@ -153,32 +153,36 @@ fn press_for_trial(code: KeyCode, trial: u32) -> (Option<Entry>, Option<Input>) 
 }
 
 fn press_command(code: KeyCode, phase: &Phase) -> (Option<Entry>, Option<Input>) {
-    match lower(code) {
-        KeyCode::Enter if is_offered("Enter", phase) => (None, Some(Input::Start)),
-        KeyCode::Char(c) if answer(c, phase).is_some() => {
-            (None, answer(c, phase).map(Input::Answer))
+    let c = match lower(code) {
+        KeyCode::Enter => {
+            return (None, is_offered("Enter", phase).then_some(Input::Start));
         }
-        KeyCode::Char(c)
-            if is_of_number(c)
-                && matches!(phase, Phase::Question { scale, .. } if !has_keys(scale)) =>
-        {
-            (Some(Entry::Answer(c.to_string())), None)
+        KeyCode::Char(c) => c,
+        _ => return (None, None),
+    };
+    if let Phase::Question { scale, .. } = phase
+        && is_of_number(c)
+    {
+        if !has_keys(scale) {
+            return (Some(Entry::Answer(c.to_string())), None);
         }
-        KeyCode::Char('y') if is_offered("y", phase) => (None, Some(Input::Yes)),
-        KeyCode::Char('s') if matches!(phase, Phase::Step { .. }) => (None, Some(Input::Skip)),
-        KeyCode::Char('s') if is_offered("s", phase) => (Some(Entry::Sure(Ask::Skip)), None),
-        KeyCode::Char('n') if is_offered("n", phase) => {
-            (Some(Entry::Note(None, String::new())), None)
-        }
-        KeyCode::Char('x') if is_offered("x", phase) => {
-            (Some(Entry::Exclude(None, String::new())), None)
-        }
-        KeyCode::Char('r') if is_offered("r", phase) => {
-            (Some(Entry::Sure(Ask::Repeat(None))), None)
-        }
-        KeyCode::Char('p') if is_offered("p", phase) => (None, Some(Input::Hold)),
-        KeyCode::Char('t') if is_offered("t", phase) => (Some(Entry::Which(String::new())), None),
-        KeyCode::Char('q') if is_offered("q", phase) => (Some(Entry::Sure(Ask::Quit)), None),
+        // The answer that a key gives, if the question has such an answer.
+        let value = c.to_digit(10).and_then(|n| i16::try_from(n).ok());
+        return (None, value.filter(|value| scale.has(*value)).map(Input::Answer));
+    }
+    if !is_offered(c.encode_utf8(&mut [0; 4]), phase) {
+        return (None, None);
+    }
+    match c {
+        'y' => (None, Some(Input::Yes)),
+        's' if matches!(phase, Phase::Step { .. }) => (None, Some(Input::Skip)),
+        's' => (Some(Entry::Sure(Ask::Skip)), None),
+        'n' => (Some(Entry::Note(None, String::new())), None),
+        'x' => (Some(Entry::Exclude(None, String::new())), None),
+        'r' => (Some(Entry::Sure(Ask::Repeat(None))), None),
+        'p' => (None, Some(Input::Hold)),
+        't' => (Some(Entry::Which(String::new())), None),
+        'q' => (Some(Entry::Sure(Ask::Quit)), None),
         _ => (None, None),
     }
 }
@@ -186,15 +190,6 @@ fn press_command(code: KeyCode, phase: &Phase) -> (Option<Entry>, Option<Input>)
 /// Whether the screen offers this key in a phase.
 fn is_offered(key: &str, phase: &Phase) -> bool {
     commands(phase).iter().any(|(keys, _)| *keys == key)
-}
-
-/// The answer that a key gives to the open question, if one is open and has such an answer.
-fn answer(c: char, phase: &Phase) -> Option<i16> {
-    let Phase::Question { scale, .. } = phase else { return None };
-    if !has_keys(scale) {
-        return None;
-    }
-    c.to_digit(10).and_then(|n| i16::try_from(n).ok()).filter(|n| scale.has(*n))
 }
 
 /// Whether each answer is a digit, whose key gives it; else the number is typed.

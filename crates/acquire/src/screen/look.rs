@@ -124,14 +124,6 @@ mod tests {
     }
 
     #[test]
-    fn without_colour_no_style_has_one() {
-        let look = Look { colour: false, ascii: false };
-        for role in [Role::Plain, Role::Quiet, Role::Accent, Role::Good, Role::Warn, Role::Stop] {
-            assert_eq!(look.style(role).fg, None);
-        }
-    }
-
-    #[test]
     fn an_ascii_buffer_holds_nothing_else() {
         let mut buffer = Buffer::empty(Rect::new(0, 0, 8, 1));
         buffer.set_string(0, 0, "│█ é✓ µs", Style::new());

@@ -2,7 +2,7 @@
 
 use super::look::{Look, Role};
 use super::text::{fit, width, wrap};
-use crate::{Cell, CheckLine, Current, Phase, View};
+use crate::{Cell, CheckLine, Phase, View};
 use ratatui::text::{Line, Span};
 use zwidth_study::{AnswerScale, Kind};
 
@@ -28,7 +28,11 @@ pub(super) fn name(phase: &Phase) -> &'static str {
 /// seen.
 pub(super) fn trial(view: &View) -> Option<String> {
     let current = view.trial.as_ref()?;
-    let mut words = vec![number(current, view.total)];
+    let mut words = vec![match current.repeats {
+        // A repeat has a number of its own; its place in the order is told by the progress.
+        Some(_) => format!("trial {}", current.trial),
+        None => format!("trial {} of {}", current.place, view.total),
+    }];
     if current.kind == Kind::Familiarisation {
         words.push("familiarisation".into());
     }
@@ -36,14 +40,6 @@ pub(super) fn trial(view: &View) -> Option<String> {
     words.extend(current.mode.clone().filter(|_| !view.blinded));
     words.extend(current.repeats.map(|trial| format!("repeats trial {trial}")));
     Some(words.join(" · "))
-}
-
-/// A repeat has a number of its own; its place in the order is told by the progress.
-fn number(current: &Current, total: usize) -> String {
-    match current.repeats {
-        Some(_) => format!("trial {}", current.trial),
-        None => format!("trial {} of {total}", current.place),
-    }
 }
 
 /// Time left, s, and the whole of it.
@@ -85,7 +81,10 @@ pub(super) fn lines(view: &View, look: Look, limit: usize, is_low: bool) -> Vec<
             let rest = if view.held { HELD } else { "Rest. Both actuators are off." };
             [plain(rest), next(view, limit), cells(view, limit)].concat()
         }
-        Phase::Stopped { why } => [stopped(why, look, limit), next(view, limit)].concat(),
+        Phase::Stopped { why } => {
+            let why = styled(why, Role::Warn, look, limit);
+            [why, plain(STOPPED), next(view, limit)].concat()
+        }
         Phase::Done => {
             let done = plain("Every trial is done and stored; q ends the session.");
             [done, cells(view, limit)].concat()
@@ -103,6 +102,9 @@ const AT_STOP: &str = "Hold the lever still against its lower stop. Enter says t
 
 const HOMING: &str = "The lever must rest against its lower stop; both actuators are off. \
     Without this the angle is unknown, and nothing is switched on.";
+
+const STOPPED: &str = "Both actuators are at 0 V. Enter goes on with the check or the homing that is due; a trial \
+    that was cut is done again.";
 
 /// The next trial, if there is one.
 fn next(view: &View, limit: usize) -> Vec<Line<'static>> {
@@ -153,14 +155,6 @@ fn after_gap(lines: Vec<Line<'static>>) -> Vec<Line<'static>> {
 
 fn styled(text: &str, role: Role, look: Look, limit: usize) -> Vec<Line<'static>> {
     wrap(text, limit).into_iter().map(|line| Line::styled(line, look.style(role))).collect()
-}
-
-fn stopped(why: &str, look: Look, limit: usize) -> Vec<Line<'static>> {
-    let mut lines = styled(why, Role::Warn, look, limit);
-    let rest = "Both actuators are at 0 V. Enter goes on with the check or the homing that is due; a trial \
-        that was cut is done again.";
-    lines.extend(styled(rest, Role::Plain, look, limit));
-    lines
 }
 
 /// The question and its scale: in one row where it fits, else one row an answer; of a long scale

@@ -27,14 +27,8 @@ const TALK_ROWS: u16 = 6;
 /// too small the traces go first, then the messages; the last row, with the stop key, stays.
 pub(super) fn render(view: &View, entry: Option<&Entry>, look: Look, frame: &mut Frame<'_>) {
     let area = frame.area();
+    let buffer = frame.buffer_mut();
     let entry = entry.filter(|_| !matches!(view.phase, Phase::Trial { .. }));
-    draw(view, entry, look, area, frame.buffer_mut());
-    if look.ascii {
-        to_ascii(frame.buffer_mut());
-    }
-}
-
-fn draw(view: &View, entry: Option<&Entry>, look: Look, area: Rect, buffer: &mut Buffer) {
     let inner = area.inner(Margin::new(1, 0));
     let limit = usize::from(inner.width);
     let mut talk = panel::lines(view, look, limit, false);
@@ -53,6 +47,9 @@ fn draw(view: &View, entry: Option<&Entry>, look: Look, area: Rect, buffer: &mut
     messages(view, free, buffer);
     foot::timing(&view.timing, look, limit).render(rows.timing, buffer);
     foot::keys(view, entry, look).render(rows.keys, buffer);
+    if look.ascii {
+        to_ascii(buffer);
+    }
 }
 
 /// Whether there is something to draw, or will be in a moment.

@@ -46,6 +46,7 @@ struct Curve {
 }
 
 /// A plot: title, what stands beside it, scale, curves.
+#[derive(Default)]
 struct Plot {
     title: &'static str,
     value: String,
@@ -118,9 +119,8 @@ fn velocity(view: &View, look: Look) -> Plot {
         value: latest(view, |p| Some(p.theta_dot_rad_s.to_degrees()), 0),
         low: -scale,
         high: scale,
-        room: 0.0,
-        level: None,
         curves: vec![curve],
+        ..Plot::default()
     }
 }
 
@@ -144,9 +144,8 @@ fn force(view: &View) -> Plot {
         value: latest(view, |p| Some(p.force_ex_n), 2),
         low,
         high,
-        room: 0.0,
-        level: None,
         curves: vec![curve],
+        ..Plot::default()
     }
 }
 
@@ -165,9 +164,8 @@ fn voltages(view: &View, look: Look) -> Plot {
         value: format!("motor {now_motor}{motor} brake {now_brake}{brake}"),
         low: if is_signed { -scale } else { 0.0 },
         high: scale,
-        room: 0.0,
-        level: None,
         curves,
+        ..Plot::default()
     }
 }
 
@@ -318,13 +316,7 @@ mod tests {
 
     #[test]
     fn the_force_has_one_scale_while_a_trial_runs_and_room_for_what_came_after_it() {
-        let point = |force_ex_n: f64| Point {
-            t_s: 0.0,
-            theta_rad: 0.0,
-            theta_dot_rad_s: 0.0,
-            force_ex_n,
-            voltages: None,
-        };
+        let point = |force_ex_n: f64| Point { force_ex_n, ..Point::default() };
         let runs = Phase::Trial { t_s: 1.0, limit_s: 4.0 };
         let mut view = View { phase: runs.clone(), ..View::default() };
         let ends = |view: &View| {

@@ -30,10 +30,10 @@ impl Window {
     /// There is no terminal, or it refuses.
     pub(crate) fn take() -> Result<Self, AcquireError> {
         if !(io::stdin().is_terminal() && io::stdout().is_terminal()) {
-            return Err(AcquireError::Refused {
-                what: "the screen needs a terminal, and input or output is not one".into(),
-                remedy: "use --plain in scripts and pipes".into(),
-            });
+            return Err(AcquireError::refused(
+                "the screen needs a terminal, and input or output is not one",
+                "use --plain in scripts and pipes",
+            ));
         }
         let lost = Lost::default();
         enable_raw_mode()?;

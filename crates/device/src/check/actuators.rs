@@ -57,8 +57,26 @@ pub(super) fn drive(
 ) -> Result<Vec<Finding>, Trip> {
     guard.home(device, clock.now_s())?;
     let brake_v = device.capabilities().brake_max_v;
-    let mut hold =
-        |voltages, for_s| hold(device, clock, guard, calibration, rate_hz, stop, voltages, for_s);
+    // Holds voltages for a while, with all of safety in place; where the lever is in the end, rad.
+    // Stopped, nothing is held and it is nowhere.
+    let mut hold = |voltages: Voltages, for_s: f64| -> Result<Option<f64>, Trip> {
+        guard.arm_for_check(voltages, calibration)?;
+        let start_s = clock.now_s();
+        let mut output = Output::new(device, guard, start_s);
+        let mut pace = Pace::new(start_s, 1.0 / rate_hz);
+        loop {
+            let tick = pace.wait(clock);
+            if stop.load(Ordering::Relaxed) {
+                output.off(clock.now_s())?;
+                return Ok(None);
+            }
+            let (_, seen) = output.look(&tick)?;
+            if tick.now_s >= start_s + for_s {
+                return Ok(Some(seen.theta_rad));
+            }
+            output.command(clock.now_s(), voltages)?;
+        }
+    };
     let Some(start_rad) = hold(Voltages::OFF, SETTLE_S)? else { return Ok(Vec::new()) };
     hold(Voltages { motor_v: MOTOR_V, brake_v: 0.0 }, PULSE_S)?;
     let Some(pushed_rad) = hold(Voltages::OFF, SETTLE_S)? else { return Ok(Vec::new()) };
@@ -68,37 +86,6 @@ pub(super) fn drive(
         return Ok(Vec::new());
     };
     Ok(actuators(Travel { free_rad: pushed_rad - start_rad, braked_rad: braked_rad - pushed_rad }))
-}
-
-/// Holds voltages for a while, with all of safety in place; where the lever is in the end, rad.
-/// Stopped, nothing is held and it is nowhere.
-#[expect(clippy::too_many_arguments, reason = "all of the device's surroundings take part")]
-fn hold(
-    device: &mut dyn Device,
-    clock: &mut dyn Clock,
-    guard: &mut Guard,
-    calibration: &Calibration,
-    rate_hz: f64,
-    stop: &AtomicBool,
-    voltages: Voltages,
-    for_s: f64,
-) -> Result<Option<f64>, Trip> {
-    guard.arm_for_check(voltages, calibration)?;
-    let start_s = clock.now_s();
-    let mut output = Output::new(device, guard, start_s);
-    let mut pace = Pace::new(start_s, 1.0 / rate_hz);
-    loop {
-        let tick = pace.wait(clock);
-        if stop.load(Ordering::Relaxed) {
-            output.off(clock.now_s())?;
-            return Ok(None);
-        }
-        let (_, seen) = output.look(&tick)?;
-        if tick.now_s >= start_s + for_s {
-            return Ok(Some(seen.theta_rad));
-        }
-        output.command(clock.now_s(), voltages)?;
-    }
 }
 
 #[cfg(test)]

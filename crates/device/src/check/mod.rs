@@ -99,7 +99,33 @@ pub fn check_step(
             loaded(&looks, tare_n, mass_kg)
         }
         Step::Hand => {
-            let looks = look_by_hand(device, clock, guard, rate_hz, stop)?;
+            let start_s = clock.now_s();
+            guard.home(device, start_s)?;
+            // A device with a participant of its own is told to begin a trial in free space,
+            // numbered 0. Always: the word is a valid id.
+            if let Ok(id) = "free".parse() {
+                let environment = Environment {
+                    id,
+                    label: "free motion".to_owned(),
+                    scene: Scene::Free,
+                    question: None,
+                    further: Vec::new(),
+                };
+                let cue = Cue { trial: 0, environment: &environment, limit_s: HAND_S };
+                device.begin(start_s, &cue);
+            }
+            let mut looks = Vec::new();
+            watch(
+                device,
+                clock,
+                guard,
+                rate_hz,
+                start_s + HAND_S,
+                stop,
+                &mut |t_s, reading, _| {
+                    looks.push(Look { t_s, reading: *reading });
+                },
+            )?;
             by_hand(&capabilities, guard.limits(), &looks)
         }
         Step::Actuators => {
@@ -137,63 +163,38 @@ fn look(
     }
 }
 
-/// Homes, and reads while a hand moves the lever. A device with a participant of its own is told to
-/// begin a trial in free space, numbered 0.
-fn look_by_hand(
-    device: &mut dyn Device,
-    clock: &mut dyn Clock,
-    guard: &mut Guard,
-    rate_hz: f64,
-    stop: &AtomicBool,
-) -> Result<Vec<Look>, Trip> {
-    let start_s = clock.now_s();
-    guard.home(device, start_s)?;
-    // Always: the word is a valid id.
-    if let Ok(id) = "free".parse() {
-        let environment = Environment {
-            id,
-            label: "free motion".to_owned(),
-            scene: Scene::Free,
-            question: None,
-            further: Vec::new(),
-        };
-        device.begin(start_s, &Cue { trial: 0, environment: &environment, limit_s: HAND_S });
-    }
-    let mut looks = Vec::new();
-    watch(device, clock, guard, rate_hz, start_s + HAND_S, stop, &mut |t_s, reading, _| {
-        looks.push(Look { t_s, reading: *reading });
-    })?;
-    Ok(looks)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::mock::Mock;
-    use crate::{Capabilities, Limits, Person, Reading, SimulatedClock, Twin, TwinParameters};
-    use std::f64::consts::FRAC_PI_4;
+    use crate::trial::tests::LIMITS;
+    use crate::{Capabilities, Person, Reading, SimulatedClock, Twin, TwinParameters};
+
+    /// The findings at 1 kHz, with the jitter of a seed.
+    fn check(
+        device: &mut dyn Device,
+        seed: u64,
+        mass_kg: Option<f64>,
+        stop: &AtomicBool,
+        ask: &mut dyn FnMut(Step) -> bool,
+    ) -> Vec<Finding> {
+        let mut guard = Guard::new(device.capabilities(), LIMITS, false);
+        let mut clock = SimulatedClock::new(seed);
+        let calibration = Calibration::thesis();
+        check_device(device, &mut clock, &mut guard, &calibration, 1000.0, mass_kg, stop, ask)
+            .unwrap()
+    }
 
     fn run(mass_kg: Option<f64>, stop: bool) -> (Vec<Step>, Vec<Finding>) {
         let mut device = Mock::default();
-        let limits = Limits { theta_min_rad: -FRAC_PI_4, theta_max_rad: FRAC_PI_4, force_n: 10.0 };
-        let mut guard = Guard::new(&device.capabilities, limits, false);
         let mut asked = Vec::new();
         let mut ask = |step| {
             asked.push(step);
             !matches!(step, Step::Actuators | Step::Rest) // the mock is not at rest, and has no motor
         };
-        let found = check_device(
-            &mut device,
-            &mut SimulatedClock::new(1),
-            &mut guard,
-            &Calibration::thesis(),
-            1000.0,
-            mass_kg,
-            &AtomicBool::new(stop),
-            &mut ask,
-        );
+        let found = check(&mut device, 1, mass_kg, &AtomicBool::new(stop), &mut ask);
         assert!(device.writes.iter().all(|(_, voltages)| *voltages == Voltages::OFF));
-        (asked, found.unwrap())
+        (asked, found)
     }
 
     #[test]
@@ -210,23 +211,8 @@ mod tests {
         for seed in 1..4 {
             let person = Person::typical(seed);
             let mut device = Twin::new(TwinParameters::default(), person, seed).unwrap();
-            let limits =
-                Limits { theta_min_rad: -FRAC_PI_4, theta_max_rad: FRAC_PI_4, force_n: 10.0 };
-            let mut guard = Guard::new(device.capabilities(), limits, false);
-            let mut clock = SimulatedClock::new(seed);
-            let (calibration, stop) = (Calibration::thesis(), AtomicBool::new(false));
-            let mut yes = |_| true;
-            let found = check_device(
-                &mut device,
-                &mut clock,
-                &mut guard,
-                &calibration,
-                1000.0,
-                None,
-                &stop,
-                &mut yes,
-            );
-            let failed: Vec<_> = found.unwrap().into_iter().filter(|f| !f.check.ok).collect();
+            let found = check(&mut device, seed, None, &AtomicBool::new(false), &mut |_| true);
+            let failed: Vec<_> = found.into_iter().filter(|f| !f.check.ok).collect();
             assert!(failed.is_empty(), "{failed:#?}");
         }
     }
@@ -266,21 +252,7 @@ mod tests {
         let stop = AtomicBool::new(false);
         let twin = Twin::new(TwinParameters::default(), Person::typical(1), 1).unwrap();
         let mut device = Stopped { twin, stop: &stop, after: Vec::new() };
-        let limits = Limits { theta_min_rad: -FRAC_PI_4, theta_max_rad: FRAC_PI_4, force_n: 10.0 };
-        let mut guard = Guard::new(device.capabilities(), limits, false);
-        let mut clock = SimulatedClock::new(1);
-        let (calibration, mut yes) = (Calibration::thesis(), |_| true);
-        check_device(
-            &mut device,
-            &mut clock,
-            &mut guard,
-            &calibration,
-            1000.0,
-            None,
-            &stop,
-            &mut yes,
-        )
-        .unwrap();
+        check(&mut device, 1, None, &stop, &mut |_| true);
         assert!(
             !device.after.is_empty() && device.after.iter().all(|v| *v == Voltages::OFF),
             "{:?}",

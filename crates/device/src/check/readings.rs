@@ -113,7 +113,7 @@ pub fn tare_n(findings: &[Finding]) -> f64 {
 /// A known mass on the load cell: is a newton a newton? `tare_n` is the force without it. The mass
 /// is given beside the scale, so that a reader knows what the scale is based on.
 pub fn loaded(looks: &[Look], tare_n: f64, mass_kg: f64) -> Vec<Finding> {
-    let scale = (mean_force_n(looks) - tare_n) / (mass_kg * GRAVITY_M_S2);
+    let scale = (mean_n(&new_forces_n(looks)) - tare_n) / (mass_kg * GRAVITY_M_S2);
     let about = "force shown per force there, with the known mass; if it is not near 1, calibrate the load cell \
                  (below 0: it is mounted the wrong way round)";
     let mass = "the mass that hung there";
@@ -242,11 +242,7 @@ fn new_forces_n(looks: &[Look]) -> Vec<f64> {
     find_taken(looks, |r| r.force_age_s).iter().map(|look| look.reading.force_n).collect()
 }
 
-/// Mean force of a stretch, each value of the sensor once, N; 0 of none.
-pub(super) fn mean_force_n(looks: &[Look]) -> f64 {
-    mean_n(&new_forces_n(looks))
-}
-
+/// Mean force, N; 0 of none.
 fn mean_n(forces_n: &[f64]) -> f64 {
     match forces_n {
         [] => 0.0,
@@ -276,7 +272,7 @@ fn at_ends(values: &[f64]) -> f64 {
 mod tests {
     use super::*;
     use crate::mock;
-    use std::f64::consts::FRAC_PI_4;
+    use crate::trial::tests::LIMITS;
 
     /// Looks at 1 kHz for two seconds; `at` gives code and force, the force held for 12.5 ms.
     fn looks(at: impl Fn(f64) -> (u16, f64)) -> Vec<Look> {
@@ -284,12 +280,9 @@ mod tests {
             let t_s = f64::from(i) * 1e-3;
             let force_s = (t_s / 0.0125 + 1e-9).floor() * 0.0125;
             let reading = Reading {
-                t_device_s: None,
-                angle: Angle::Counts(at(t_s).0),
-                angle_age_s: 0.0,
                 force_n: at(force_s).1,
                 force_age_s: Some(t_s - force_s),
-                extra: zwidth_study::Extra::default(),
+                ..mock::reading(Angle::Counts(at(t_s).0))
             };
             Look { t_s, reading }
         };
@@ -330,13 +323,8 @@ mod tests {
         slow.iter_mut().for_each(|look| look.reading.angle_age_s = look.t_s % 0.01);
         check(&at_rest(&mock::capabilities(), 1000.0, &slow), "angle rate", 100.0, 1.0, false);
         let capabilities = Capabilities { force_rate_hz: 160.0, ..mock::capabilities() };
-        check(
-            &at_rest(&capabilities, 1000.0, &looks(|_| (0, 0.0))),
-            "force rate",
-            80.0,
-            0.1,
-            false,
-        );
+        let found = at_rest(&capabilities, 1000.0, &looks(|_| (0, 0.0)));
+        check(&found, "force rate", 80.0, 0.1, false);
     }
 
     #[test]
@@ -360,13 +348,12 @@ mod tests {
 
     /// There and back over 90° of lever, with codes changed by `wrong`, and a push of up to 5 N.
     fn hand(wrong: impl Fn(u16) -> u16) -> Vec<Finding> {
-        let limits = Limits { theta_min_rad: -FRAC_PI_4, theta_max_rad: FRAC_PI_4, force_n: 10.0 };
         let whole = 4096.0 * 75.0 / 11.0 / 4.0;
         let at = |t_s: f64| {
             let there = 0.5 * (1.0 - (std::f64::consts::PI * t_s).cos());
             (wrong(((whole * there) as u32 % 4096) as u16), 5.0 * there)
         };
-        by_hand(&mock::capabilities(), &limits, &looks(at))
+        by_hand(&mock::capabilities(), &LIMITS, &looks(at))
     }
 
     #[test]
@@ -394,8 +381,7 @@ mod tests {
     }
 
     fn by_hand_force(shown_n: impl Fn(f64) -> f64) -> Vec<Finding> {
-        let limits = Limits { theta_min_rad: -FRAC_PI_4, theta_max_rad: FRAC_PI_4, force_n: 10.0 };
-        by_hand(&mock::capabilities(), &limits, &looks(|t_s| (0, shown_n(5.0 * t_s.sin()))))
+        by_hand(&mock::capabilities(), &LIMITS, &looks(|t_s| (0, shown_n(5.0 * t_s.sin()))))
     }
 
     #[test]

@@ -11,7 +11,7 @@ mod trip;
 pub use refuse::{FORCE_RATE_HZ, MOTOR_FORCE_N};
 pub use trip::{Refusal, Trip};
 
-use refuse::{Request, exceeds, refuse};
+use refuse::{Request, exceeds};
 
 use crate::angle::rad_per_count;
 use crate::error::positive;
@@ -175,8 +175,44 @@ impl Guard {
         Ok(())
     }
 
+    /// The first reason against voltages. The motor may give no more than the limit of the study,
+    /// and never more than [`MOTOR_FORCE_N`].
     fn refuse(&self, request: &Request<'_>, calibration: &Calibration) -> Result<(), Refusal> {
-        refuse(&self.capabilities, request, calibration, self.limits.force_n, self.no_watchdog)
+        let device = &self.capabilities.name;
+        let mode = request.name;
+        let Voltages { motor_v, brake_v } = request.most;
+        // Nothing on the board would turn the motor off if this program or its cable were gone.
+        if motor_v > 0.0 && self.capabilities.watchdog_s.is_none() && !self.no_watchdog {
+            return Err(Refusal(format!(
+                "{device} has no watchdog, and mode {mode} uses the motor: put the firmware with a watchdog on the board, or \
+                 take the risk with --no-watchdog"
+            )));
+        }
+        for (actuator, asked_v, most_v) in [
+            ("motor", motor_v, self.capabilities.motor_max_v),
+            ("brake", brake_v, self.capabilities.brake_max_v),
+        ] {
+            if asked_v < 0.0 || exceeds(asked_v, most_v) {
+                return Err(Refusal(format!(
+                    "mode {mode} asks for {asked_v} V of the {actuator}, and {device} gives 0 to {most_v} V: correct {actuator}_max_v"
+                )));
+            }
+        }
+        let force_n = calibration.motor.force_n(motor_v);
+        let most_n = self.limits.force_n.min(MOTOR_FORCE_N);
+        if exceeds(force_n, most_n) {
+            return Err(Refusal(format!(
+                "mode {mode}: {motor_v} V give {force_n:.2} N of motor force, more than the {most_n} N allowed: lower motor_max_v"
+            )));
+        }
+        let found_hz = self.capabilities.force_rate_hz;
+        if request.switches_on_force && exceeds(FORCE_RATE_HZ, found_hz) {
+            return Err(Refusal(format!(
+                "mode {mode} switches on the force, which {device} measures {found_hz} times per second; {FORCE_RATE_HZ} are needed: \
+                 set the amplifier to its faster rate"
+            )));
+        }
+        Ok(())
     }
 
     /// Whether a mode is allowed.

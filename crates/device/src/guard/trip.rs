@@ -102,63 +102,7 @@ impl Trip {
     }
 }
 
-/// Why a mode is not allowed on a device.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum Refusal {
-    /// Nothing on the board would turn the motor off if this program or its cable were gone.
-    #[error(
-        "{device} has no watchdog, and mode {mode} uses the motor: put the firmware with a watchdog on the board, or \
-         take the risk with --no-watchdog"
-    )]
-    NoWatchdog {
-        /// Which device.
-        device: String,
-        /// Which mode.
-        mode: String,
-    },
-    /// The force sensor is too slow to switch on.
-    #[error(
-        "mode {mode} switches on the force, which {device} measures {found_hz} times per second; {least_hz} are needed: \
-         set the amplifier to its faster rate"
-    )]
-    SlowForce {
-        /// Which device.
-        device: String,
-        /// Which mode.
-        mode: String,
-        /// The sensor's rate, Hz.
-        found_hz: f64,
-        /// The least it must be, Hz.
-        least_hz: f64,
-    },
-    /// The motor could hurt.
-    #[error(
-        "mode {mode}: {voltage_v} V give {force_n:.2} N of motor force, more than the {most_n} N allowed: lower motor_max_v"
-    )]
-    MotorForce {
-        /// Which mode.
-        mode: String,
-        /// Its highest motor voltage, V.
-        voltage_v: f64,
-        /// The force that is, N.
-        force_n: f64,
-        /// The most allowed, N.
-        most_n: f64,
-    },
-    /// The device cannot give the mode's voltage.
-    #[error(
-        "mode {mode} asks for {asked_v} V of the {actuator}, and {device} gives 0 to {most_v} V: correct {actuator}_max_v"
-    )]
-    Voltage {
-        /// Which device.
-        device: String,
-        /// Which mode.
-        mode: String,
-        /// `motor` or `brake`.
-        actuator: &'static str,
-        /// What is asked, V.
-        asked_v: f64,
-        /// What there is, V.
-        most_v: f64,
-    },
-}
+/// Why a mode is not allowed on a device, and what to do about it.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct Refusal(pub(super) String);

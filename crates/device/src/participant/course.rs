@@ -123,21 +123,19 @@ impl Course {
         let from = self.here(t_s);
         let slack_m_s = self.intent.slack_m_s(person, lever_m, state.contact_n);
         let at_rest_n = state.contact_n - DRAG_NS_PER_RAD * state.theta_dot_rad_s;
-        let rest_m = self.base_m + from.position_m + onward_m(from, slack_m_s)
-            - person.compliance_m_per_n() * at_rest_n;
+        // How far an aim still goes on when it turns: to where v of `let_go` is 0.
+        let on_m_s = from.velocity_m_s.max(0.0);
+        let back_m =
+            if slack_m_s > 0.0 { slack_m_s * libm::log1p(on_m_s / slack_m_s) } else { 0.0 };
+        let onward_m = TURN_S * (on_m_s - back_m);
+        let rest_m =
+            self.base_m + from.position_m + onward_m - person.compliance_m_per_n() * at_rest_n;
         let is_reached = rest_m >= lever_m * goal.angle_rad || state.contact_n >= goal.force_n;
         if t_s >= self.intent.latest_turn_s() || t_s > self.intent.onset_s && is_reached {
             let highest_rad = state.theta_rad;
             self.phase = Phase::LetGo { from, slack_m_s, highest_rad, felt_s: None };
         }
     }
-}
-
-/// How far an aim still goes on when it turns, m: to where v of [`let_go`] is 0.
-fn onward_m(from: From, slack_m_s: f64) -> f64 {
-    let on_m_s = from.velocity_m_s.max(0.0);
-    let back_m = if slack_m_s > 0.0 { slack_m_s * libm::log1p(on_m_s / slack_m_s) } else { 0.0 };
-    TURN_S * (on_m_s - back_m)
 }
 
 /// Position and velocity that go over to −`slack_m_s` within τ: v = −u + (v₀ + u) e^(−t/τ).
@@ -175,15 +173,7 @@ mod tests {
     const BASE_M: f64 = -0.035;
 
     fn felt(theta_rad: f64, contact_n: f64) -> DrivenState {
-        DrivenState {
-            theta_rad,
-            theta_dot_rad_s: 0.0,
-            motor_n: 0.0,
-            brake_n: 0.0,
-            contact_n,
-            hand_m: 0.0,
-            hand_m_s: 0.0,
-        }
+        super::super::felt::tests::state(theta_rad, contact_n, 0.0)
     }
 
     fn intent() -> Intent {

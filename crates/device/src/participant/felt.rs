@@ -115,6 +115,18 @@ pub(super) mod tests {
     use super::*;
     use std::f64::consts::FRAC_PI_4;
 
+    pub(crate) fn state(theta_rad: f64, contact_n: f64, hand_m_s: f64) -> DrivenState {
+        DrivenState {
+            theta_rad,
+            theta_dot_rad_s: 0.0,
+            motor_n: 0.0,
+            brake_n: 0.0,
+            contact_n,
+            hand_m: 0.0,
+            hand_m_s,
+        }
+    }
+
     /// Feels forces along a path there and back, as functions of the angle; `stays` for a lever
     /// that does not return.
     pub(crate) fn walk(
@@ -125,15 +137,7 @@ pub(super) mod tests {
     ) -> Felt {
         let mut felt = Felt::nothing([-FRAC_PI_4, FRAC_PI_4]);
         let mut step = |theta_rad, contact_n, hand_m_s| {
-            felt.feel(&DrivenState {
-                theta_rad,
-                theta_dot_rad_s: 0.0,
-                motor_n: 0.0,
-                brake_n: 0.0,
-                contact_n,
-                hand_m: 0.0,
-                hand_m_s,
-            });
+            felt.feel(&state(theta_rad, contact_n, hand_m_s));
         };
         let at = |i: i32| -FRAC_PI_4 + (top_rad + FRAC_PI_4) * f64::from(i) / 400.0;
         (0..=400).for_each(|i| step(at(i), going(at(i)), 0.1));

@@ -128,8 +128,11 @@ impl Person {
     /// Krakauer 2015, J. Neurophysiol. 114:969).
     pub fn in_session(self, seed: u64, practised: u32) -> Self {
         let mut draw = Draw::new(seed, Purpose::Day, 0);
-        let [onset_s, pace, reach_rad, bias] =
-            [ONSET_S, PACE, REACH_RAD, BIAS].map(|spread| spread.day_sd() * draw.moderate());
+        let [onset_s, pace, reach_rad, bias] = [ONSET_S, PACE, REACH_RAD, BIAS].map(|spread| {
+            // Standard deviation from day to day of one person: ICC = σ²/(σ² + σ_day²).
+            let day_sd = spread.sd * ((1.0 - spread.days) / spread.days).sqrt();
+            day_sd * draw.moderate()
+        });
         let today = Self {
             seed,
             practised,
@@ -171,13 +174,6 @@ impl Person {
     /// Whether it leaves the question of a trial open.
     pub(crate) fn is_silent(&self, trial: u32) -> bool {
         Draw::new(self.seed, Purpose::Silence, u64::from(trial)).unit() < self.is_silent
-    }
-}
-
-impl Spread {
-    /// Standard deviation from day to day of one person: ICC = σ²/(σ² + σ_day²).
-    fn day_sd(self) -> f64 {
-        self.sd * ((1.0 - self.days) / self.days).sqrt()
     }
 }
 

@@ -62,15 +62,7 @@ mod tests {
     use super::*;
 
     fn pushed(contact_n: f64) -> DrivenState {
-        DrivenState {
-            theta_rad: 0.0,
-            theta_dot_rad_s: 0.0,
-            motor_n: 0.0,
-            brake_n: 0.0,
-            contact_n,
-            hand_m: 0.0,
-            hand_m_s: 0.0,
-        }
+        super::super::felt::tests::state(0.0, contact_n, 0.0)
     }
 
     /// Steps until the hand moves back.

@@ -40,23 +40,7 @@ impl Ending {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use zwidth_study::{Flags, Voltages};
-
-    fn sample(t_s: f64, theta_rad: f64, theta_dot_rad_s: f64, force_ex_n: f64) -> Sample {
-        Sample {
-            t_s,
-            t_device_s: None,
-            theta_rad,
-            theta_dot_rad_s,
-            force_ex_n,
-            voltages: Voltages::OFF,
-            force_age_s: None,
-            theta_raw: None,
-            force_cmd_n: 0.0,
-            flags: Flags::default(),
-            extra: zwidth_study::Extra::default(),
-        }
-    }
+    use crate::trial::tests::sample;
 
     #[test]
     fn a_lever_that_never_moved_was_not_let_go() {

@@ -229,22 +229,7 @@ mod tests {
     fn the_samples_are_those_of_the_loop_without_a_thread() {
         let mut samples = Vec::new();
         let (run, _) = live(Mock::default(), &mut collect(&mut samples));
-        let (mut direct, mut bench) = (Vec::new(), bench(Mock::default()));
-        let mut sink = |sample: &Sample| {
-            direct.push(*sample);
-            ControlFlow::Continue(())
-        };
-        let (plan, stop) = (plan(&bench.environment), AtomicBool::new(false));
-        let mut clock = SimulatedClock::new(1);
-        let expect = run_trial(
-            &mut bench.device,
-            &mut clock,
-            &mut bench.controller,
-            &mut bench.guard,
-            &plan,
-            &stop,
-            &mut sink,
-        );
+        let (expect, direct) = bench(Mock::default()).run();
         assert_eq!((run.run, run.lost), (expect, 0));
         assert_eq!(samples, direct);
     }

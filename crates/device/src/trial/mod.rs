@@ -115,9 +115,7 @@ pub fn run_trial(
     // Its buckets are allocated here, before the first tick.
     let mut timing = Timing::default();
     let mut output = Output::new(device, guard, clock.now_s());
-    if plan.shows_moments {
-        output.show_moments();
-    }
+    output.shown = plan.shows_moments.then(Moments::default);
     let end = ticks(&mut output, clock, controller, plan, stop, sink, &mut timing);
     // Writes 0 V before anything else is done.
     drop(output);

@@ -16,18 +16,14 @@ pub(crate) struct Output<'a> {
     looked_s: f64,
     /// When it last looked or wrote, host time, s: a device's time never runs back.
     now_s: f64,
-    /// What the device has shown of the trial, where it is to show anything.
-    shown: Option<Moments>,
+    /// What the device has shown of the trial, where it is to show anything: its moments, and its
+    /// end when this goes.
+    pub(super) shown: Option<Moments>,
 }
 
 impl<'a> Output<'a> {
     pub(crate) fn new(device: &'a mut dyn Device, guard: &'a mut Guard, now_s: f64) -> Self {
         Self { device, guard, looked_s: now_s, now_s, shown: None }
-    }
-
-    /// From now on the device shows the trial's moments, and its end when this goes.
-    pub(crate) fn show_moments(&mut self) {
-        self.shown = Some(Moments::default());
     }
 
     /// Shows the moments that this sample is.

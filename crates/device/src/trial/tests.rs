@@ -1,6 +1,9 @@
+//! Trials of a mock, through every fault; and what the tests of this crate share.
+
 use super::*;
 use crate::mock::{self, Fault, Mock, Motion, forward_and_back};
-use crate::{AngleFault, Limits, SimulatedClock};
+use crate::participant::intent::tests::SPRING;
+use crate::{Angle, AngleFault, Limits, SimulatedClock};
 use std::f64::consts::{FRAC_PI_4, PI};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use zwidth_study::{Calibration, Control, Mode, Moment, Scene, Spring, Voltages};
@@ -15,36 +18,56 @@ pub(crate) struct Bench {
     pub(crate) guard: Guard,
     pub(crate) controller: Controller,
     pub(crate) environment: Environment,
+    shows_moments: bool,
 }
 
+/// The work space of the mock.
+pub(crate) const LIMITS: Limits =
+    Limits { theta_min_rad: -FRAC_PI_4, theta_max_rad: FRAC_PI_4, force_n: 10.0 };
+
+pub(crate) fn mode_of(motor_max_v: Option<f64>, brake_max_v: Option<f64>) -> Mode {
+    Mode { id: "m".parse().unwrap(), label: String::new(), motor_max_v, brake_max_v, law: None }
+}
+
+/// The hybrid mode.
 pub(crate) fn mode() -> Mode {
-    Mode {
-        id: "m".parse().unwrap(),
-        label: String::new(),
-        motor_max_v: Some(8.0),
-        brake_max_v: Some(8.0),
-        law: None,
+    mode_of(Some(8.0), Some(8.0))
+}
+
+pub(crate) fn environment(scene: Scene) -> Environment {
+    let id = "e".parse().unwrap();
+    Environment { id, label: String::new(), scene, question: None, further: Vec::new() }
+}
+
+pub(crate) fn controller(environment: &Environment, mode: &Mode) -> Controller {
+    Controller::new(&Control::default(), environment, mode, &Calibration::thesis())
+}
+
+/// A sample without voltages.
+pub(crate) fn sample(t_s: f64, theta_rad: f64, theta_dot_rad_s: f64, force_ex_n: f64) -> Sample {
+    Sample {
+        t_s,
+        t_device_s: None,
+        theta_rad,
+        theta_dot_rad_s,
+        force_ex_n,
+        voltages: Voltages::OFF,
+        force_age_s: None,
+        theta_raw: None,
+        force_cmd_n: 0.0,
+        flags: Flags::default(),
+        extra: zwidth_study::Extra::default(),
     }
 }
 
 pub(crate) fn bench(device: Mock) -> Bench {
-    let spring = Spring { stiffness_n_per_rad: 4.0, rest_rad: -FRAC_PI_4 };
-    let scene = Scene::Spring(spring);
-    let environment = Environment {
-        id: "e".parse().unwrap(),
-        label: String::new(),
-        scene,
-        question: None,
-        further: Vec::new(),
-    };
-    let limits = Limits { theta_min_rad: -FRAC_PI_4, theta_max_rad: FRAC_PI_4, force_n: 10.0 };
-    let controller =
-        Controller::new(&Control::default(), &environment, &mode(), &Calibration::thesis());
+    let environment = environment(Scene::Spring(SPRING));
     let mut bench = Bench {
-        guard: Guard::new(&device.capabilities, limits, false),
+        guard: Guard::new(&device.capabilities, LIMITS, false),
         device,
-        controller,
+        controller: controller(&environment, &mode()),
         environment,
+        shows_moments: false,
     };
     bench.guard.home(&mut bench.device, 0.0).unwrap();
     bench.guard.arm(&mode(), &Calibration::thesis()).unwrap();
@@ -64,17 +87,21 @@ impl Bench {
         stop: &AtomicBool,
         sink: &mut Sink<'_>,
     ) -> TrialRun {
-        let plan = plan(&self.environment);
+        let plan = TrialPlan { shows_moments: self.shows_moments, ..plan(&self.environment) };
         run_trial(&mut self.device, clock, &mut self.controller, &mut self.guard, &plan, stop, sink)
     }
 
-    fn run(&mut self) -> (TrialRun, Vec<Sample>) {
+    pub(crate) fn run(&mut self) -> (TrialRun, Vec<Sample>) {
+        self.run_on(&mut SimulatedClock::new(1))
+    }
+
+    fn run_on(&mut self, clock: &mut dyn Clock) -> (TrialRun, Vec<Sample>) {
         let mut samples = Vec::new();
         let mut keep = |sample: &Sample| {
             samples.push(*sample);
             ControlFlow::Continue(())
         };
-        let run = self.run_with(&mut SimulatedClock::new(1), &AtomicBool::new(false), &mut keep);
+        let run = self.run_with(clock, &AtomicBool::new(false), &mut keep);
         (run, samples)
     }
 
@@ -112,26 +139,12 @@ fn a_device_shows_start_contact_and_end_where_it_is_to_and_its_end_by_a_fault_to
         let mut bench = bench(Mock::default());
         let Scene::Spring(spring) = bench.environment.scene else { panic!("no spring") };
         bench.environment.scene = Scene::SpringWall { spring, wall_rad: -FRAC_PI_4 + 0.5 };
-        bench.controller = Controller::new(
-            &Control::default(),
-            &bench.environment,
-            &mode(),
-            &Calibration::thesis(),
-        );
+        bench.controller = controller(&bench.environment, &mode());
         bench
     };
     let shown = |mut bench: Bench, shows_moments| {
-        let plan = TrialPlan { shows_moments, ..plan(&bench.environment) };
-        let (mut clock, stop) = (SimulatedClock::new(1), AtomicBool::new(false));
-        run_trial(
-            &mut bench.device,
-            &mut clock,
-            &mut bench.controller,
-            &mut bench.guard,
-            &plan,
-            &stop,
-            &mut |_| ControlFlow::Continue(()),
-        );
+        bench.shows_moments = shows_moments;
+        bench.run();
         bench.device.moments
     };
     assert_eq!(shown(walled(), true), [Moment::Start, Moment::Contact, Moment::End]);
@@ -274,13 +287,11 @@ fn bench_brake_only(mut device: Mock) -> Bench {
     let force_rate_hz = std::mem::replace(&mut device.capabilities.force_rate_hz, 80.0);
     let mut bench = bench(device);
     bench.device.capabilities.force_rate_hz = force_rate_hz;
-    let limits = Limits { theta_min_rad: -FRAC_PI_4, theta_max_rad: FRAC_PI_4, force_n: 10.0 };
-    bench.guard = Guard::new(&bench.device.capabilities, limits, false);
+    bench.guard = Guard::new(&bench.device.capabilities, LIMITS, false);
     bench.guard.home(&mut bench.device, 0.0).unwrap();
     let passive = Mode { motor_max_v: None, ..mode() };
     bench.guard.arm(&passive, &Calibration::thesis()).unwrap();
-    bench.controller =
-        Controller::new(&Control::default(), &bench.environment, &passive, &Calibration::thesis());
+    bench.controller = controller(&bench.environment, &passive);
     bench
 }
 
@@ -348,12 +359,13 @@ impl Clock for Stalling {
     }
 }
 
+fn stalling(at_s: f64, away_s: f64, every: Option<u32>) -> Stalling {
+    Stalling { clock: SimulatedClock::new(1), at_s, away_s, every, waits: 0 }
+}
+
 fn stalled(away_s: f64, every: Option<u32>) -> (TrialRun, Bench) {
     let mut bench = bench(Mock::default());
-    let mut clock =
-        Stalling { clock: SimulatedClock::new(1), at_s: FAULT_S, away_s, every, waits: 0 };
-    let mut sink = |_: &Sample| ControlFlow::Continue(());
-    let run = bench.run_with(&mut clock, &AtomicBool::new(false), &mut sink);
+    let (run, _) = bench.run_on(&mut stalling(FAULT_S, away_s, every));
     (run, bench)
 }
 
@@ -378,10 +390,7 @@ fn a_burst_of_missed_deadlines_ends_at_0_v_and_a_hiccup_is_only_counted() {
 fn a_loop_that_sleeps_through_the_rest_of_a_trial_has_not_completed_it() {
     for at_s in [0.0, FAULT_S, 3.99] {
         let mut bench = bench(Mock::new(|_| (-FRAC_PI_4, 3.0)));
-        let mut clock =
-            Stalling { clock: SimulatedClock::new(1), at_s, away_s: 3600.0, every: None, waits: 0 };
-        let mut sink = |_: &Sample| ControlFlow::Continue(());
-        let run = bench.run_with(&mut clock, &AtomicBool::new(false), &mut sink);
+        let (run, _) = bench.run_on(&mut stalling(at_s, 3600.0, None));
         assert!(
             matches!(run.end, TrialEnd::Tripped(Trip::Deadlines { .. })),
             "{at_s}: {:?}",
@@ -401,20 +410,9 @@ fn deadlines_missed_all_the_time_trip_above_one_in_twenty() {
 
 #[test]
 fn a_missed_deadline_is_flagged_on_the_next_sample() {
-    let mut bench = bench(Mock::default());
-    let mut clock = Stalling {
-        clock: SimulatedClock::new(1),
-        at_s: FAULT_S,
-        away_s: 0.01,
-        every: None,
-        waits: 0,
-    };
-    let mut flagged = Vec::new();
-    let mut sink = |s: &Sample| {
-        flagged.extend(s.flags.has(Flags::DROPOUT).then_some(s.t_s));
-        ControlFlow::Continue(())
-    };
-    bench.run_with(&mut clock, &AtomicBool::new(false), &mut sink);
+    let (_, samples) = bench(Mock::default()).run_on(&mut stalling(FAULT_S, 0.01, None));
+    let flagged: Vec<f64> =
+        samples.iter().filter(|s| s.flags.has(Flags::DROPOUT)).map(|s| s.t_s).collect();
     assert!(flagged.len() == 1 && (flagged[0] - 0.61).abs() < 1e-3, "{flagged:?}");
 }
 
@@ -437,8 +435,7 @@ fn the_motor_stays_off_until_the_angle_has_moved_since_homing() {
     let mut bench = bench(Mock::new(waiting));
     let stretched = Spring { stiffness_n_per_rad: 4.0, rest_rad: -1.0 };
     bench.environment.scene = Scene::Spring(stretched);
-    bench.controller =
-        Controller::new(&Control::default(), &bench.environment, &mode(), &Calibration::thesis());
+    bench.controller = controller(&bench.environment, &mode());
     let (_, samples) = bench.run();
     let (before, after): (Vec<Sample>, Vec<Sample>) =
         samples.into_iter().partition(|s| s.t_s < 0.5);
@@ -457,7 +454,7 @@ fn a_sensor_that_has_proved_itself_need_not_do_so_again_unless_it_was_lost() {
         bench.guard.arm(&mode(), &Calibration::thesis()).unwrap();
         bench.guard.permit(asked).unwrap().0 == asked
     };
-    let moved = Reading { angle: crate::Angle::Counts(100), ..mock::reading() };
+    let moved = mock::reading(Angle::Counts(100));
     assert!(!runs_after(&|_| {}));
     assert!(runs_after(&|guard| drop(guard.see(1.1, 0.1, 0.0, &moved))));
     assert!(!runs_after(&Guard::lose));
@@ -469,7 +466,7 @@ fn voltages_are_clamped_to_the_armed_mode_whoever_asks() {
     let wild = |motor_v, brake_v| Voltages { motor_v, brake_v };
     let permit = |guard: &Guard, asked| guard.permit(asked).unwrap();
     assert_eq!(permit(&bench.guard, wild(-8.0, 9.0)), (wild(0.0, 8.0), true)); // the motor has to wait for its proof
-    let moved = Reading { angle: crate::Angle::Counts(100), ..mock::reading() };
+    let moved = mock::reading(Angle::Counts(100));
     bench.guard.see(0.1, 0.1, 0.0, &moved).unwrap();
     assert_eq!(permit(&bench.guard, wild(-99.0, -1.0)), (wild(-8.0, 0.0), true));
     assert_eq!(permit(&bench.guard, wild(5.0, 3.0)), (wild(5.0, 3.0), false));
@@ -481,14 +478,13 @@ fn voltages_are_clamped_to_the_armed_mode_whoever_asks() {
 fn a_trial_whose_motor_no_watchdog_watches_is_marked() {
     let mut device = Mock::default();
     device.capabilities.watchdog_s = None;
-    let limits = Limits { theta_min_rad: -FRAC_PI_4, theta_max_rad: FRAC_PI_4, force_n: 10.0 };
-    let mut guard = Guard::new(&device.capabilities, limits, true);
+    let mut guard = Guard::new(&device.capabilities, LIMITS, true);
     guard.arm(&mode(), &Calibration::thesis()).unwrap();
     assert!(guard.unwatched());
     guard.arm(&Mode { motor_max_v: None, ..mode() }, &Calibration::thesis()).unwrap();
     assert!(!guard.unwatched());
     assert!(!bench(Mock::default()).run().0.unwatched);
-    let mut watched = Guard::new(&mock::capabilities(), limits, true);
+    let mut watched = Guard::new(&mock::capabilities(), LIMITS, true);
     watched.arm(&mode(), &Calibration::thesis()).unwrap();
     assert!(!watched.unwatched());
 }
@@ -497,19 +493,13 @@ fn a_trial_whose_motor_no_watchdog_watches_is_marked() {
 fn a_reading_is_flagged_where_a_value_is_old_or_the_lever_outside() {
     let mut guard = bench(Mock::default()).guard;
     let mut flags = |t_s: f64, reading| guard.see(t_s, TICK_S, 0.0, &reading).unwrap().flags;
-    let at_stop = mock::reading();
+    let at_stop = mock::reading(Angle::Counts(0));
     assert_eq!(flags(0.1, at_stop), Flags::default());
     assert_eq!(flags(0.101, Reading { angle_age_s: 0.001, ..at_stop }), Flags::STALE_ANGLE);
     assert_eq!(flags(0.102, Reading { force_age_s: Some(0.0251), ..at_stop }), Flags::STALE_FORCE); // 2 of 12.5 ms
     assert_eq!(flags(0.103, Reading { force_age_s: Some(0.0249), ..at_stop }), Flags::default());
-    assert_eq!(
-        flags(0.104, Reading { angle: crate::Angle::Counts(4095), ..at_stop }),
-        Flags::default()
-    );
-    assert_eq!(
-        flags(0.105, Reading { angle: crate::Angle::Counts(4090), ..at_stop }),
-        Flags::OUTSIDE
-    );
+    assert_eq!(flags(0.104, mock::reading(Angle::Counts(4095))), Flags::default());
+    assert_eq!(flags(0.105, mock::reading(Angle::Counts(4090))), Flags::OUTSIDE);
 }
 
 #[test]
@@ -537,8 +527,7 @@ fn the_turn_stays_known_while_a_pause_is_watched() {
 #[test]
 fn a_machine_that_stalls_in_a_pause_does_no_harm() {
     let mut bench = bench(Mock::default());
-    let clock = SimulatedClock::new(1);
-    let mut clock = Stalling { clock, at_s: FAULT_S, away_s: 0.06, every: None, waits: 0 };
+    let mut clock = stalling(FAULT_S, 0.06, None);
     let (mut last_rad, stop) = (f64::NAN, AtomicBool::new(false));
     let mut seen = |_: f64, _: &Reading, seen: &Seen| last_rad = seen.theta_rad;
     watch(&mut bench.device, &mut clock, &mut bench.guard, 1000.0, 3.0, &stop, &mut seen).unwrap();
@@ -550,14 +539,7 @@ fn a_machine_that_stalls_in_a_pause_does_no_harm() {
 fn a_fault_in_a_pause_is_told() {
     let mut bench = bench(Mock::default().failing(FAULT_S, Fault::Unplugged));
     let (mut clock, stop) = (SimulatedClock::new(1), AtomicBool::new(false));
-    let trip = watch(
-        &mut bench.device,
-        &mut clock,
-        &mut bench.guard,
-        1000.0,
-        1.5,
-        &stop,
-        &mut |_, _, _| {},
-    );
+    let Bench { device, guard, .. } = &mut bench;
+    let trip = watch(device, &mut clock, guard, 1000.0, 1.5, &stop, &mut |_, _, _| {});
     assert!(matches!(trip, Err(Trip::Device(DeviceError::Lost { .. }))) && !bench.guard.is_homed());
 }

@@ -115,12 +115,8 @@ impl Sweep {
                 let state = plant.state();
                 sensor.take(end_s, state.contact_n);
                 let slipping = state.theta_dot_rad_s > 0.0;
-                points.push(SweepPoint {
-                    t_s: end_s,
-                    voltage_v,
-                    force_n: sensor.value_n,
-                    slipping,
-                });
+                let force_n = sensor.value_n;
+                points.push(SweepPoint { t_s: end_s, voltage_v, force_n, slipping });
             }
         }
         Ok(points)

@@ -11,5 +11,5 @@ mod ready;
 mod row;
 
 pub(crate) use functionals::{Functionals, Sag, all_above};
-pub(crate) use ready::{Fall, ReadyFlow};
+pub(crate) use ready::{Fall, ReadyFlow, sizes};
 pub(crate) use row::{Number, Row};

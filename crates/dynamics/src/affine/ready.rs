@@ -159,7 +159,7 @@ impl<const N: usize, const G: usize> ReadyFlow<N, G> {
     /// Taylor polynomials; `z` is moved to it or to the piece's end.
     fn first_event(&self, z: &mut [f64; N], piece: f64, doubtful: &[bool; G]) -> Option<Fall> {
         let series = expm::taylor(&self.ladder.a, z);
-        let size = self.sizes(z, piece);
+        let size = sizes(&self.absolute, z, piece);
         let mut first: Option<Fall> = None;
         for guard in (0..self.count).filter(|guard| doubtful[*guard]) {
             let w = self.guards.row(guard);
@@ -178,12 +178,12 @@ impl<const N: usize, const G: usize> ReadyFlow<N, G> {
         *z = expm::evaluate(&series, first.map_or(piece, |fall| fall.after_s));
         first
     }
+}
 
-    /// Size of each entry of the state and of its change over the piece: what its rounding is
-    /// relative to.
-    fn sizes(&self, z: &[f64; N], piece: f64) -> [f64; N] {
-        let absolute = z.map(f64::abs);
-        let change = self.absolute.apply(&absolute);
-        std::array::from_fn(|i| absolute[i] + piece * change[i])
-    }
+/// Size of each entry of the state and of its change over a time, of a rate matrix with these
+/// absolute values: what its rounding is relative to.
+pub(crate) fn sizes<const N: usize>(absolute: &Matrix<N>, z: &[f64; N], over_s: f64) -> [f64; N] {
+    let size = z.map(f64::abs);
+    let change = absolute.apply(&size);
+    std::array::from_fn(|i| size[i] + over_s * change[i])
 }

@@ -128,24 +128,17 @@ impl Hand {
         positive("hand.mass_kg", self.mass_kg)?;
         not_negative("hand.stiffness_n_per_m", self.stiffness_n_per_m)?;
         not_negative("hand.damping_ns_per_m", self.damping_ns_per_m)?;
-        let Tissue { stiffness_n_per_m, damping_ns_per_m } = self.tissue;
-        not_negative("hand.tissue.stiffness_n_per_m", stiffness_n_per_m)?;
-        positive("hand.tissue.damping_ns_per_m", damping_ns_per_m)?;
+        let Tissue { stiffness_n_per_m: k_f, damping_ns_per_m: b_f } = self.tissue;
+        not_negative("hand.tissue.stiffness_n_per_m", k_f)?;
+        positive("hand.tissue.damping_ns_per_m", b_f)?;
+        let k = self.stiffness_n_per_m;
+        slow("hand.stiffness_n_per_m", k, (k / self.mass_kg).sqrt())?;
+        slow("hand.damping_ns_per_m", self.damping_ns_per_m, self.damping_ns_per_m / self.mass_kg)?;
         // The tissue lies between the two masses: the lighter one swings the faster on it.
         let lightest = self.mass_kg.min(lever_kg);
-        slow(
-            "hand.stiffness_n_per_m",
-            self.stiffness_n_per_m,
-            (self.stiffness_n_per_m / self.mass_kg).sqrt(),
-        )?;
-        slow("hand.damping_ns_per_m", self.damping_ns_per_m, self.damping_ns_per_m / self.mass_kg)?;
-        slow(
-            "hand.tissue.stiffness_n_per_m",
-            stiffness_n_per_m,
-            (stiffness_n_per_m / lightest).sqrt(),
-        )?;
-        slow("hand.tissue.damping_ns_per_m", damping_ns_per_m, damping_ns_per_m / lightest)?;
-        slow("hand.tissue.damping_ns_per_m", damping_ns_per_m, stiffness_n_per_m / damping_ns_per_m)
+        slow("hand.tissue.stiffness_n_per_m", k_f, (k_f / lightest).sqrt())?;
+        slow("hand.tissue.damping_ns_per_m", b_f, b_f / lightest)?;
+        slow("hand.tissue.damping_ns_per_m", b_f, k_f / b_f)
     }
 }
 

@@ -70,7 +70,7 @@ impl Driven {
     ///
     /// # Errors
     /// [`DynamicsError::Parameter`], which names the parameter.
-    pub fn new(parameters: DrivenParameters) -> std::result::Result<Self, DynamicsError> {
+    pub fn new(parameters: DrivenParameters) -> Result<Self> {
         Self::with_reach(parameters, REACH_S)
     }
 
@@ -92,15 +92,11 @@ impl Driven {
     ///
     /// # Errors
     /// [`DynamicsError::Parameter`] for an angle outside the stops or a gap below 0.
-    pub fn place(&mut self, theta_rad: f64, gap_m: f64) -> std::result::Result<(), DynamicsError> {
+    pub fn place(&mut self, theta_rad: f64, gap_m: f64) -> Result<()> {
         let inside =
             self.parameters.stops_rad.is_none_or(|[low, high]| (low..=high).contains(&theta_rad));
-        check(
-            "theta_rad",
-            theta_rad,
-            theta_rad.is_finite() && inside,
-            "finite and between the stops",
-        )?;
+        let ok = theta_rad.is_finite() && inside;
+        check("theta_rad", theta_rad, ok, "finite and between the stops")?;
         not_negative("gap_m", gap_m)?;
         self.z = [0.0; N];
         (self.z[THETA], self.z[GAP], self.z[ONE]) = (theta_rad, gap_m, 1.0);
@@ -132,12 +128,7 @@ impl Driven {
     /// [`DynamicsError::Parameter`] if an argument is not finite, the time or the brake's level
     /// below 0; [`DynamicsError::NotFinite`] and [`DynamicsError::TooMuchWork`] if extreme
     /// parameters lead there.
-    pub fn advance(
-        &mut self,
-        dt_s: f64,
-        command: Command,
-        aims: [Aim; 2],
-    ) -> std::result::Result<(), DynamicsError> {
+    pub fn advance(&mut self, dt_s: f64, command: Command, aims: [Aim; 2]) -> Result<()> {
         not_negative("dt_s", dt_s)?;
         finite("command.motor_n", command.motor_n)?;
         not_negative("command.brake_n", command.brake_n)?;
@@ -164,11 +155,7 @@ impl Driven {
             finite("aims[1]", to)?;
             (self.z[INTENT], self.z[INTENT_RATE]) = (from, (to - from) / dt_s);
         }
-        self.run(dt_s)
-    }
-
-    /// From event to event.
-    pub(super) fn run(&mut self, dt_s: f64) -> Result<()> {
+        // From event to event.
         let mut rest_s = dt_s;
         // Counted over one advance: real events are few within a tick of a controller.
         let mut events = 0;

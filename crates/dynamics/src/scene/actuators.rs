@@ -3,24 +3,24 @@
 use serde::{Deserialize, Serialize};
 
 use super::numbers;
-use crate::error::{Result, finite, not_negative, positive};
+use super::parameter::Parameter;
+use zwidth_study::worded;
 
-/// Which actuators render the environment (§5.2.2).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum DriveMode {
-    /// The motor alone, in both directions.
-    Active,
-    /// The brake alone: it resists in both directions and drives in none.
-    Passive,
-    /// The brake while compressing (θ̇ > 0), the motor while holding or releasing (θ̇ ≤ 0).
-    Hybrid,
+worded! {
+    /// Which actuators render the environment (§5.2.2).
+    #[derive(Serialize, Deserialize)]
+    #[serde(rename_all = "snake_case")]
+    DriveMode {
+        /// The motor alone, in both directions.
+        Active = "active",
+        /// The brake alone: it resists in both directions and drives in none.
+        Passive = "passive",
+        /// The brake while compressing (θ̇ > 0), the motor while holding or releasing (θ̇ ≤ 0).
+        Hybrid = "hybrid",
+    }
 }
 
 impl DriveMode {
-    /// Every mode.
-    pub const ALL: [Self; 3] = [Self::Active, Self::Passive, Self::Hybrid];
-
     /// Whether the motor is in charge, not the brake: while compressing, and while holding or
     /// releasing.
     pub const fn by_motor(self) -> [bool; 2] {
@@ -28,15 +28,6 @@ impl DriveMode {
             Self::Active => [true, true],
             Self::Passive => [false, false],
             Self::Hybrid => [false, true],
-        }
-    }
-
-    /// Its word in scene files and tables.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::Active => "active",
-            Self::Passive => "passive",
-            Self::Hybrid => "hybrid",
         }
     }
 
@@ -59,15 +50,11 @@ pub struct Motor {
 }
 
 impl Motor {
-    /// Adds name, value and usual size of each parameter.
-    pub(crate) fn list(&self, list: &mut Vec<(&'static str, f64, f64)>) {
-        list.push(("motor.max_n", self.max_n, numbers::MOTOR_N));
-        list.extend(self.lag_s.map(|lag| ("motor.lag_s", lag, numbers::STEP_S)));
-    }
-
-    pub(crate) fn check(&self) -> Result<()> {
-        not_negative("motor.max_n", self.max_n)?;
-        self.lag_s.map_or(Ok(()), |lag| positive("motor.lag_s", lag))
+    /// Every number of it.
+    pub(super) fn parameters(&self) -> Vec<Parameter> {
+        let largest = Parameter::not_negative("motor.max_n", self.max_n, numbers::MOTOR_N);
+        let lag = self.lag_s.map(|lag| Parameter::positive("motor.lag_s", lag, numbers::STEP_S));
+        [Some(largest), lag].into_iter().flatten().collect()
     }
 }
 
@@ -103,24 +90,18 @@ pub struct Brake {
 }
 
 impl Brake {
-    /// Adds name, value and usual size of each parameter.
-    pub(crate) fn list(&self, list: &mut Vec<(&'static str, f64, f64)>) {
-        list.push(("brake.max_n", self.max_n, numbers::BRAKE_N));
-        list.push(("brake.dead_zone_n", self.dead_zone_n, numbers::FORCE_N));
+    /// Every number of it.
+    pub(super) fn parameters(&self) -> Vec<Parameter> {
+        let mut list = vec![
+            Parameter::not_negative("brake.max_n", self.max_n, numbers::BRAKE_N),
+            Parameter::not_negative("brake.dead_zone_n", self.dead_zone_n, numbers::FORCE_N),
+        ];
         if let Some([on, off]) = self.lag_on_off_s {
-            list.push(("brake.lag_on_off_s[0]", on, numbers::BRAKE_LAGS_S[0]));
-            list.push(("brake.lag_on_off_s[1]", off, numbers::BRAKE_LAGS_S[1]));
+            let usual = numbers::BRAKE_LAGS_S;
+            list.push(Parameter::positive("brake.lag_on_off_s[0]", on, usual[0]));
+            list.push(Parameter::positive("brake.lag_on_off_s[1]", off, usual[1]));
         }
-        list.extend(self.let_go_n.map(|force| ("brake.let_go_n", force, numbers::FORCE_N)));
-    }
-
-    pub(crate) fn check(&self) -> Result<()> {
-        not_negative("brake.max_n", self.max_n)?;
-        not_negative("brake.dead_zone_n", self.dead_zone_n)?;
-        if let Some([on, off]) = self.lag_on_off_s {
-            positive("brake.lag_on_off_s[0]", on)?;
-            positive("brake.lag_on_off_s[1]", off)?;
-        }
-        self.let_go_n.map_or(Ok(()), |force| finite("brake.let_go_n", force))
+        list.extend(self.let_go_n.map(|n| Parameter::any("brake.let_go_n", n, numbers::FORCE_N)));
+        list
     }
 }

@@ -3,17 +3,20 @@
 use serde::{Deserialize, Serialize};
 
 use super::numbers;
-use crate::error::{Result, not_negative, positive};
+use super::parameter::Parameter;
+use zwidth_study::worded;
 
-/// In which frame the finger's mass is accelerated.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum FingerLaw {
-    /// (11) as printed, M_F ẍ2 = F_F + F_ex: the lever's acceleration is left out, so energy is not
-    /// kept.
-    Thesis,
-    /// M_F (ẍ2 + L θ̈) = F_F + F_ex. Bottoming is inelastic and keeps momentum.
-    Consistent,
+worded! {
+    /// In which frame the finger's mass is accelerated.
+    #[derive(Serialize, Deserialize)]
+    #[serde(rename_all = "snake_case")]
+    FingerLaw {
+        /// (11) as printed, M_F ẍ2 = F_F + F_ex: the lever's acceleration is left out, so energy is
+        /// not kept.
+        Thesis = "thesis",
+        /// M_F (ẍ2 + L θ̈) = F_F + F_ex. Bottoming is inelastic and keeps momentum.
+        Consistent = "consistent",
+    }
 }
 
 /// A mass on tissue: F_F = −K_F x2 − B_F ẋ2 (9), |x2| ≤ L_F0, where the tissue is a rigid stop.
@@ -34,28 +37,17 @@ pub struct Finger {
 }
 
 impl Finger {
-    /// Adds name, value and usual size of each parameter.
-    pub(crate) fn list(&self, list: &mut Vec<(&'static str, f64, f64)>) {
-        list.push(("finger.mass_kg", self.mass_kg, numbers::FINGER_MASS_KG));
-        list.push((
-            "finger.stiffness_n_per_m",
-            self.stiffness_n_per_m,
-            numbers::FINGER_STIFFNESS_N_PER_M,
-        ));
-        list.push((
-            "finger.damping_ns_per_m",
-            self.damping_ns_per_m,
-            numbers::FINGER_DAMPING_NS_PER_M,
-        ));
-        list.extend(
-            self.length_m.map(|length| ("finger.length_m", length, numbers::FINGER_LENGTH_M)),
-        );
-    }
-
-    pub(crate) fn check(&self) -> Result<()> {
-        positive("finger.mass_kg", self.mass_kg)?;
-        not_negative("finger.stiffness_n_per_m", self.stiffness_n_per_m)?;
-        not_negative("finger.damping_ns_per_m", self.damping_ns_per_m)?;
-        self.length_m.map_or(Ok(()), |length| positive("finger.length_m", length))
+    /// Every number of it.
+    pub(super) fn parameters(&self) -> Vec<Parameter> {
+        let usual = [numbers::FINGER_STIFFNESS_N_PER_M, numbers::FINGER_DAMPING_NS_PER_M];
+        let mut list = vec![
+            Parameter::positive("finger.mass_kg", self.mass_kg, numbers::FINGER_MASS_KG),
+            Parameter::not_negative("finger.stiffness_n_per_m", self.stiffness_n_per_m, usual[0]),
+            Parameter::not_negative("finger.damping_ns_per_m", self.damping_ns_per_m, usual[1]),
+        ];
+        let length = self.length_m;
+        let usual = numbers::FINGER_LENGTH_M;
+        list.extend(length.map(|length| Parameter::positive("finger.length_m", length, usual)));
+        list
     }
 }

@@ -3,7 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::numbers;
-use crate::error::{Result, check, not_negative};
+use super::parameter::Parameter;
+use crate::error::{Result, check};
 
 /// Dry friction with a level at rest and a level in motion, and a viscous part:
 /// F = −F_k sgn(θ̇) − b θ̇ in motion, |F| ≤ F_s at rest.
@@ -19,18 +20,20 @@ pub struct Friction {
 }
 
 impl Friction {
-    /// Adds name, value and usual size of each parameter.
-    pub(crate) fn list(&self, list: &mut Vec<(&'static str, f64, f64)>) {
-        list.push(("friction.static_n", self.static_n, numbers::FRICTION_N));
-        list.push(("friction.kinetic_n", self.kinetic_n, numbers::FRICTION_N));
+    /// Every number of it.
+    pub(super) fn parameters(&self) -> [Parameter; 3] {
+        let dry = numbers::FRICTION_N;
         let viscous = self.viscous_ns_per_rad;
-        list.push(("friction.viscous_ns_per_rad", viscous, numbers::VISCOUS_NS_PER_RAD));
+        let usual = numbers::VISCOUS_NS_PER_RAD;
+        [
+            Parameter::not_negative("friction.static_n", self.static_n, dry),
+            Parameter::not_negative("friction.kinetic_n", self.kinetic_n, dry),
+            Parameter::not_negative("friction.viscous_ns_per_rad", viscous, usual),
+        ]
     }
 
     pub(crate) fn check(&self) -> Result<()> {
-        not_negative("friction.static_n", self.static_n)?;
-        not_negative("friction.kinetic_n", self.kinetic_n)?;
-        not_negative("friction.viscous_ns_per_rad", self.viscous_ns_per_rad)?;
+        self.parameters().iter().try_for_each(Parameter::checked)?;
         let ordered = self.static_n >= self.kinetic_n;
         check("friction.static_n", self.static_n, ordered, "at least friction.kinetic_n")
     }

@@ -8,6 +8,7 @@ pub(crate) mod finger;
 pub(crate) mod friction;
 pub(crate) mod input;
 mod numbers;
+pub(crate) mod parameter;
 pub(crate) mod plant;
 pub mod table3;
 pub mod terms;
@@ -17,6 +18,7 @@ use environment::Environment;
 use finger::Finger;
 use friction::Friction;
 use input::Input;
+use parameter::Parameter;
 use plant::{Plant, Start};
 use serde::{Deserialize, Serialize};
 use terms::Terms;
@@ -67,7 +69,7 @@ impl ModelScene {
     /// # Errors
     /// [`DynamicsError::Toml`] if the text is no scene; its values are checked by
     /// [`crate::System::new`].
-    pub fn from_toml(text: &str) -> std::result::Result<Self, DynamicsError> {
+    pub fn from_toml(text: &str) -> Result<Self> {
         toml::from_str(text).map_err(|e| DynamicsError::Toml(e.to_string()))
     }
 
@@ -75,7 +77,7 @@ impl ModelScene {
     ///
     /// # Errors
     /// [`DynamicsError::Toml`] if a value cannot be written.
-    pub fn to_toml(&self) -> std::result::Result<String, DynamicsError> {
+    pub fn to_toml(&self) -> Result<String> {
         toml::to_string(self).map_err(|e| DynamicsError::Toml(e.to_string()))
     }
 
@@ -91,14 +93,10 @@ impl ModelScene {
             ("duration_s", self.duration_s, numbers::DURATION_S),
         ];
         self.environment.list(&mut list);
-        self.motor.list(&mut list);
-        self.brake.list(&mut list);
-        if let Some(finger) = &self.finger {
-            finger.list(&mut list);
-        }
-        if let Some(friction) = &self.friction {
-            friction.list(&mut list);
-        }
+        let mut parts = [self.motor.parameters(), self.brake.parameters()].concat();
+        parts.extend(self.finger.iter().flat_map(Finger::parameters));
+        parts.extend(self.friction.iter().flat_map(Friction::parameters));
+        list.extend(parts.iter().map(|p| (p.name, p.value, p.usual)));
         let mut list: Vec<_> =
             list.into_iter().map(|(name, value, usual)| (name.to_owned(), value, usual)).collect();
         self.input.list("input", numbers::FORCE_N, &mut list);
@@ -118,11 +116,11 @@ impl ModelScene {
         positive("step_s", self.step_s)?;
         self.environment.check()?;
         self.plant.check()?;
-        self.motor.check()?;
-        self.brake.check()?;
+        self.motor.parameters().iter().try_for_each(Parameter::checked)?;
+        self.brake.parameters().iter().try_for_each(Parameter::checked)?;
         self.input.check("input", self.duration_s)?;
         self.start.check(&self.plant)?;
-        self.finger.as_ref().map_or(Ok(()), Finger::check)?;
+        self.finger.iter().flat_map(Finger::parameters).try_for_each(|p| p.checked())?;
         self.friction.as_ref().map_or(Ok(()), Friction::check)?;
         self.terms.check(&self.plant, self.duration_s)
     }

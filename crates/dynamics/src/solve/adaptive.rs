@@ -6,7 +6,8 @@ use zwidth_numerics::roots;
 
 use super::embedded::{Embedded, Field, dense};
 use super::{Grid, shorten};
-use crate::error::{DynamicsError, Result, in_bounds, positive};
+use crate::affine::sizes;
+use crate::error::{Result, in_bounds, positive};
 use crate::system::flow::Flow;
 use crate::system::region::Region;
 use crate::system::transition::EventKind;
@@ -131,7 +132,10 @@ impl<'a, const N: usize> State<'a, N> {
         loop {
             let whole = self.t + self.h >= limit;
             let h = if whole { limit - self.t } else { self.h };
-            self.count()?;
+            self.out.work.steps += 1;
+            if self.out.work.steps > self.tolerances.most_steps {
+                return Err(self.system.too_much(self.tolerances.most_steps, "steps", self.t));
+            }
             let attempt = method.attempt(&self.field, &self.z, h);
             self.out.work.evaluations += attempt.evaluations;
             self.out.work.factorisations += attempt.factorisations;
@@ -150,17 +154,17 @@ impl<'a, const N: usize> State<'a, N> {
                 };
                 let end = if whole { limit } else { self.t + h };
                 if !in_bounds(&attempt.z) {
-                    return Err(DynamicsError::NotFinite {
-                        t_s: end,
-                        suspect: self.system.suspect(),
-                    });
+                    return Err(self.system.not_finite(end));
                 }
                 let event = self.first_event(&attempt.dense, h);
                 let (t, z) = match event {
                     Some((share, _)) => (self.t + share * h, dense(&attempt.dense, share)),
                     None => (end, attempt.z),
                 };
-                self.sample(grid, &attempt.dense, h, t);
+                while self.next_sample < grid.samples() && grid.time(self.next_sample) < t {
+                    let share = (grid.time(self.next_sample) - self.t) / h;
+                    self.record(grid.time(self.next_sample), &dense(&attempt.dense, share));
+                }
                 (self.t, self.z) = (t, z);
                 // From their closed forms: the method would let its error in the inputs pile up.
                 self.system.write_inputs(&self.cursor, self.t, &mut self.z);
@@ -172,30 +176,8 @@ impl<'a, const N: usize> State<'a, N> {
             self.out.work.rejected += 1;
             self.h = h * if factor.is_finite() { factor.clamp(SHRINK, 1.0) } else { SHRINK };
             if self.t + self.h <= self.t || !self.h.is_finite() {
-                return Err(DynamicsError::NotFinite {
-                    t_s: self.t,
-                    suspect: self.system.suspect(),
-                });
+                return Err(self.system.not_finite(self.t));
             }
-        }
-    }
-
-    fn count(&mut self) -> Result<()> {
-        self.out.work.steps += 1;
-        let limit = self.tolerances.most_steps;
-        if self.out.work.steps > limit {
-            let t_s = self.t;
-            let suspect = self.system.suspect();
-            return Err(DynamicsError::TooMuchWork { limit, what: "steps", t_s, suspect });
-        }
-        Ok(())
-    }
-
-    /// Records the samples before `until`.
-    fn sample(&mut self, grid: &Grid, coefficients: &[[f64; N]; 5], h: f64, until: f64) {
-        while self.next_sample < grid.samples() && grid.time(self.next_sample) < until {
-            let t = grid.time(self.next_sample);
-            self.record(t, &dense(coefficients, (t - self.t) / h));
         }
     }
 
@@ -212,7 +194,7 @@ impl<'a, const N: usize> State<'a, N> {
         /// A guard counts as zero within this share of its terms' sizes, or of the tolerance.
         const ROUNDING: f64 = 8.0 * f64::EPSILON;
         let slack = ROUNDING.max(1e-3 * self.tolerances.rtol);
-        let sizes = self.sizes(h);
+        let sizes = sizes(&self.field.a.map(f64::abs), &self.z, h);
         let mut first: Option<(f64, EventKind)> = None;
         for guard in &self.flow.guards {
             let row = shorten::<N>(&guard.value.row.0);
@@ -235,14 +217,6 @@ impl<'a, const N: usize> State<'a, N> {
             }
         }
         first
-    }
-
-    /// Size of each entry of the state and of its change over a step: what a guard's zero is
-    /// relative to.
-    fn sizes(&self, h: f64) -> [f64; N] {
-        let absolute = self.z.map(f64::abs);
-        let change = self.field.a.map(f64::abs).apply(&absolute);
-        std::array::from_fn(|i| absolute[i] + h * change[i])
     }
 
     fn happen(&mut self, kind: EventKind) {

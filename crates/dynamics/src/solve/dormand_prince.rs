@@ -5,7 +5,7 @@ use zwidth_numerics::tableau::{DORMAND_PRINCE as METHOD, DORMAND_PRINCE_DENSE as
 use super::adaptive::{self, Tolerances};
 use super::embedded::{Attempt, Embedded, Field};
 use super::{Grid, Solver, with_length};
-use crate::error::{DynamicsError, Result};
+use crate::error::Result;
 use crate::system::System;
 use crate::trajectory::Trajectory;
 
@@ -27,12 +27,7 @@ impl Solver for DormandPrince {
         "dormand_prince".to_owned()
     }
 
-    fn citation(&self) -> &'static str {
-        "J. R. Dormand & P. J. Prince, J. Comput. Appl. Math. 6 (1980) 19-26; L. F. Shampine, Math. Comp. 46 \
-         (1986) 135-150"
-    }
-
-    fn run(&self, system: &System, grid: &Grid) -> std::result::Result<Trajectory, DynamicsError> {
+    fn run(&self, system: &System, grid: &Grid) -> Result<Trajectory> {
         with_length!(system.layout.n, self.run_n(system, grid))
     }
 }

@@ -2,7 +2,7 @@
 //! stops after it.
 
 use super::{Grid, shorten};
-use crate::error::{DynamicsError, Result, in_bounds};
+use crate::error::{Result, in_bounds};
 use crate::system::direct::{Law, direction};
 use crate::system::{Cursor, OMEGA, System};
 use crate::trajectory::Trajectory;
@@ -57,10 +57,7 @@ pub(crate) fn run<const N: usize>(
         reader.read(grid.time(i + 1), &mut z);
         reader.held = system.keeps_brake(reader.held, &z);
         if !in_bounds(&z) {
-            return Err(DynamicsError::NotFinite {
-                t_s: grid.time(i + 1),
-                suspect: system.suspect(),
-            });
+            return Err(system.not_finite(grid.time(i + 1)));
         }
         record(system, &mut out, grid.time(i + 1), &z);
     }

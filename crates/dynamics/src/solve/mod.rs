@@ -11,7 +11,7 @@ pub(crate) mod rk4;
 pub(crate) mod symplectic_euler;
 pub(crate) mod tr_bdf2;
 
-use crate::error::{DynamicsError, Result, check, finite, positive};
+use crate::error::{Result, check, finite, positive};
 use crate::system::System;
 use crate::system::linear::LinearPart;
 use crate::system::row::MOST;
@@ -92,9 +92,8 @@ impl Grid {
     #[inline]
     pub(crate) fn time(&self, i: usize) -> f64 {
         match self {
-            Self::Even { step_s, .. } => i as f64 * step_s,
             Self::Ending { steps, end_s, .. } if i > *steps => *end_s,
-            Self::Ending { step_s, .. } => i as f64 * step_s,
+            Self::Even { step_s, .. } | Self::Ending { step_s, .. } => i as f64 * step_s,
             Self::Times(times) => times[i],
         }
     }
@@ -103,9 +102,8 @@ impl Grid {
     #[inline]
     pub(crate) fn step(&self, i: usize) -> f64 {
         match self {
-            Self::Even { step_s, .. } => *step_s,
             Self::Ending { step_s, steps, end_s } if i == *steps => end_s - i as f64 * step_s,
-            Self::Ending { step_s, .. } => *step_s,
+            Self::Even { step_s, .. } | Self::Ending { step_s, .. } => *step_s,
             Self::Times(times) => times[i + 1] - times[i],
         }
     }
@@ -139,12 +137,8 @@ impl Grid {
                     check(&name, pair[1], pair[0] < pair[1], "later than the time before it")?;
                 }
                 let first = times.first().copied().unwrap_or(f64::NAN);
-                check(
-                    "grid.times[0]",
-                    first,
-                    (0.0..f64::INFINITY).contains(&first),
-                    "finite and not below 0",
-                )
+                let ok = (0.0..f64::INFINITY).contains(&first);
+                check("grid.times[0]", first, ok, "finite and not below 0")
             }
         }
     }
@@ -154,9 +148,6 @@ impl Grid {
 pub trait Solver: Send + Sync {
     /// Its name in tables.
     fn name(&self) -> String;
-
-    /// Where it comes from.
-    fn citation(&self) -> &'static str;
 
     /// The map of one step of `h` on a linear system, R(h A); `None` if the method is stable at
     /// every step.
@@ -169,7 +160,7 @@ pub trait Solver: Send + Sync {
     /// # Errors
     /// A bad grid, a model the method cannot run, a state that is no longer finite, or a work
     /// limit.
-    fn run(&self, system: &System, grid: &Grid) -> std::result::Result<Trajectory, DynamicsError>;
+    fn run(&self, system: &System, grid: &Grid) -> Result<Trajectory>;
 }
 
 /// Calls a function that is generic over the length of the augmented state.

@@ -44,12 +44,7 @@ impl Solver for MoreauJean {
         "moreau_jean".to_owned()
     }
 
-    fn citation(&self) -> &'static str {
-        "M. Jean, Comput. Methods Appl. Mech. Eng. 177 (1999) 235-257; V. Acary & B. Brogliato, Numerical \
-         Methods for Nonsmooth Dynamical Systems (2008), 10.1"
-    }
-
-    fn run(&self, system: &System, grid: &Grid) -> std::result::Result<Trajectory, DynamicsError> {
+    fn run(&self, system: &System, grid: &Grid) -> Result<Trajectory> {
         with_length!(system.layout.n, self.run_n(system, grid))
     }
 }

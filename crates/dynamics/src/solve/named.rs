@@ -15,46 +15,62 @@ pub struct NamedSolver {
     pub name: &'static str,
     /// Its name in figures.
     pub label: &'static str,
+    /// Where it comes from.
+    pub citation: &'static str,
     /// Makes it. The relative error per step matters to the adaptive ones alone; the exact one
     /// accounts for the energy too.
     pub make: fn(f64) -> Box<dyn Solver>,
 }
+
+/// Of both Runge–Kutta methods.
+const KUTTA: &str = "W. Kutta, Z. Math. Phys. 46 (1901) 435-453";
 
 /// Every solver: the exact one, the two adaptive ones, then those of a fixed step.
 pub const NAMED_SOLVERS: [NamedSolver; 7] = [
     NamedSolver {
         name: "exact",
         label: "exact",
+        citation: "E. Sontag, IEEE Trans. Autom. Control 26 (1981) 346-358; A. F. Filippov (1988); N. Higham, SIAM J. \
+                   Matrix Anal. Appl. 26 (2005) 1179-1193",
         make: |_| Box::new(Exact { energy: true, ..Exact::default() }),
     },
     NamedSolver {
         name: "dormand_prince",
         label: "Dormand–Prince",
+        citation: "J. R. Dormand & P. J. Prince, J. Comput. Appl. Math. 6 (1980) 19-26; L. F. Shampine, Math. Comp. 46 \
+                   (1986) 135-150",
         make: |tolerance| Box::new(DormandPrince { tolerances: Tolerances::of(tolerance) }),
     },
     NamedSolver {
         name: "tr_bdf2",
         label: "TR-BDF2",
+        citation: "R. E. Bank et al., IEEE Trans. Electron Devices 32 (1985) 1992-2007; M. E. Hosea & L. F. Shampine, \
+                   Appl. Numer. Math. 20 (1996) 21-37",
         make: |tolerance| Box::new(TrBdf2 { tolerances: Tolerances::of(tolerance) }),
     },
     NamedSolver {
         name: "moreau_jean",
         label: "Moreau–Jean",
+        citation: "M. Jean, Comput. Methods Appl. Mech. Eng. 177 (1999) 235-257; V. Acary & B. Brogliato, Numerical \
+                   Methods for Nonsmooth Dynamical Systems (2008), 10.1",
         make: |_| Box::new(MoreauJean::default()),
     },
     NamedSolver {
         name: "symplectic_euler",
         label: "symplectic Euler",
+        citation: "Hairer, Lubich & Wanner, Geometric Numerical Integration, 2nd ed. (2006), I.1.2",
         make: |_| Box::new(SymplecticEuler),
     },
     NamedSolver {
         name: "rk4_per_stage",
         label: "RK4, switched per stage",
+        citation: KUTTA,
         make: |_| Box::new(Rk4 { switching: Switching::PerStage }),
     },
     NamedSolver {
         name: "rk4_per_step",
         label: "RK4, switched per step",
+        citation: KUTTA,
         make: |_| Box::new(Rk4 { switching: Switching::PerStep }),
     },
 ];

@@ -5,7 +5,7 @@ use zwidth_numerics::tableau::RK4;
 
 use super::fixed::{self, Reader};
 use super::{Grid, Solver, Switching, with_length};
-use crate::error::{DynamicsError, Result};
+use crate::error::Result;
 use crate::system::linear::LinearPart;
 use crate::system::row::MOST;
 use crate::system::{OMEGA, System};
@@ -34,10 +34,6 @@ impl Solver for Rk4 {
         }
     }
 
-    fn citation(&self) -> &'static str {
-        "W. Kutta, Z. Math. Phys. 46 (1901) 435-453"
-    }
-
     /// The first five terms of exp(h A).
     fn amplification(&self, linear: &LinearPart, h: f64) -> Option<Matrix<MOST>> {
         let scaled = linear.a.map(|x| x * h);
@@ -49,7 +45,7 @@ impl Solver for Rk4 {
         Some(sum)
     }
 
-    fn run(&self, system: &System, grid: &Grid) -> std::result::Result<Trajectory, DynamicsError> {
+    fn run(&self, system: &System, grid: &Grid) -> Result<Trajectory> {
         with_length!(system.layout.n, self.run_n(system, grid))
     }
 }

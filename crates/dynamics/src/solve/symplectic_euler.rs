@@ -4,7 +4,7 @@ use zwidth_numerics::expm::Matrix;
 
 use super::fixed::{self, Reader};
 use super::{Grid, Solver, with_length};
-use crate::error::{DynamicsError, Result};
+use crate::error::Result;
 use crate::system::linear::LinearPart;
 use crate::system::row::MOST;
 use crate::system::{OMEGA, System, THETA};
@@ -25,10 +25,6 @@ impl Solver for SymplecticEuler {
         "symplectic_euler".to_owned()
     }
 
-    fn citation(&self) -> &'static str {
-        "Hairer, Lubich & Wanner, Geometric Numerical Integration, 2nd ed. (2006), I.1.2"
-    }
-
     /// (1 + h P) (1 + h V) with the rows of positions P and of velocities V.
     fn amplification(&self, linear: &LinearPart, h: f64) -> Option<Matrix<MOST>> {
         let identity = Matrix::<MOST>::identity();
@@ -41,7 +37,7 @@ impl Solver for SymplecticEuler {
         Some(second.product(&first))
     }
 
-    fn run(&self, system: &System, grid: &Grid) -> std::result::Result<Trajectory, DynamicsError> {
+    fn run(&self, system: &System, grid: &Grid) -> Result<Trajectory> {
         with_length!(system.layout.n, self.run_n(system, grid))
     }
 }

@@ -7,7 +7,7 @@ use zwidth_numerics::expm::Matrix;
 use super::adaptive::{self, Tolerances};
 use super::embedded::{Attempt, Embedded, Field};
 use super::{Grid, Solver, with_length};
-use crate::error::{DynamicsError, Result};
+use crate::error::Result;
 use crate::system::System;
 use crate::trajectory::Trajectory;
 
@@ -34,12 +34,7 @@ impl Solver for TrBdf2 {
         "tr_bdf2".to_owned()
     }
 
-    fn citation(&self) -> &'static str {
-        "R. E. Bank et al., IEEE Trans. Electron Devices 32 (1985) 1992-2007; M. E. Hosea & L. F. Shampine, \
-         Appl. Numer. Math. 20 (1996) 21-37"
-    }
-
-    fn run(&self, system: &System, grid: &Grid) -> std::result::Result<Trajectory, DynamicsError> {
+    fn run(&self, system: &System, grid: &Grid) -> Result<Trajectory> {
         with_length!(system.layout.n, self.run_n(system, grid))
     }
 }

@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 use super::region::{Region, Side};
 use super::row::Row;
 use super::{System, THETA};
-use crate::error::{DynamicsError, positive};
+use crate::error::{Result, positive};
 use crate::scene::ModelScene;
 use crate::scene::environment::Zone;
 
@@ -18,16 +18,13 @@ impl System {
     ///
     /// # Errors
     /// As [`System::new`]; a width that is not above 0.
-    pub fn by_chords(
-        scene: ModelScene,
-        width_rad: f64,
-    ) -> std::result::Result<Self, DynamicsError> {
+    pub fn by_chords(scene: ModelScene, width_rad: f64) -> Result<Self> {
         positive("width_rad", width_rad)?;
         Self::new(scene)?.straightened(width_rad)
     }
 
     /// The same for a system that is already laid out.
-    pub(crate) fn straightened(mut self, width_rad: f64) -> Result<Self, DynamicsError> {
+    pub(crate) fn straightened(mut self, width_rad: f64) -> Result<Self> {
         if !self.curved {
             return Ok(self);
         }

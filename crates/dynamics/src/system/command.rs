@@ -3,6 +3,7 @@
 use super::region::{Branch, Side};
 use super::row::Row;
 use super::{OMEGA, System, THETA};
+use crate::scene::ModelScene;
 use crate::scene::actuators::{BrakeLaw, DriveMode};
 use crate::scene::environment::Demand;
 
@@ -72,12 +73,7 @@ impl System {
         if let Some(at) = self.layout.held {
             return Command { row: Row::entry(at, 1.0), ..self.fixed(actuator, 0.0) };
         }
-        let (low, high, dead_zone) = match actuator {
-            Actuator::Nobody => (0.0, 0.0, 0.0),
-            Actuator::Motor => (-scene.motor.max_n, scene.motor.max_n, 0.0),
-            Actuator::SignedBrake => (-scene.brake.max_n, scene.brake.max_n, 0.0),
-            Actuator::Brake => (0.0, scene.brake.max_n, scene.brake.dead_zone_n),
-        };
+        let (low, high, dead_zone) = self.limits(actuator);
         // A brake that lets the lever slip backwards follows u(θ) alone: damping would ask it to
         // let go.
         let damped = !(actuator == Actuator::Brake && side == Side::Down);
@@ -91,6 +87,18 @@ impl System {
             Demand::Full => self.fixed(actuator, high),
             Demand::FullUp if actuator == Actuator::Brake => self.fixed(actuator, high),
             Demand::FullUp => self.fixed(actuator, low),
+        }
+    }
+
+    /// The lowest and the highest value of an actuator's command, and its dead zone, N.
+    #[inline]
+    pub(super) fn limits(&self, actuator: Actuator) -> (f64, f64, f64) {
+        let ModelScene { motor, brake, .. } = &self.scene;
+        match actuator {
+            Actuator::Nobody => (0.0, 0.0, 0.0),
+            Actuator::Motor => (-motor.max_n, motor.max_n, 0.0),
+            Actuator::SignedBrake => (-brake.max_n, brake.max_n, 0.0),
+            Actuator::Brake => (0.0, brake.max_n, brake.dead_zone_n),
         }
     }
 

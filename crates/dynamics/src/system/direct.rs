@@ -3,7 +3,7 @@
 //! Fixed-step methods use it, once per stage or once per step. Nothing here looks for events.
 
 use super::command::Actuator;
-use super::region::{Branch, Contact, Motion, Region, Side};
+use super::region::{Contact, Region, Side};
 use super::{OMEGA, System, THETA};
 use crate::scene::environment::Demand;
 use crate::scene::finger::{Finger, FingerLaw};
@@ -76,12 +76,10 @@ impl System {
         let scene = &self.scene;
         let actuator = super::command::actuator(scene.mode, scene.brake.law, side);
         let zone = self.zone(z[THETA], Side::Up);
-        let (low, high, offset) = match actuator {
-            Actuator::Nobody => return (actuator, 0.0),
-            Actuator::Motor => (-scene.motor.max_n, scene.motor.max_n, 0.0),
-            Actuator::SignedBrake => (-scene.brake.max_n, scene.brake.max_n, 0.0),
-            Actuator::Brake => (0.0, scene.brake.max_n, scene.brake.dead_zone_n),
-        };
+        if actuator == Actuator::Nobody {
+            return (actuator, 0.0);
+        }
+        let (low, high, offset) = self.limits(actuator);
         let damped = actuator != Actuator::Brake || side == Side::Up;
         let commanded = match scene.environment.zones[usize::from(zone)].demand {
             Demand::Spring { stiffness_n_per_rad: k, damping_ns_per_rad: b, rest_rad } => {
@@ -132,22 +130,7 @@ impl System {
             _ => Contact::Free,
         };
         let zone = self.zone(z[THETA], Side::Up);
-        let branch = self.command(side, zone).branch(z);
-        let motion = if side == Side::Up { Motion::Forward } else { Motion::Backward };
-        let (branch_up, branch_down) =
-            if side == Side::Up { (branch, Branch::Linear) } else { (Branch::Linear, branch) };
-        Region {
-            motion,
-            zone_up: zone,
-            zone_down: zone,
-            branch_up,
-            branch_down,
-            contact,
-            stop: None,
-            held: false,
-            motor_holds: false,
-            motor_share: 0.0,
-        }
+        self.region_in(side, zone, contact, z)
     }
 }
 

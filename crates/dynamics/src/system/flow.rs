@@ -156,7 +156,26 @@ impl System {
                 FingerLaw::Thesis => row,
             };
         }
-        self.lag_rows(region, &mut rows);
+        // τ ẋ = command − x for the motor's force and the brake's level. A lever at rest is
+        // commanded as one that holds or releases, unless the let-go rule keeps the brake on; where
+        // the brake does part of the holding by fast switching, a lagging motor is off for its
+        // share of the time.
+        let engaged = region.held || self.rest_rule == RestRule::Compress;
+        let up = region.motion == Motion::Forward || (region.motion == Motion::Rest && engaged);
+        let (command, branch) = self.commanded(region, if up { Side::Up } else { Side::Down });
+        let value = command.on(branch, self);
+        if let (Some(at), Some(lag)) = (self.layout.motor, self.scene.motor.lag_s) {
+            let target =
+                if command.actuator == Actuator::Motor { value.times(-1.0) } else { Row::ZERO };
+            let brake_holds = self.departing_force(region, Side::Down);
+            let shared = target.plus(brake_holds.row.times(region.motor_share));
+            rows[at] = shared.minus(Row::entry(at, 1.0)).lifted().over(T::from(lag));
+        }
+        if let (Some(at), Some([on, off])) = (self.layout.brake, self.scene.brake.lag_on_off_s) {
+            let engaged = command.actuator == Actuator::Brake;
+            let (target, lag) = if engaged { (value, on) } else { (Row::ZERO, off) };
+            rows[at] = target.minus(Row::entry(at, 1.0)).lifted().over(T::from(lag));
+        }
         // x¨ = −ω² (x − mean) for each input.
         let force = (self.layout.force, self.scene.input.swing());
         let term = self.layout.term.zip(self.scene.terms.input().map(Input::swing));
@@ -187,28 +206,5 @@ impl System {
             curved[at] = region.motor_share / lag;
         }
         curved
-    }
-
-    /// τ ẋ = command − x for the motor's force and the brake's level. A lever at rest is commanded
-    /// as one that holds or releases, unless the let-go rule keeps the brake on; where the
-    /// brake does part of the holding by fast switching, a lagging motor is off for its share
-    /// of the time.
-    fn lag_rows<T: Number>(&self, region: &Region, rows: &mut [Row<T>; MOST]) {
-        let engaged = region.held || self.rest_rule == RestRule::Compress;
-        let up = region.motion == Motion::Forward || (region.motion == Motion::Rest && engaged);
-        let (command, branch) = self.commanded(region, if up { Side::Up } else { Side::Down });
-        let value = command.on(branch, self);
-        if let (Some(at), Some(lag)) = (self.layout.motor, self.scene.motor.lag_s) {
-            let target =
-                if command.actuator == Actuator::Motor { value.times(-1.0) } else { Row::ZERO };
-            let brake_holds = self.departing_force(region, Side::Down);
-            let shared = target.plus(brake_holds.row.times(region.motor_share));
-            rows[at] = shared.minus(Row::entry(at, 1.0)).lifted().over(T::from(lag));
-        }
-        if let (Some(at), Some([on, off])) = (self.layout.brake, self.scene.brake.lag_on_off_s) {
-            let engaged = command.actuator == Actuator::Brake;
-            let (target, lag) = if engaged { (value, on) } else { (Row::ZERO, off) };
-            rows[at] = target.minus(Row::entry(at, 1.0)).lifted().over(T::from(lag));
-        }
     }
 }

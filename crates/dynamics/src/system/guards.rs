@@ -5,7 +5,7 @@ use super::region::{Branch, Contact, Region, Side};
 use super::row::{Functional, Row};
 use super::transition::EventKind;
 use super::{OMEGA, System, THETA};
-use crate::scene::finger::{Finger, FingerLaw};
+use crate::scene::finger::FingerLaw;
 
 /// The region holds while the value is not below zero; then `kind` happens.
 #[derive(Debug, Clone, Copy)]
@@ -108,35 +108,33 @@ impl System {
             return Vec::new();
         };
         let Some(length) = finger.length_m else { return Vec::new() };
-        let limit = self.constant(length);
-        match region.contact {
-            Contact::Free => vec![
-                guard(limit.minus(Row::entry(at, 1.0)), EventKind::Bottomed),
-                guard(limit.plus(Row::entry(at, 1.0)), EventKind::Bottomed),
-            ],
-            contact => {
-                let sign = if contact == Contact::Pressed { 1.0 } else { -1.0 };
-                let press = self.stop_press(&finger, length, sign, self.acceleration_in(region));
-                vec![Guard { value: press, kind: EventKind::LiftedOff }]
-            }
+        if let Some(value) = self.stop_press(region) {
+            return vec![Guard { value, kind: EventKind::LiftedOff }];
         }
+        let limit = self.constant(length);
+        [limit.minus(Row::entry(at, 1.0)), limit.plus(Row::entry(at, 1.0))]
+            .map(|row| guard(row, EventKind::Bottomed))
+            .to_vec()
     }
 
-    /// Force between the finger and its rigid stop: ±(F_ex − M_F L θ̈) − K_F L_F0.
-    pub(crate) fn stop_press(
-        &self,
-        finger: &Finger,
-        length: f64,
-        sign: f64,
-        acceleration: Functional,
-    ) -> Functional {
+    /// Force between the finger and its rigid stop where it lies on it: ±(F_ex − M_F L θ̈) − K_F
+    /// L_F0.
+    pub(crate) fn stop_press(&self, region: &Region) -> Option<Functional> {
+        let finger = self.scene.finger?;
+        let sign = match region.contact {
+            Contact::Free => return None,
+            Contact::Pressed => 1.0,
+            Contact::Stretched => -1.0,
+        };
         let dragged = match finger.law {
             FingerLaw::Consistent => finger.mass_kg * self.scene.plant.lever_m,
             FingerLaw::Thesis => 0.0,
         };
+        let acceleration = self.acceleration_in(region);
         let through = Row::entry(self.layout.force, 1.0).minus(acceleration.row.times(dragged));
-        let row = through.times(sign).minus(self.constant(finger.stiffness_n_per_m * length));
-        Functional { row, curved: -sign * dragged * acceleration.curved }
+        let stop = self.constant(finger.stiffness_n_per_m * finger.length_m?);
+        let row = through.times(sign).minus(stop);
+        Some(Functional { row, curved: -sign * dragged * acceleration.curved })
     }
 }
 

@@ -21,8 +21,6 @@ use crate::error::{DynamicsError, Result};
 use crate::scene::ModelScene;
 use crate::scene::actuators::BrakeLaw;
 use crate::scene::input::{Input, Span};
-use crate::scene::plant::Plant;
-use crate::scene::terms::Term;
 use row::{MOST, Row};
 
 /// Index of θ in the augmented state.
@@ -74,19 +72,6 @@ impl Layout {
     pub(crate) fn one(&self) -> usize {
         self.n - 1
     }
-}
-
-/// The affine part of a term as a functional.
-fn affine_row(term: &dyn Term, plant: &Plant, layout: &Layout) -> Row {
-    let affine = term.affine(plant);
-    let mut row = Row::ZERO;
-    row.0[THETA] = affine.per_rad_n;
-    row.0[OMEGA] = affine.per_rad_s_n;
-    row.0[layout.one()] = affine.constant_n;
-    if let (Some(at), true) = (layout.term, term.input().is_some()) {
-        row.0[at] = affine.per_input_n;
-    }
-    row
 }
 
 /// Which command lagging actuators follow while θ̇ = 0. The thesis does not say; without a lag it
@@ -145,7 +130,7 @@ impl System {
     /// # Errors
     /// The first parameter that makes no sense, by name and value, or two parts that do not go
     /// together.
-    pub fn new(scene: ModelScene) -> std::result::Result<Self, DynamicsError> {
+    pub fn new(scene: ModelScene) -> Result<Self> {
         Self::laid_out(scene, false)
     }
 
@@ -154,14 +139,22 @@ impl System {
         scene.check()?;
         if scene.brake.law == BrakeLaw::Thesis && scene.brake.lag_on_off_s.is_some() {
             let what = "brake.lag_on_off_s needs the level of a set-valued brake";
-            return Err(DynamicsError::Combination {
-                what,
-                remedy: "set brake.law to \"coulomb\"",
-            });
+            let remedy = "set brake.law to \"coulomb\"";
+            return Err(DynamicsError::Combination { what, remedy });
         }
         let layout = Layout::of(&scene, is_held);
-        let terms =
-            scene.terms.iter().map(|term| affine_row(term, &scene.plant, &layout)).collect();
+        let terms = scene.terms.iter().map(|term| {
+            let affine = term.affine(&scene.plant);
+            let mut row = Row::ZERO;
+            row.0[THETA] = affine.per_rad_n;
+            row.0[OMEGA] = affine.per_rad_s_n;
+            row.0[layout.one()] = affine.constant_n;
+            if let (Some(at), true) = (layout.term, term.input().is_some()) {
+                row.0[at] = affine.per_input_n;
+            }
+            row
+        });
+        let terms = terms.collect();
         let rest_rule = RestRule::default();
         let mut system =
             Self { scene, layout, terms, curved: false, chords: Vec::new(), rest_rule };
@@ -229,9 +222,14 @@ impl System {
         [z[self.layout.force], self.layout.term.map_or(0.0, |at| z[at])]
     }
 
-    /// The parameter furthest from its usual size.
-    pub(crate) fn suspect(&self) -> String {
-        self.scene.suspect()
+    /// The error of a run whose state left the numbers at a time, s.
+    pub(crate) fn not_finite(&self, t_s: f64) -> DynamicsError {
+        DynamicsError::NotFinite { t_s, suspect: self.scene.suspect() }
+    }
+
+    /// The error of a run that reached a limit of work at a time, s.
+    pub(crate) fn too_much(&self, limit: u64, what: &'static str, t_s: f64) -> DynamicsError {
+        DynamicsError::TooMuchWork { limit, what, t_s, suspect: self.scene.suspect() }
     }
 
     /// True if an input is a sine.

@@ -1,5 +1,7 @@
 //! The regions of a system: in each, the motion is smooth.
 
+use zwidth_study::worded;
+
 /// Up is +θ, into the object; down is back.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Side {
@@ -54,15 +56,16 @@ pub enum Branch {
     High,
 }
 
-/// Whether the finger's tissue is fully pressed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Contact {
-    /// |x2| < L_F0, or no finger.
-    Free,
-    /// x2 = L_F0: the user's force passes through a rigid stop.
-    Pressed,
-    /// x2 = −L_F0.
-    Stretched,
+worded! {
+    /// Whether the finger's tissue is fully pressed.
+    Contact {
+        /// |x2| < L_F0, or no finger.
+        Free = "free",
+        /// x2 = L_F0: the user's force passes through a rigid stop.
+        Pressed = "fully pressed",
+        /// x2 = −L_F0.
+        Stretched = "fully stretched",
+    }
 }
 
 /// A region: everything that decides which equations hold.

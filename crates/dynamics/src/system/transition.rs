@@ -1,37 +1,38 @@
 //! From region to region: what an event does to the state, and which region holds then.
 
 use super::region::{Branch, Contact, Motion, Region, Side};
-use super::row::Functional;
 use super::{OMEGA, RestRule, System, THETA};
 use crate::scene::finger::FingerLaw;
+use zwidth_study::worded;
 
-/// Why a region is left.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum EventKind {
-    /// θ̇ reaches zero.
-    Reversal,
-    /// The lever enters the next zone of the environment.
-    Zone,
-    /// The lever hits a stop.
-    Stop,
-    /// The actuator in charge reaches its lower limit.
-    SaturatedLow,
-    /// The actuator in charge reaches its upper limit.
-    SaturatedHigh,
-    /// The actuator in charge leaves its limit.
-    Unsaturated,
-    /// A lever at rest starts forward.
-    DepartUp,
-    /// A lever at rest starts backward.
-    DepartDown,
-    /// The user's force crosses the brake's let-go threshold.
-    LetGo,
-    /// The finger's tissue is fully pressed.
-    Bottomed,
-    /// The finger's tissue springs back.
-    LiftedOff,
-    /// An input jumps.
-    Input,
+worded! {
+    /// Why a region is left.
+    EventKind {
+        /// θ̇ reaches zero.
+        Reversal = "reversal",
+        /// The lever enters the next zone of the environment.
+        Zone = "next zone",
+        /// The lever hits a stop.
+        Stop = "stop",
+        /// The actuator in charge reaches its lower limit.
+        SaturatedLow = "lower limit",
+        /// The actuator in charge reaches its upper limit.
+        SaturatedHigh = "upper limit",
+        /// The actuator in charge leaves its limit.
+        Unsaturated = "off the limit",
+        /// A lever at rest starts forward.
+        DepartUp = "departs forward",
+        /// A lever at rest starts backward.
+        DepartDown = "departs backward",
+        /// The user's force crosses the brake's let-go threshold.
+        LetGo = "brake's let-go threshold",
+        /// The finger's tissue is fully pressed.
+        Bottomed = "tissue fully pressed",
+        /// The finger's tissue springs back.
+        LiftedOff = "tissue springs back",
+        /// An input jumps.
+        Input = "input jumps",
+    }
 }
 
 impl System {
@@ -84,18 +85,8 @@ impl System {
     /// The region that holds in a state. A rigid finger that would have to pull lifts off.
     pub(crate) fn settle(&self, z: &[f64], contact: Contact, held: Option<bool>) -> Region {
         let region = self.region_with(z, contact, held);
-        if contact != Contact::Free
-            && self.press(&region).is_some_and(|press| self.value(&press, z) < 0.0)
-        {
-            return self.region_with(z, Contact::Free, held);
-        }
-        region
-    }
-
-    fn press(&self, region: &Region) -> Option<Functional> {
-        let finger = self.scene.finger?;
-        let sign = if region.contact == Contact::Pressed { 1.0 } else { -1.0 };
-        Some(self.stop_press(&finger, finger.length_m?, sign, self.acceleration_in(region)))
+        let pulls = self.stop_press(&region).is_some_and(|press| self.value(&press, z) < 0.0);
+        if pulls { self.region_with(z, Contact::Free, held) } else { region }
     }
 
     fn region_with(&self, z: &[f64], contact: Contact, held: Option<bool>) -> Region {
@@ -125,7 +116,11 @@ impl System {
 
     /// The region of motion to a side.
     pub(crate) fn moving_region(&self, side: Side, contact: Contact, z: &[f64]) -> Region {
-        let zone = self.zone(z[THETA], side);
+        self.region_in(side, self.zone(z[THETA], side), contact, z)
+    }
+
+    /// The same in a zone.
+    pub(super) fn region_in(&self, side: Side, zone: u16, contact: Contact, z: &[f64]) -> Region {
         let motion = if side == Side::Up { Motion::Forward } else { Motion::Backward };
         let region = Region {
             motion,
@@ -173,16 +168,13 @@ impl System {
         let command_n = command.on(branch, self).dot(z);
         // Known before the share: it decides which forces the cone is made of.
         let rest = Region { motor_holds: command_n > 0.0, ..rest };
-        Region { motor_share: self.motor_share(&rest, command_n, z), ..rest }
-    }
-
-    /// Motor command over the width of the cone of forces that hold the lever at rest.
-    fn motor_share(&self, rest: &Region, command_n: f64, z: &[f64]) -> f64 {
         if self.layout.motor.is_none() || self.layout.brake.is_some() {
-            return 0.0;
+            return rest;
         }
-        let cone = self.departing_n(rest, Side::Down, z) - self.departing_n(rest, Side::Up, z);
-        if cone > 0.0 && command_n > 0.0 { command_n / cone } else { 0.0 }
+        // The motor's share: its command over the width of the cone of forces that hold the lever.
+        let cone = self.departing_n(&rest, Side::Down, z) - self.departing_n(&rest, Side::Up, z);
+        let motor_share = if cone > 0.0 && command_n > 0.0 { command_n / cone } else { 0.0 };
+        Region { motor_share, ..rest }
     }
 
     /// Across an edge of the environment. Where the forces on both sides push back to the edge,
@@ -209,13 +201,21 @@ impl System {
     /// θ̇ becomes 0; ẋ2, which is measured from the lever, changes by as much where the finger is
     /// free to.
     pub(crate) fn stop_lever(&self, contact: Contact, z: &mut [f64]) -> Contact {
+        /// A finger this close to its rigid stop, as a share of L_F0, and moving into it bottoms
+        /// together with the lever: else the two would hit their stops in turn for ever.
+        const NEAR: f64 = 1e-9;
         let velocity = self.scene.plant.lever_m * z[OMEGA];
         z[OMEGA] = 0.0;
-        let consistent =
-            self.scene.finger.is_some_and(|finger| finger.law == FingerLaw::Consistent);
-        let (Some(at), true) = (self.layout.finger, consistent) else { return contact };
+        let (Some(finger), Some(at)) = (self.scene.finger, self.layout.finger) else {
+            return contact;
+        };
+        if finger.law != FingerLaw::Consistent {
+            return contact;
+        }
         let pressed_on = match contact {
-            Contact::Free => self.nearly_rigid(z[at], velocity),
+            Contact::Free => finger
+                .length_m
+                .is_some_and(|length| z[at] * velocity.signum() >= length * (1.0 - NEAR)),
             Contact::Pressed => velocity > 0.0,
             Contact::Stretched => velocity < 0.0,
         };
@@ -227,15 +227,6 @@ impl System {
         }
         z[at + 1] += velocity;
         Contact::Free
-    }
-
-    /// A finger this close to its rigid stop and moving into it bottoms together with the lever:
-    /// else the two would hit their stops in turn for ever.
-    fn nearly_rigid(&self, x2: f64, velocity: f64) -> bool {
-        /// Share of L_F0.
-        const NEAR: f64 = 1e-9;
-        let length = self.scene.finger.and_then(|finger| finger.length_m);
-        length.is_some_and(|length| x2 * velocity.signum() >= length * (1.0 - NEAR))
     }
 
     /// Sets the finger on its rigid stop, inelastically: its momentum is shared with the lever

@@ -76,25 +76,23 @@ impl Levels {
             *x -= mean + slope * (i as f64 - middle);
         }
         let windowed: Vec<f64> = steps.iter().zip(&self.hann).map(|(x, w)| x * w).collect();
-        let power: f64 = (self.lines.0..self.lines.1).map(|k| self.line(&windowed, k)).sum();
-        SQRT_2 * libm::sqrt(power)
-    }
-
-    /// Mean square of the position on line `k`.
-    fn line(&self, windowed: &[f64], k: usize) -> f64 {
         let n = self.cosine.len();
-        let mut re = 0.0;
-        let mut im = 0.0;
-        let mut at = 0;
         let quarter = 3 * n / 4; // sin x = cos(x + 3/4 of a turn)
-        for x in windowed {
-            re += x * self.cosine[at];
-            im += x * self.cosine[(at + quarter) % n];
-            at = (at + k) % n;
-        }
-        let frequency_hz = k as f64 / (n as f64 * self.step_s);
-        let per_step = 2.0 * libm::sin(0.5 * TAU * frequency_hz * self.step_s);
-        2.0 * (re * re + im * im) / (n as f64 * n as f64 * per_step * per_step)
+        // Mean square of the position on each line.
+        let squares = (self.lines.0..self.lines.1).map(|k| {
+            let mut re = 0.0;
+            let mut im = 0.0;
+            let mut at = 0;
+            for x in &windowed {
+                re += x * self.cosine[at];
+                im += x * self.cosine[(at + quarter) % n];
+                at = (at + k) % n;
+            }
+            let frequency_hz = k as f64 / (n as f64 * self.step_s);
+            let per_step = 2.0 * libm::sin(0.5 * TAU * frequency_hz * self.step_s);
+            2.0 * (re * re + im * im) / (n as f64 * n as f64 * per_step * per_step)
+        });
+        SQRT_2 * libm::sqrt(squares.sum::<f64>())
     }
 }
 

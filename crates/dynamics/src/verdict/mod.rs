@@ -111,7 +111,13 @@ impl Reference<'_> {
     /// Runs the model with a step, half of it and a quarter, and judges the first run.
     pub fn judge(&self, solver: &dyn Solver, step_s: f64) -> Judgement {
         match self.model.run(solver, step_s) {
-            Ok(run) => self.judge_run(solver, step_s, &run),
+            Ok(run) => {
+                let [half, quarter] = [0.5, 0.25].map(|share| {
+                    let run = self.model.run(solver, share * step_s);
+                    run.map(|run| self.swings(&run)).unwrap_or_default()
+                });
+                self.judge_with(solver, step_s, &run, [&half, &quarter])
+            }
             Err(error) => Judgement {
                 verdict: RunVerdict::Failed,
                 swings: Default::default(),
@@ -140,30 +146,9 @@ impl Reference<'_> {
         run: &Trajectory,
         finer: [&ExistingSwings; 2],
     ) -> Judgement {
-        self.judge_swings(solver, step_s, run, finer.map(|swings| swings.0.clone()))
-    }
-
-    fn bound_rad(&self) -> f64 {
-        self.motion.as_ref().map_or(0.0, |motion| motion.bound_rad)
-    }
-
-    fn judge_run(&self, solver: &dyn Solver, step_s: f64, run: &Trajectory) -> Judgement {
-        let finer = [0.5, 0.25].map(|share| {
-            let run = self.model.run(solver, share * step_s);
-            run.map_or_else(|_| Vec::new(), |run| existing(&run, self.bound_rad()))
-        });
-        self.judge_swings(solver, step_s, run, finer)
-    }
-
-    fn judge_swings(
-        &self,
-        solver: &dyn Solver,
-        step_s: f64,
-        run: &Trajectory,
-        [half, quarter]: [Vec<Swing>; 2],
-    ) -> Judgement {
         let h = self.model.method_step_s(step_s);
         let growth = stability::worst(solver, self.model.plant(), run, h);
+        let [half, quarter] = finer.map(|swings| swings.0.clone());
         let swings = [existing(run, self.bound_rad()), half, quarter];
         let reference_swings = self.motion.as_ref().map_or(0, |motion| motion.swings.len());
         let creep_rad =
@@ -179,6 +164,10 @@ impl Reference<'_> {
             amplification: growth.map_or(1.0, Growth::excess).max(1.0),
             error: None,
         }
+    }
+
+    fn bound_rad(&self) -> f64 {
+        self.motion.as_ref().map_or(0.0, |motion| motion.bound_rad)
     }
 
     /// The order of judgement.
@@ -233,7 +222,7 @@ fn motions(motion: &KnownMotion) -> Motions {
     Motions {
         method: motion.method.clone(),
         nature: motion.nature,
-        swings: motion.summary(),
+        swings: Swings::of(&motion.swings),
         theta_max_rad: motion.path.highest_rad(),
     }
 }

@@ -1,6 +1,6 @@
 //! The model that a verdict is about.
 
-use crate::error::DynamicsError;
+use crate::error::Result;
 use crate::scene::finger::FingerLaw;
 use crate::solve::{Grid, Solver};
 use crate::system::direct::Law;
@@ -18,11 +18,7 @@ pub trait Model: Sync {
     ///
     /// # Errors
     /// As [`Solver::run`].
-    fn run(
-        &self,
-        solver: &dyn Solver,
-        step_s: f64,
-    ) -> std::result::Result<Trajectory, DynamicsError>;
+    fn run(&self, solver: &dyn Solver, step_s: f64) -> Result<Trajectory>;
 
     /// The step that the method really takes.
     fn method_step_s(&self, step_s: f64) -> f64 {
@@ -44,11 +40,7 @@ impl Model for System {
         self
     }
 
-    fn run(
-        &self,
-        solver: &dyn Solver,
-        step_s: f64,
-    ) -> std::result::Result<Trajectory, DynamicsError> {
+    fn run(&self, solver: &dyn Solver, step_s: f64) -> Result<Trajectory> {
         solver.run(self, &Grid::filling(self.scene.duration_s, step_s))
     }
 

@@ -48,7 +48,7 @@ impl FeltMotion {
         // An end that is a whole number of steps but for rounding is one.
         let steps = (path.end_s() / STEP_S * (1.0 + 1e-12)) as usize;
         let edges = (0..=steps).map(|i| i as f64 * STEP_S);
-        let impulses: Vec<f64> = Impulse::of(system, run).at(edges.clone()).collect();
+        let impulses = impulses(system, run, edges.clone());
         // The one at 0 is the start of every run, not a jump.
         let events = run.events.iter();
         let jumps = events.filter(|event| event.t_s > 0.0 && event.kind == EventKind::Input);
@@ -87,54 +87,38 @@ impl FeltMotion {
 
 /// Where a run of `true` begins and ends.
 fn spans(free: &[bool]) -> Vec<(usize, usize)> {
-    let mut spans = Vec::new();
-    let mut from = None;
-    for (i, is_free) in free.iter().copied().chain([false]).enumerate() {
-        match (is_free, from) {
-            (true, None) => from = Some(i),
-            (false, Some(start)) => {
-                spans.push((start, i));
-                from = None;
-            }
-            _ => {}
-        }
-    }
-    spans
+    let mut to = 0;
+    let runs = free.chunk_by(|a, b| a == b).map(|run| {
+        let from = to;
+        to += run.len();
+        (run[0], (from, to))
+    });
+    runs.filter_map(|(is_free, span)| is_free.then_some(span)).collect()
 }
 
-/// ∫ F dt of the device's force on the lever's end along a run, N s.
-struct Impulse<'a> {
-    t_s: &'a [f64],
-    force_n: Vec<f64>,
-    /// Up to each sample.
-    sum_ns: Vec<f64>,
-}
-
-impl<'a> Impulse<'a> {
-    fn of(system: &System, run: &'a Trajectory) -> Self {
-        let force_n: Vec<f64> = (0..run.len()).map(|i| run.forces(system, i).device_n()).collect();
-        let mut sum_ns = vec![0.0; run.len()];
-        for i in 1..run.len() {
-            let step_s = run.t_s[i] - run.t_s[i - 1];
-            sum_ns[i] = sum_ns[i - 1] + 0.5 * step_s * (force_n[i - 1] + force_n[i]);
+/// ∫ F dt of the device's force on the lever's end along a run, N s, at increasing times; before
+/// the first sample and after the last as there.
+fn impulses(system: &System, run: &Trajectory, times_s: impl Iterator<Item = f64>) -> Vec<f64> {
+    let t_s = &run.t_s;
+    let force_n: Vec<f64> = (0..run.len()).map(|i| run.forces(system, i).device_n()).collect();
+    // Up to each sample.
+    let mut sum_ns = vec![0.0; run.len()];
+    for i in 1..run.len() {
+        let step_s = t_s[i] - t_s[i - 1];
+        sum_ns[i] = sum_ns[i - 1] + 0.5 * step_s * (force_n[i - 1] + force_n[i]);
+    }
+    let mut i = 0;
+    let at = |t: f64| {
+        while i + 2 < t_s.len() && t_s[i + 1] < t {
+            i += 1;
         }
-        Self { t_s: &run.t_s, force_n, sum_ns }
-    }
-
-    /// At increasing times; before the first sample and after the last as there.
-    fn at(&self, times_s: impl Iterator<Item = f64>) -> impl Iterator<Item = f64> {
-        let mut i = 0;
-        times_s.map(move |t| {
-            while i + 2 < self.t_s.len() && self.t_s[i + 1] < t {
-                i += 1;
-            }
-            let Some(next_s) = self.t_s.get(i + 1) else { return 0.0 };
-            let step_s = next_s - self.t_s[i];
-            let s = (t - self.t_s[i]).clamp(0.0, step_s);
-            let rate = (self.force_n[i + 1] - self.force_n[i]) / step_s;
-            self.sum_ns[i] + s * (self.force_n[i] + 0.5 * rate * s)
-        })
-    }
+        let Some(next_s) = t_s.get(i + 1) else { return 0.0 };
+        let step_s = next_s - t_s[i];
+        let s = (t - t_s[i]).clamp(0.0, step_s);
+        let rate = (force_n[i + 1] - force_n[i]) / step_s;
+        sum_ns[i] + s * (force_n[i] + 0.5 * rate * s)
+    };
+    times_s.map(at).collect()
 }
 
 /// A motion that others are compared with, made ready once.
@@ -240,10 +224,6 @@ impl FeltReference {
 
     /// How far another motion of the same length is from this one.
     pub fn compare(&self, motion: &FeltMotion) -> FeltDifference {
-        self.vibration(motion, self.slow(motion))
-    }
-
-    fn slow(&self, motion: &FeltMotion) -> FeltDifference {
         let right = &self.slow;
         let slow = Slow::of(motion);
         let mut worst = FeltDifference::default();
@@ -260,10 +240,6 @@ impl FeltReference {
             let apart_rad = (theta_rad - right.theta_rad[i]).abs();
             worst.angle_share = worst.angle_share.max(apart_rad / self.perception.angle_rad);
         }
-        worst
-    }
-
-    fn vibration(&self, motion: &FeltMotion, mut worst: FeltDifference) -> FeltDifference {
         for band in &self.bands {
             let least_m = self.threshold.at_m(band.centre_hz);
             for &(from, right_m) in &band.windows {

@@ -3,7 +3,7 @@
 use super::model::Model;
 use super::path::Path;
 use super::run_verdict::RunVerdict;
-use super::swings::{FEW, Swing, Swings, existing};
+use super::swings::{FEW, Swing, existing};
 use crate::solve::Solver;
 use crate::solve::adaptive::Tolerances;
 use crate::solve::dormand_prince::DormandPrince;
@@ -90,8 +90,7 @@ impl KnownMotion {
         const AGREE: f64 = 0.05;
         let tolerances =
             |tolerance| Tolerances { most_steps: MOST_STEPS, ..Tolerances::of(tolerance) };
-        let [coarse, fine] =
-            DORMAND_PRINCE.map(|tolerance| DormandPrince { tolerances: tolerances(tolerance) });
+        let [coarse, fine] = DORMAND_PRINCE.map(|t| DormandPrince { tolerances: tolerances(t) });
         let [coarse_2, fine_2] = TR_BDF2.map(|t| TrBdf2 { tolerances: tolerances(t) });
         let first = Self::by_halving(model, step_s, &coarse, &fine)?;
         let second = Self::by_halving(model, step_s, &coarse_2, &fine_2)?;
@@ -114,11 +113,6 @@ impl KnownMotion {
         let path = Path::of(&run);
         let error_rad = path.distance_rad(&coarse_path).max(EXACT * path.largest_rad());
         Some(Self::new(model, &run, path, error_rad, fine.name()))
-    }
-
-    /// The swings in numbers.
-    pub(super) fn summary(&self) -> Swings {
-        Swings::of(&self.swings)
     }
 }
 

@@ -5,8 +5,9 @@ use serde::Serialize;
 use super::model::Model;
 use crate::error::{DynamicsError, Result, finite, not_negative, positive};
 use crate::scene::ModelScene;
+use crate::scene::parameter::Parameter;
 use crate::scene::plant::{Plant, Start};
-use crate::scene::terms::{Affine, Parameter, Term};
+use crate::scene::terms::{Affine, Term};
 use crate::solve::{Grid, Solver};
 use crate::system::transition::EventKind;
 use crate::system::{OMEGA, System, THETA};
@@ -66,26 +67,15 @@ impl SampledLoop {
     ///
     /// # Errors
     /// A parameter that makes no sense; a finger or a lag, whose states a tick would lose.
-    pub fn new(
-        scene: ModelScene,
-        controller: Controller,
-    ) -> std::result::Result<Self, DynamicsError> {
+    pub fn new(scene: ModelScene, controller: Controller) -> Result<Self> {
         controller.check()?;
         let lags = scene.motor.lag_s.is_some() || scene.brake.lag_on_off_s.is_some();
         if lags || scene.finger.is_some() {
-            return Err(DynamicsError::Combination {
-                what: "a sampled loop goes on from tick to tick with θ and θ̇ alone",
-                remedy: "leave out finger and lags",
-            });
+            let what = "a sampled loop goes on from tick to tick with θ and θ̇ alone";
+            let remedy = "leave out finger and lags";
+            return Err(DynamicsError::Combination { what, remedy });
         }
         Ok(Self { plant: System::new(held(scene, 0.0))?, controller })
-    }
-
-    /// The scene under a force that is held, from a state on.
-    fn tick(&self, start: Start, force_n: f64) -> Result<System> {
-        let mut scene = held(self.plant.scene.clone(), force_n);
-        scene.start = start;
-        System::new(scene)
     }
 }
 
@@ -94,29 +84,19 @@ impl Model for SampledLoop {
         &self.plant
     }
 
-    fn run(
-        &self,
-        solver: &dyn Solver,
-        step_s: f64,
-    ) -> std::result::Result<Trajectory, DynamicsError> {
-        positive("grid.step_s", step_s)?;
+    fn run(&self, solver: &dyn Solver, step_s: f64) -> Result<Trajectory> {
         let Controller { period_s, delay_ticks, .. } = self.controller;
         let ticks = Grid::filling(self.plant.scene.duration_s, period_s);
-        let mut start = self.plant.scene.start;
-        let mut before = start.theta_rad;
+        let ticks_s: Vec<f64> = (0..ticks.samples()).map(|k| ticks.time(k)).collect();
+        let mut before = self.plant.scene.start.theta_rad;
         let mut commands: Vec<f64> = Vec::with_capacity(ticks.samples());
-        let mut out = Trajectory::new(self.plant.layout, ticks.samples());
-        for k in 0..ticks.samples() - 1 {
+        tick_by_tick(&self.plant, &ticks_s, (solver, step_s), |k, start| {
             commands.push(self.controller.force_n(start.theta_rad, before));
             before = start.theta_rad;
+            // The scene under a force that is held, from a state on.
             let force_n = k.checked_sub(delay_ticks).map_or(0.0, |at| commands[at]);
-            let times = inside(ticks.time(k), ticks.time(k + 1), step_s);
-            let run = solver.run(&self.tick(start, force_n)?, &Grid::Times(times))?;
-            let last = run.state(run.len() - 1);
-            start = Start { theta_rad: last[THETA], theta_dot_rad_s: last[OMEGA] };
-            append(&mut out, &run, k + 2 == ticks.samples());
-        }
-        Ok(out)
+            System::new(ModelScene { start, ..held(self.plant.scene.clone(), force_n) })
+        })
     }
 
     fn method_step_s(&self, step_s: f64) -> f64 {
@@ -129,18 +109,33 @@ impl Model for SampledLoop {
     }
 }
 
-/// Steps of `step_s` from one time to another, the last one shorter where it must be.
-pub(super) fn inside(from_s: f64, to_s: f64, step_s: f64) -> Vec<f64> {
-    let steps = Grid::filling(to_s - from_s, step_s);
-    let mut times: Vec<f64> = (0..steps.samples()).map(|i| from_s + steps.time(i)).collect();
-    // The next tick itself, which a sum of steps may miss by its rounding.
-    times.pop();
-    times.push(to_s);
-    times
+/// Moves a plant from tick to tick, each by the system that `tick` makes of its number and of the
+/// state there, with steps of `step_s`, the last one before a tick shorter where it must be.
+pub(super) fn tick_by_tick(
+    plant: &System,
+    ticks_s: &[f64],
+    (solver, step_s): (&dyn Solver, f64),
+    mut tick: impl FnMut(usize, Start) -> Result<System>,
+) -> Result<Trajectory> {
+    positive("grid.step_s", step_s)?;
+    let mut start = plant.scene.start;
+    let mut out = Trajectory::new(plant.layout, ticks_s.len());
+    for (k, pair) in ticks_s.windows(2).enumerate() {
+        let steps = Grid::filling(pair[1] - pair[0], step_s);
+        let mut times: Vec<f64> = (0..steps.samples()).map(|i| pair[0] + steps.time(i)).collect();
+        // The next tick itself, which a sum of steps may miss by its rounding.
+        times.pop();
+        times.push(pair[1]);
+        let run = solver.run(&tick(k, start)?, &Grid::Times(times))?;
+        let last = run.state(run.len() - 1);
+        start = Start { theta_rad: last[THETA], theta_dot_rad_s: last[OMEGA] };
+        append(&mut out, &run, k + 2 == ticks_s.len());
+    }
+    Ok(out)
 }
 
 /// Adds the run of a tick, whose last sample is the next one's first.
-pub(super) fn append(out: &mut Trajectory, run: &Trajectory, whole: bool) {
+fn append(out: &mut Trajectory, run: &Trajectory, whole: bool) {
     let samples = run.len() - usize::from(!whole);
     for i in 0..samples {
         let number = out.region_number(&run.regions[usize::from(run.region[i])]);

@@ -257,6 +257,17 @@ fn a_hanging_pendulum_with_a_step_beyond_the_limit_is_an_unstable_step() {
     }
 }
 
+/// 5 kN/rad at 8.3 ms.
+const CONTROLLER: Controller = Controller {
+    period_s: 8.3e-3,
+    stiffness_n_per_rad: 5000.0,
+    damping_ns_per_rad: 0.0,
+    rest_rad: 0.0,
+    one_sided: false,
+    delay_ticks: 0,
+    max_n: 1e9,
+};
+
 /// A wall of 5 kN/rad on a free mass, sampled at 8.3 ms.
 fn wall() -> SampledLoop {
     let mut scene = table3::scene(DriveMode::Active, Input::constant(0.0));
@@ -265,16 +276,7 @@ fn wall() -> SampledLoop {
     scene.plant.mass_kg = 1.0;
     scene.start = Start { theta_rad: 0.1, theta_dot_rad_s: 0.0 };
     scene.duration_s = 0.083;
-    let controller = Controller {
-        period_s: 8.3e-3,
-        stiffness_n_per_rad: 5000.0,
-        damping_ns_per_rad: 0.0,
-        rest_rad: 0.0,
-        one_sided: false,
-        delay_ticks: 0,
-        max_n: 1e9,
-    };
-    SampledLoop::new(scene, controller).unwrap()
+    SampledLoop::new(scene, CONTROLLER).unwrap()
 }
 
 #[test]
@@ -299,19 +301,10 @@ fn the_controllers_period_stays_what_it_is_whatever_the_step() {
 fn a_sampled_loop_refuses_what_a_tick_would_lose() {
     let mut scene = table3::scene(DriveMode::Active, Input::constant(0.0));
     scene.motor.lag_s = Some(0.001);
-    let controller = Controller {
-        period_s: 8.3e-3,
-        stiffness_n_per_rad: 1.0,
-        damping_ns_per_rad: 0.0,
-        rest_rad: 0.0,
-        one_sided: true,
-        delay_ticks: 0,
-        max_n: 1.0,
-    };
-    let refused = SampledLoop::new(scene.clone(), controller);
+    let refused = SampledLoop::new(scene.clone(), CONTROLLER);
     assert!(matches!(refused, Err(DynamicsError::Combination { .. })), "{refused:?}");
     scene.motor.lag_s = None;
-    let error = SampledLoop::new(scene, Controller { period_s: 0.0, ..controller }).unwrap_err();
+    let error = SampledLoop::new(scene, Controller { period_s: 0.0, ..CONTROLLER }).unwrap_err();
     assert!(error.to_string().starts_with("controller.period_s is 0"), "{error}");
 }
 

@@ -2,14 +2,14 @@
 //! that any solver can move from tick to tick.
 
 use super::model::Model;
-use super::sampled::{append, held, inside};
-use crate::error::{DynamicsError, Result, check, positive};
+use super::sampled::{held, tick_by_tick};
+use crate::error::{DynamicsError, Result, check};
 use crate::scene::ModelScene;
 use crate::scene::friction::Friction;
 use crate::scene::input::Input;
 use crate::scene::plant::Start;
 use crate::solve::{Grid, Solver};
-use crate::system::{OMEGA, System, THETA};
+use crate::system::System;
 use crate::trajectory::Trajectory;
 
 /// What acts on the lever's end from one tick to the next, N.
@@ -51,13 +51,12 @@ impl<C: TickController> TickedLoop<C> {
         scene: ModelScene,
         (ticks_s, force_n): (Vec<f64>, Vec<f64>),
         controller: C,
-    ) -> std::result::Result<Self, DynamicsError> {
+    ) -> Result<Self> {
         let lags = scene.motor.lag_s.is_some() || scene.brake.lag_on_off_s.is_some();
         if lags || scene.finger.is_some() || scene.terms.input().is_some() {
-            return Err(DynamicsError::Combination {
-                what: "a ticked loop goes on from tick to tick with θ and θ̇ alone",
-                remedy: "leave out finger, lags and moved springs",
-            });
+            let what = "a ticked loop goes on from tick to tick with θ and θ̇ alone";
+            let remedy = "leave out finger, lags and moved springs";
+            return Err(DynamicsError::Combination { what, remedy });
         }
         check("ticks", ticks_s.len() as f64, ticks_s.len() > 1, "at least 2")?;
         let same = ticks_s.len() == force_n.len();
@@ -100,24 +99,11 @@ impl<C: TickController> Model for TickedLoop<C> {
         &self.plant
     }
 
-    fn run(
-        &self,
-        solver: &dyn Solver,
-        step_s: f64,
-    ) -> std::result::Result<Trajectory, DynamicsError> {
-        positive("grid.step_s", step_s)?;
+    fn run(&self, solver: &dyn Solver, step_s: f64) -> Result<Trajectory> {
         let mut controller = self.controller.clone();
-        let mut start = self.plant.scene.start;
-        let mut out = Trajectory::new(self.plant.layout, self.ticks_s.len());
-        for (k, pair) in self.ticks_s.windows(2).enumerate() {
-            let forces = controller.tick(k, start.theta_rad);
-            let times = inside(pair[0], pair[1], step_s);
-            let run = solver.run(&self.tick(k, start, forces)?, &Grid::Times(times))?;
-            let last = run.state(run.len() - 1);
-            start = Start { theta_rad: last[THETA], theta_dot_rad_s: last[OMEGA] };
-            append(&mut out, &run, k + 2 == self.ticks_s.len());
-        }
-        Ok(out)
+        tick_by_tick(&self.plant, &self.ticks_s, (solver, step_s), |k, start| {
+            self.tick(k, start, controller.tick(k, start.theta_rad))
+        })
     }
 
     fn method_step_s(&self, step_s: f64) -> f64 {

@@ -6,17 +6,12 @@
 
 use super::plant::{U, X, flow};
 use super::{MOST_DELAY, SampledWall};
-use crate::error::{DynamicsError, LARGEST};
+use crate::error::{LARGEST, Result};
 use zwidth_numerics::expm::{Matrix, spectral_radius};
 
 /// Most entries of a lifted state: the plant's five, two of the velocity, the commands on their
 /// way.
 const MOST: usize = 5 + 2 + MOST_DELAY + 1;
-
-/// A lifted map of as many entries as are needed.
-struct Lifted {
-    rows: Vec<Vec<f64>>,
-}
 
 /// Where each part of a lifted state begins.
 struct Places {
@@ -45,7 +40,16 @@ impl SampledWall {
     /// ρ(A) of the lifted map, to about 1e-9 of itself; stable if below 1. The wall must have been
     /// checked.
     pub fn spectral_radius(&self) -> f64 {
-        Lifted::of(self).radius()
+        let rows = self.lifted();
+        // A few lengths that others are filled up to: each is compiled on its own.
+        match rows.len() {
+            0..=3 => radius::<3>(&rows),
+            4 => radius::<4>(&rows),
+            5..=6 => radius::<6>(&rows),
+            7..=8 => radius::<8>(&rows),
+            9..=14 => radius::<14>(&rows),
+            _ => radius::<MOST>(&rows),
+        }
     }
 
     /// The stiffness K, N/m, up to which from 0 on the loop is stable, to 1e-10 of itself; 0 if it
@@ -53,7 +57,7 @@ impl SampledWall {
     ///
     /// # Errors
     /// A parameter that makes no sense.
-    pub fn stiffest_stable(&self) -> std::result::Result<Option<f64>, DynamicsError> {
+    pub fn stiffest_stable(&self) -> Result<Option<f64>> {
         self.check()?;
         Ok(stiffest(*self, 1e-10, |wall| wall.spectral_radius() < 1.0))
     }
@@ -73,16 +77,15 @@ impl SampledWall {
         }
         row
     }
-}
 
-impl Lifted {
-    fn of(wall: &SampledWall) -> Self {
-        let places = Places::of(wall);
-        let command = wall.command(&places);
-        let (whole, rest_s) = wall.delay();
-        let plant = wall.plant();
+    /// The rows of A, of as many entries as are needed.
+    fn lifted(&self) -> Vec<Vec<f64>> {
+        let places = Places::of(self);
+        let command = self.command(&places);
+        let (whole, rest_s) = self.delay();
+        let plant = self.plant();
         let n = places.entries;
-        let late = flow(plant, wall.period_s - rest_s);
+        let late = flow(plant, self.period_s - rest_s);
         let early = flow(plant, rest_s);
         let whole_flow = late.product(&early);
         let mut rows = vec![vec![0.0; n]; n];
@@ -108,47 +111,31 @@ impl Lifted {
                 rows[i][j] += whole_flow.at(*row, *column);
             }
         }
-        remember(&mut rows, wall, &places, &command);
-        Self { rows }
-    }
-
-    fn radius(&self) -> f64 {
-        // A few lengths that others are filled up to: each is compiled on its own.
-        match self.rows.len() {
-            0..=3 => self.radius_of::<3>(),
-            4 => self.radius_of::<4>(),
-            5..=6 => self.radius_of::<6>(),
-            7..=8 => self.radius_of::<8>(),
-            9..=14 => self.radius_of::<14>(),
-            _ => self.radius_of::<MOST>(),
+        // What the controller takes along to the next tick.
+        if places.filtered > places.before {
+            rows[places.before][X] = 1.0;
         }
-    }
-
-    fn radius_of<const N: usize>(&self) -> f64 {
-        // Rows and columns of zeros beyond the map's own add eigenvalues of 0 alone.
-        spectral_radius(&Matrix::<N>::from_fn(|i, j| {
-            self.rows.get(i).and_then(|row| row.get(j)).copied().unwrap_or(0.0)
-        }))
+        if places.waiting > places.filtered {
+            let alpha = self.filter();
+            let now = (1.0 - alpha) / self.period_s;
+            (rows[places.filtered][X], rows[places.filtered][places.before]) = (now, -now);
+            rows[places.filtered][places.filtered] = alpha;
+        }
+        if places.entries > places.waiting {
+            rows[places.waiting].copy_from_slice(&command);
+        }
+        for i in places.waiting + 1..places.entries {
+            rows[i][i - 1] = 1.0;
+        }
+        rows
     }
 }
 
-/// The rows of what the controller takes along to the next tick.
-fn remember(rows: &mut [Vec<f64>], wall: &SampledWall, places: &Places, command: &[f64]) {
-    let alpha = wall.filter();
-    if places.filtered > places.before {
-        rows[places.before][X] = 1.0;
-    }
-    if places.waiting > places.filtered {
-        let now = (1.0 - alpha) / wall.period_s;
-        (rows[places.filtered][X], rows[places.filtered][places.before]) = (now, -now);
-        rows[places.filtered][places.filtered] = alpha;
-    }
-    if places.entries > places.waiting {
-        rows[places.waiting].copy_from_slice(command);
-    }
-    for i in places.waiting + 1..places.entries {
-        rows[i][i - 1] = 1.0;
-    }
+fn radius<const N: usize>(rows: &[Vec<f64>]) -> f64 {
+    // Rows and columns of zeros beyond the map's own add eigenvalues of 0 alone.
+    spectral_radius(&Matrix::<N>::from_fn(|i, j| {
+        rows.get(i).and_then(|row| row.get(j)).copied().unwrap_or(0.0)
+    }))
 }
 
 /// The stiffness up to which from 0 on something holds, to a share of itself: raised from a soft

@@ -3,7 +3,7 @@
 
 use super::SampledWall;
 use super::lifted::stiffest;
-use crate::error::DynamicsError;
+use crate::error::Result;
 use crate::scene::ModelScene;
 use crate::scene::actuators::{Brake, BrakeLaw, DriveMode, Motor};
 use crate::scene::environment::Environment;
@@ -24,11 +24,7 @@ impl SampledWall {
     ///
     /// # Errors
     /// A parameter that makes no sense, or a run that fails.
-    pub fn stiffest_measured(
-        &self,
-        ticks: usize,
-        share: f64,
-    ) -> std::result::Result<Option<f64>, DynamicsError> {
+    pub fn stiffest_measured(&self, ticks: usize, share: f64) -> Result<Option<f64>> {
         // One tick shows what is wrong with the wall itself, which below would pass for growth.
         self.simulated_growth(1)?;
         // A run that fails does so because it grew beyond all bounds.
@@ -43,9 +39,31 @@ impl SampledWall {
     ///
     /// # Errors
     /// A parameter that makes no sense, or a run that fails.
-    pub fn simulated_growth(&self, ticks: usize) -> std::result::Result<f64, DynamicsError> {
+    pub fn simulated_growth(&self, ticks: usize) -> Result<f64> {
+        /// Times the start: a swing that has grown so far grows for ever.
+        const FAR: f64 = 1e6;
         self.check()?;
-        self.swings(&HeldScene::new(&self.scene(), 1.0)?, ticks)
+        let scene = HeldScene::new(&self.scene(), 1.0)?;
+        let mut run = scene.start(self.period_s)?;
+        let mut loops = Loop::new(self, START_M);
+        let mut middle = 0.0_f64;
+        let mut last = 0.0_f64;
+        for k in 0..ticks {
+            let x = run.theta_rad();
+            if x.abs() > FAR * START_M {
+                return Ok(f64::INFINITY);
+            }
+            if 3 * k >= ticks && 2 * k < ticks {
+                middle = middle.max(x.abs());
+            } else if 6 * k >= 5 * ticks {
+                last = last.max(x.abs());
+            }
+            let force_n = loops.demand_n(x);
+            loops.later.push_back(HeldCommand { by_motor: true, force_n });
+            loops.go_on(&mut run, k)?;
+        }
+        // Swings that have died out in the middle are no divisor.
+        Ok(last / middle.max(START_M / FAR / FAR))
     }
 
     /// The lever alone, its finger and the motor's lag; nothing commanded.
@@ -83,29 +101,6 @@ impl SampledWall {
             terms: Terms::default(),
         }
     }
-
-    fn swings(&self, scene: &HeldScene, ticks: usize) -> Result<f64, DynamicsError> {
-        /// Times the start: a swing that has grown so far grows for ever.
-        const FAR: f64 = 1e6;
-        let mut run = scene.start(self.period_s)?;
-        let mut loops = Loop::new(self, START_M);
-        let mut middle = 0.0_f64;
-        let mut last = 0.0_f64;
-        for k in 0..ticks {
-            let x = run.theta_rad();
-            if x.abs() > FAR * START_M {
-                return Ok(f64::INFINITY);
-            }
-            if 3 * k >= ticks && 2 * k < ticks {
-                middle = middle.max(x.abs());
-            } else if 6 * k >= 5 * ticks {
-                last = last.max(x.abs());
-            }
-            loops.tick(&mut run, k)?;
-        }
-        // Swings that have died out in the middle are no divisor.
-        Ok(last / middle.max(START_M / FAR / FAR))
-    }
 }
 
 /// The controller, and the commands that have not acted yet.
@@ -124,16 +119,8 @@ impl<'a> Loop<'a> {
         Self { wall, before_m: x_m, filtered_m_s: 0.0, later }
     }
 
-    /// Measures, takes the new command in, holds the one that is due, and moves the lever by a
-    /// period.
-    fn tick(&mut self, run: &mut HeldRun<'_>, k: usize) -> Result<(), DynamicsError> {
-        let force_n = self.demand_n(run.theta_rad());
-        self.later.push_back(HeldCommand { by_motor: true, force_n });
-        self.go_on(run, k)
-    }
-
     /// Holds what is due in tick `k` when it is, and moves the lever to the tick's end.
-    pub(super) fn go_on(&mut self, run: &mut HeldRun<'_>, k: usize) -> Result<(), DynamicsError> {
+    pub(super) fn go_on(&mut self, run: &mut HeldRun<'_>, k: usize) -> Result<()> {
         let period_s = self.wall.period_s;
         let rest_s = self.wall.delay().1;
         if rest_s > 0.0 {

@@ -27,7 +27,7 @@ mod textbook;
 pub use pushed::{Pushed, PushedWall};
 pub use textbook::{DryLimits, Textbook};
 
-use crate::error::{DynamicsError, Result, finite, not_negative, positive};
+use crate::error::{Result, finite, not_negative, positive};
 
 /// Most whole periods of delay.
 pub(crate) const MOST_DELAY: usize = 25;
@@ -95,7 +95,7 @@ impl SampledWall {
     ///
     /// # Errors
     /// The first that makes no sense, by name and value; a delay of more than 25 periods.
-    pub fn check(&self) -> std::result::Result<(), DynamicsError> {
+    pub fn check(&self) -> Result<()> {
         positive("mass_kg", self.mass_kg)?;
         not_negative("damping_ns_per_m", self.damping_ns_per_m)?;
         positive("period_s", self.period_s)?;

@@ -9,13 +9,12 @@
 use super::SampledWall;
 use super::lifted::stiffest;
 use super::measured::Loop;
-use crate::error::{DynamicsError, finite, not_negative, positive};
+use crate::error::{Result, finite, not_negative, positive};
 use crate::scene::ModelScene;
 use crate::scene::actuators::DriveMode;
 use crate::scene::friction::Friction;
 use crate::scene::plant::Start;
 use crate::solve::exact::held::{HeldCommand, HeldScene};
-use std::f64::consts::PI;
 
 /// A device with a wall, and a push against it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -62,7 +61,7 @@ impl PushedWall {
     ///
     /// # Errors
     /// The first that makes no sense, by name and value.
-    pub fn check(&self) -> std::result::Result<(), DynamicsError> {
+    pub fn check(&self) -> Result<()> {
         self.wall.check()?;
         not_negative("kinetic_n", self.kinetic_n)?;
         not_negative("static_n", self.static_n)?;
@@ -77,7 +76,7 @@ impl PushedWall {
     ///
     /// # Errors
     /// A parameter that makes no sense, or a run that fails.
-    pub fn push(&self, ticks: usize) -> std::result::Result<Pushed, DynamicsError> {
+    pub fn push(&self, ticks: usize) -> Result<Pushed> {
         self.check()?;
         let scene = HeldScene::new(&self.scene(), 1.0)?;
         let mut run = scene.start(self.wall.period_s)?;
@@ -107,28 +106,11 @@ impl PushedWall {
     ///
     /// # Errors
     /// A parameter that makes no sense.
-    pub fn stiffest(
-        &self,
-        ticks: usize,
-        share: f64,
-    ) -> std::result::Result<Option<f64>, DynamicsError> {
+    pub fn stiffest(&self, ticks: usize, share: f64) -> Result<Option<f64>> {
         self.check()?;
         Ok(stiffest(self.wall, share, |wall| {
             Self { wall: *wall, ..*self }.push(ticks).is_ok_and(|pushed| !pushed.goes_on)
         }))
-    }
-
-    /// The same by the describing function of friction: K T/2 = b + 4 F_c/(π ω A), ω² = K/m, for a
-    /// spring (B = 0) without delay; good to some tenths.
-    pub fn by_describing_function(&self) -> f64 {
-        const ROUNDS: u32 = 200;
-        let (wall, half_s) = (&self.wall, 0.5 * self.wall.period_s);
-        // The right side falls as K rises: the mean of both sides closes in.
-        (0..ROUNDS).fold(1.0 / half_s, |k, _| {
-            let omega = (k / wall.mass_kg).sqrt();
-            let friction = 4.0 * self.kinetic_n / (PI * omega * self.push_m);
-            0.5 * (k + (wall.damping_ns_per_m + friction) / half_s)
-        })
     }
 
     /// A position as the angle's counts show it.

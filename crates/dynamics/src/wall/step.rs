@@ -13,10 +13,6 @@ impl SampledWall {
     /// as a model has it that knows no controller: u = K x + B ẋ at every instant. Unstable above 1
     /// (rounding: 1e-6); none for methods without a limit.
     pub fn step_growth(&self, solver: &dyn Solver, step_s: f64) -> Option<f64> {
-        Growth::of(solver, &self.continuous(), step_s).map(Growth::excess)
-    }
-
-    fn continuous(&self) -> LinearPart {
         let plant = self.plant();
         let kept = ENTRIES - 1;
         let stiffness = self.stiffness_n_per_m;
@@ -29,6 +25,6 @@ impl SampledWall {
         });
         let velocities = std::array::from_fn(|i| i < kept && i != X && i != X2);
         debug_assert!(velocities[V] && velocities[V2]);
-        LinearPart { a, velocities }
+        Growth::of(solver, &LinearPart { a, velocities }, step_s).map(Growth::excess)
     }
 }

@@ -29,16 +29,6 @@ impl Textbook {
     pub const ALL: [Self; 4] =
         [Self::ColgateSchenkel, Self::Delay, Self::AbbottOkamura, Self::Diolaiti];
 
-    /// Its word in tables.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::ColgateSchenkel => "colgate_schenkel",
-            Self::Delay => "delay",
-            Self::AbbottOkamura => "abbott_okamura",
-            Self::Diolaiti => "diolaiti",
-        }
-    }
-
     /// The formula as text.
     pub fn formula(self) -> &'static str {
         match self {

@@ -24,7 +24,7 @@ pub(super) struct Batch<'a> {
 #[derive(Debug)]
 pub(super) struct Room {
     /// Bytes to unpack.
-    packed: Cell<u64>,
+    packed: Cell<usize>,
     /// Bytes of texts.
     text: Cell<usize>,
     /// Words of dictionaries.
@@ -37,34 +37,34 @@ impl Room {
         Self { packed, text: Cell::new(MOST_TEXT), words: Cell::new(MOST_WHOLE_ROWS) }
     }
 
-    fn unpack(&self, bytes: u64) -> Result<(), String> {
-        let left = self.packed.get().checked_sub(bytes);
-        self.packed.set(left.ok_or_else(|| {
+    fn unpack(&self, bytes: usize) -> Result<(), String> {
+        spend(&self.packed, bytes, || {
             format!("its mapped columns unpack to more than {MOST_PACKED} bytes")
-        })?);
-        Ok(())
+        })
     }
 
     /// Takes room for a text.
     pub(super) fn text(&self, text: Option<&str>) -> Result<(), String> {
-        let left = self.text.get().checked_sub(text.map_or(0, str::len));
-        self.text.set(left.ok_or_else(|| {
+        spend(&self.text, text.map_or(0, str::len), || {
             format!("the texts in mapped columns have more than {MOST_TEXT} bytes")
-        })?);
-        Ok(())
+        })
     }
 
     /// Takes room for a word.
     pub(super) fn word(&self, word: Option<&str>) -> Result<(), String> {
-        let left = self.words.get().checked_sub(1);
-        self.words.set(left.ok_or_else(|| format!("it has more than {MOST_WHOLE_ROWS} words"))?);
+        spend(&self.words, 1, || format!("it has more than {MOST_WHOLE_ROWS} words"))?;
         self.text(word)
     }
 }
 
+fn spend(left: &Cell<usize>, n: usize, why: impl FnOnce() -> String) -> Result<(), String> {
+    left.set(left.get().checked_sub(n).ok_or_else(why)?);
+    Ok(())
+}
+
 /// Bytes that the mapped columns unpack to, over all batches (1 GiB); of them one column of one
 /// batch is held at a time.
-const MOST_PACKED: u64 = 1 << 30;
+const MOST_PACKED: usize = 1 << 30;
 
 /// A batch of rows of a file.
 pub(super) fn batch_of<'a>(
@@ -158,22 +158,23 @@ impl<'a> Batch<'a> {
         // What would not have become smaller stands as it is.
         let claimed = match i64::from_le_bytes(*claimed) {
             -1 => return Ok(Cow::Borrowed(packed)),
-            claimed => u64::try_from(claimed).map_err(|_| COLUMN_CUT)?,
+            claimed => usize::try_from(claimed).map_err(|_| COLUMN_CUT)?,
         };
         // A packed column may unpack to anything: the claim is taken from the room before memory is taken.
-        let wanted = claimed.min(most as u64);
+        let wanted = claimed.min(most);
         self.room.unpack(wanted)?;
+        let room = wanted as u64;
         let mut unpacked = Vec::new();
         let read = match codec {
             CompressionType::LZ4_FRAME => {
-                lz4_flex::frame::FrameDecoder::new(packed).take(wanted).read_to_end(&mut unpacked)
+                lz4_flex::frame::FrameDecoder::new(packed).take(room).read_to_end(&mut unpacked)
             }
             CompressionType::ZSTD => zstd::stream::read::Decoder::with_buffer(packed)
-                .and_then(|decoder| decoder.take(wanted).read_to_end(&mut unpacked)),
+                .and_then(|decoder| decoder.take(room).read_to_end(&mut unpacked)),
             _ => return Err("its columns are packed in a way that is not known".to_owned()),
         };
         let read = read.map_err(|e| format!("a column cannot be unpacked ({e})"))?;
-        if read as u64 == wanted { Ok(Cow::Owned(unpacked)) } else { Err(COLUMN_CUT.to_owned()) }
+        if read == wanted { Ok(Cow::Owned(unpacked)) } else { Err(COLUMN_CUT.to_owned()) }
     }
 
     /// The number of runs of text that the `number`th column of views has.
@@ -184,25 +185,17 @@ impl<'a> Batch<'a> {
     }
 }
 
-/// Where a column begins in a batch.
+/// The runs of bytes that a column takes in each batch, or those that lie before it.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Place {
-    /// Runs of bytes before it, and columns of views.
+pub(super) struct Runs {
     pub(super) buffers: usize,
+    /// Columns of views, each with more runs.
     pub(super) views: usize,
 }
 
-/// The runs that a column takes in each batch.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(super) struct Layout {
-    buffers: usize,
-    /// Columns of views in it, each with more runs.
-    views: usize,
-}
-
-impl Place {
-    /// Where the next column begins.
-    pub(super) fn after(self, layout: &Layout, batch: &Batch) -> Result<Self, String> {
+impl Runs {
+    /// The runs before the next column.
+    pub(super) fn after(self, layout: &Self, batch: &Batch) -> Result<Self, String> {
         let mut buffers = self.buffers + layout.buffers;
         for view in self.views..self.views + layout.views {
             buffers += batch.views(view)?;
@@ -212,10 +205,10 @@ impl Place {
 }
 
 /// The layout of a column: its own runs, and those of its children.
-pub(super) fn layout(field: &Field) -> Layout {
+pub(super) fn layout(field: &Field) -> Runs {
     // Such a column holds the numbers of words: two runs, whatever the words are.
     if field.dictionary().is_some() {
-        return Layout { buffers: 2, views: 0 };
+        return Runs { buffers: 2, views: 0 };
     }
     let buffers = match field.type_type() {
         Type::Null | Type::RunEndEncoded => 0,
@@ -230,7 +223,7 @@ pub(super) fn layout(field: &Field) -> Layout {
     };
     let views = usize::from(matches!(field.type_type(), Type::Utf8View | Type::BinaryView));
     let children = field.children().into_iter().flatten().map(|child| layout(&child));
-    children.fold(Layout { buffers, views }, |sum, child| Layout {
+    children.fold(Runs { buffers, views }, |sum, child| Runs {
         buffers: sum.buffers + child.buffers,
         views: sum.views + child.views,
     })

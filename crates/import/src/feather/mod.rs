@@ -10,16 +10,14 @@ mod batch;
 pub(super) mod tests;
 mod values;
 
-use super::limits::{
-    MOST_COLUMNS, MOST_WHOLE_ROWS, Take, check_columns, check_name, too_many_rows, too_much,
-};
+use super::limits::{MOST_WHOLE_ROWS, Take, check_columns, check_name, more_rows};
 use super::spelling::shown;
-use super::table::{Cells, Declared, Table};
+use super::table::{Built, Cells, Declared, Table};
 use arrow_ipc::{Block, Endianness, Field, Footer, root_as_footer};
-use batch::{Batch, Dictionary, Layout, Room, batch_of, dictionary_of};
+use batch::{Dictionary, Room, Runs, batch_of, dictionary_of};
 use std::collections::BTreeMap;
 use std::path::Path;
-use values::{Growing, Kind, Words};
+use values::{Kind, Text, Words};
 use zwidth_store::StoreError;
 
 const MAGIC: &[u8] = b"ARROW1";
@@ -30,7 +28,8 @@ const MOST_BATCHES: usize = 1 << 14;
 /// Reads the columns that are taken.
 pub(super) fn read(path: &Path, bytes: &[u8], take: &Take) -> Result<Table, StoreError> {
     check_magic(path, bytes)?;
-    let footer = footer(bytes).map_err(|why| unreadable(path, &why))?;
+    let damaged = |why: String| unreadable(path, &why);
+    let footer = footer(bytes).map_err(damaged)?;
     let schema = footer.schema().ok_or_else(|| unreadable(path, "it names no columns"))?;
     if schema.endianness() != Endianness::Little {
         return Err(unreadable(path, "its numbers are big-endian"));
@@ -41,64 +40,43 @@ pub(super) fn read(path: &Path, bytes: &[u8], take: &Take) -> Result<Table, Stor
         fields.iter().map(|f| f.name().unwrap_or_default().to_owned()).collect();
     names.iter().try_for_each(|name| check_name(path, name))?;
     let kinds: Vec<Result<Kind, String>> = fields.iter().map(values::kind).collect();
-    let taken: Vec<usize> = (0..fields.len())
-        .filter(|place| kinds[*place].is_ok() && take.wants(*place, Some(&names[*place])))
+    let taken: Vec<(usize, Kind)> = kinds
+        .iter()
+        .enumerate()
+        .filter_map(|(place, kind)| Some((place, *kind.as_ref().ok()?)))
+        .filter(|(place, _)| take.wants(*place, Some(&names[*place])))
         .collect();
     let room = Room::new();
-    let words = words(bytes, &footer, &room, &taken, &fields, &kinds)
-        .map_err(|why| unreadable(path, &why))?;
-    let mut columns: Vec<Growing> = taken
-        .iter()
-        .filter_map(|place| kinds[*place].as_ref().ok())
-        .map(|kind| Growing::new(*kind))
-        .collect();
-    let layouts: Vec<Layout> = fields.iter().map(batch::layout).collect();
+    let words = words(bytes, &footer, &room, &taken).map_err(damaged)?;
+    let mut growing: Vec<Built> = taken.iter().map(|(_, kind)| values::column(*kind)).collect();
+    let layouts: Vec<Runs> = fields.iter().map(batch::layout).collect();
     let mut rows = 0_usize;
-    let blocks = blocks(footer.recordBatches()).map_err(|why| unreadable(path, &why))?;
-    for block in blocks {
-        let batch = batch_of(bytes, block, &room).map_err(|why| unreadable(path, &why))?;
+    for block in blocks(footer.recordBatches()).map_err(damaged)? {
+        let batch = batch_of(bytes, block, &room).map_err(damaged)?;
         rows = rows.saturating_add(batch.rows);
         if rows > MOST_WHOLE_ROWS {
-            return Err(too_many_rows(path, &format!("more than {MOST_WHOLE_ROWS}")));
+            return Err(more_rows(path));
         }
-        if !take.budget.cells(batch.rows.saturating_mul(taken.len())) {
-            return Err(too_much(path));
+        take.room(path, batch.rows.saturating_mul(taken.len()))?;
+        let mut at = Runs::default();
+        let mut next = taken.iter().zip(&mut growing).peekable();
+        for (place, layout) in layouts.iter().enumerate() {
+            if let Some(((_, kind), column)) = next.next_if(|((wanted, _), _)| *wanted == place) {
+                values::extend(column, *kind, &batch, at, &words).map_err(damaged)?;
+            }
+            at = at.after(layout, &batch).map_err(damaged)?;
         }
-        add(&batch, &layouts, &taken, &mut columns, &words)
-            .map_err(|why| unreadable(path, &why))?;
     }
-    let mut cells = columns.into_iter().map(Growing::finish);
-    let columns = kinds.into_iter().enumerate().map(|(place, kind)| match kind {
-        Err(why) => Cells::Other(why),
-        // The places rise, as they were counted up.
-        Ok(_) if taken.binary_search(&place).is_ok() => cells.next().unwrap_or(Cells::Unread),
-        Ok(_) => Cells::Unread,
-    });
-    let columns = columns.collect();
+    let unread = kinds.into_iter().map(|kind| kind.err().map_or(Cells::Unread, Cells::Other));
+    let mut columns: Vec<Cells> = unread.collect();
+    for ((place, _), column) in taken.iter().zip(growing) {
+        columns[*place] = column.finish();
+    }
     let units = fields.iter().enumerate().filter_map(|(place, field)| {
         let unit = values::unit(field)?.to_owned();
         Some((place, Declared { unit, is_type: true }))
     });
     Ok(Table { names: Some(names), columns, units: units.collect(), ..Table::default() })
-}
-
-/// Adds the rows of a batch to the columns taken.
-fn add(
-    batch: &Batch,
-    layouts: &[Layout],
-    taken: &[usize],
-    columns: &mut [Growing],
-    words: &BTreeMap<i64, Words>,
-) -> Result<(), String> {
-    let mut at = batch::Place::default();
-    let mut next = taken.iter().zip(columns).peekable();
-    for (place, layout) in layouts.iter().enumerate() {
-        if let Some((_, column)) = next.next_if(|(wanted, _)| **wanted == place) {
-            column.extend(batch, at, words)?;
-        }
-        at = at.after(layout, batch)?;
-    }
-    Ok(())
 }
 
 fn check_magic(path: &Path, bytes: &[u8]) -> Result<(), StoreError> {
@@ -156,29 +134,23 @@ fn words(
     bytes: &[u8],
     footer: &Footer,
     room: &Room,
-    taken: &[usize],
-    fields: &[Field],
-    kinds: &[Result<Kind, String>],
+    taken: &[(usize, Kind)],
 ) -> Result<BTreeMap<i64, Words>, String> {
-    let wanted: BTreeMap<i64, Kind> = taken
-        .iter()
-        .filter_map(|place| {
-            let id = fields[*place].dictionary()?.id();
-            let Ok(Kind::Word { of, .. }) = kinds[*place] else { return None };
-            Some((id, Kind::Text(of)))
-        })
-        .take(MOST_COLUMNS)
-        .collect();
+    let wanted = taken.iter().filter_map(|(_, kind)| match kind {
+        Kind::Word { dictionary, of, .. } => Some((*dictionary, *of)),
+        _ => None,
+    });
+    let wanted: BTreeMap<i64, Text> = wanted.collect();
     let mut all: BTreeMap<i64, Words> = BTreeMap::new();
     for block in blocks(footer.dictionaries())? {
         let Dictionary { id, is_delta, batch } = dictionary_of(bytes, block, room)?;
-        let Some(Kind::Text(form)) = wanted.get(&id) else { continue };
+        let Some(form) = wanted.get(&id) else { continue };
         let words = values::words(&batch, *form)?;
         let dictionary = all.entry(id).or_default();
         if !is_delta {
-            *dictionary = Words::default();
+            dictionary.clear();
         }
-        dictionary.add(words);
+        dictionary.extend(words);
     }
     Ok(all)
 }

@@ -1,5 +1,6 @@
 use super::super::limits::tests::everything;
 use super::super::table::Cell;
+use super::batch::Batch;
 use super::*;
 use arrow::array::{
     ArrayRef, BooleanArray, DictionaryArray, Float32Array, Float64Array, Int16Array,

@@ -2,7 +2,7 @@
 //! Octave, `0:0.001:1`, of which the file has the first, the last and the step.
 
 use super::super::limits::MOST_COLUMNS;
-use super::super::table::Cells;
+use super::super::table::{Cells, Number, NumberKind};
 use super::super::text::HDF5;
 use super::links::MOST_DEPTH;
 use hdf5_pure::{
@@ -20,22 +20,8 @@ pub(super) struct Fields {
 struct Field {
     name: String,
     from: usize,
-    size: usize,
     /// How its number is written; nothing if it is none.
     number: Option<Number>,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Kind {
-    Signed,
-    Unsigned,
-    Float,
-}
-
-#[derive(Debug, Clone, Copy)]
-struct Number {
-    kind: Kind,
-    big: bool,
 }
 
 impl Fields {
@@ -64,22 +50,17 @@ impl Fields {
             );
             return Some(Cells::Other(what));
         };
-        let end = field.from.checked_add(field.size).filter(|end| *end <= self.row)?;
+        let end = field.from.checked_add(number.size).filter(|end| *end <= self.row)?;
         if bytes.len() != rows.checked_mul(self.row)? {
             return None;
         }
         let cells = bytes.chunks_exact(self.row).map(|row| &row[field.from..end]);
-        if number.kind == Kind::Float {
-            let floats = cells.map(|cell| {
-                let bits = number.bits(cell);
-                match u32::try_from(bits) {
-                    Ok(bits) if cell.len() == 4 => Some(f64::from(f32::from_bits(bits))),
-                    _ => Some(f64::from_bits(bits)),
-                }
-            });
-            return Some(Cells::Numbers(floats.collect()));
-        }
-        Some(Cells::whole(cells.map(|cell| Some(number.whole(cell)))))
+        Some(match number.kind {
+            NumberKind::Float => {
+                Cells::Numbers(cells.map(|cell| Some(number.read(cell))).collect())
+            }
+            _ => Cells::whole(cells.map(|cell| Some(number.whole(cell)))),
+        })
     }
 }
 
@@ -102,8 +83,7 @@ fn add_fields(
             kind => {
                 // A type may hold types: a few bytes describe very many fields.
                 (all.len() < MOST_COLUMNS).then_some(())?;
-                let size = usize::try_from(kind.type_size()).ok()?;
-                all.push(Field { name, from, size, number: number(kind) });
+                all.push(Field { name, from, number: number(kind) });
             }
         }
     }
@@ -117,56 +97,34 @@ fn is_complex(members: &[CompoundMember]) -> bool {
 }
 
 /// How numbers of a type are written, if they are of the usual ones.
-fn number(kind: &Datatype) -> Option<Number> {
-    let (kind, order) = match kind {
+fn number(datatype: &Datatype) -> Option<Number> {
+    let size = usize::try_from(datatype.type_size()).ok()?;
+    let (kind, order) = match datatype {
         Datatype::FixedPoint { size: 1 | 2 | 4 | 8, byte_order, layout } => {
             let &FixedPointLayout { signed, bit_offset: 0, bit_precision } = layout else {
                 return None;
             };
-            let is_whole = u32::from(bit_precision) == 8 * kind.type_size();
-            (if signed { Kind::Signed } else { Kind::Unsigned }, is_whole.then_some(*byte_order)?)
+            let kind = if signed { NumberKind::Signed } else { NumberKind::Unsigned };
+            (kind, (usize::from(bit_precision) == 8 * size).then_some(*byte_order)?)
         }
-        Datatype::FloatingPoint { size: 4, byte_order, layout }
-            if *layout == FloatingPointLayout::IEEE754_BINARY32 =>
+        Datatype::FloatingPoint { byte_order, layout, .. }
+            if (size == 4 && *layout == FloatingPointLayout::IEEE754_BINARY32)
+                || (size == 8 && *layout == FloatingPointLayout::IEEE754_BINARY64) =>
         {
-            (Kind::Float, *byte_order)
-        }
-        Datatype::FloatingPoint { size: 8, byte_order, layout }
-            if *layout == FloatingPointLayout::IEEE754_BINARY64 =>
-        {
-            (Kind::Float, *byte_order)
+            (NumberKind::Float, *byte_order)
         }
         // What h5py has for true and false.
-        Datatype::Enumeration { base_type, .. } => return number(base_type),
+        Datatype::Enumeration { base_type, .. } => {
+            return number(base_type).map(|base| Number { size, ..base });
+        }
         _ => return None,
     };
-    match order {
-        DatatypeByteOrder::LittleEndian => Some(Number { kind, big: false }),
-        DatatypeByteOrder::BigEndian => Some(Number { kind, big: true }),
-        _ => None,
-    }
-}
-
-impl Number {
-    /// The bits of a cell of at most eight bytes.
-    fn bits(self, cell: &[u8]) -> u64 {
-        let mut bytes = cell.iter();
-        let mut bits = 0;
-        while let Some(byte) = if self.big { bytes.next() } else { bytes.next_back() } {
-            bits = bits << 8 | u64::from(*byte);
-        }
-        bits
-    }
-
-    #[allow(clippy::cast_possible_wrap)] // The sign is in the highest bit.
-    fn whole(self, cell: &[u8]) -> i128 {
-        let bits = self.bits(cell);
-        let unused = 64 - 8 * cell.len();
-        match self.kind {
-            Kind::Signed => i128::from((bits << unused) as i64 >> unused),
-            _ => i128::from(bits),
-        }
-    }
+    let big = match order {
+        DatatypeByteOrder::LittleEndian => false,
+        DatatypeByteOrder::BigEndian => true,
+        _ => return None,
+    };
+    Some(Number { kind, size, big })
 }
 
 /// The values of a range of Octave's; nothing if the data set is none.

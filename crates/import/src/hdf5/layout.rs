@@ -10,6 +10,7 @@
 
 use super::raw::Raw;
 use std::collections::BTreeSet;
+use std::ops::Range;
 
 const LAYOUT: u16 = 0x08;
 const READ: u8 = 4;
@@ -30,15 +31,9 @@ pub(super) fn make_older(bytes: &mut [u8]) {
         }
     }
     for (version, summed) in changes {
-        // What has another checksum is damaged, or no header at all.
-        let stored = bytes.get(summed.end..summed.end + 4);
-        let is_whole = bytes
-            .get(summed.clone())
-            .is_some_and(|block| stored == Some(&checksum(block).to_le_bytes()[..]));
-        if is_whole {
+        if is_whole(bytes, &summed) {
             bytes[version] = READ;
-            let sum = checksum(&bytes[summed.clone()]).to_le_bytes();
-            bytes[summed.end..summed.end + 4].copy_from_slice(&sum);
+            put_checksum(bytes, summed);
         }
     }
 }
@@ -55,26 +50,33 @@ pub(super) fn put_beginning(bytes: &mut [u8]) {
     let start = raw.number(addresses, size);
     let end = raw.number(addresses + 2 * size, size);
     let (Some(named), Some(end)) = (start, end) else { return };
-    if named == base as u64 {
+    if named == base {
         return;
     }
-    // Behind four addresses; what has another checksum is damaged.
-    let summed = addresses + 4 * size;
-    if version >= 2 {
-        let sum = bytes.get(base..summed).map(|block| checksum(block).to_le_bytes());
-        let stored = bytes.get(summed..summed + 4);
-        if sum.is_none() || stored != sum.as_ref().map(|sum| &sum[..]) {
-            return;
-        }
+    // The checksum stands behind four addresses.
+    let summed = base..addresses + 4 * size;
+    if version >= 2 && !is_whole(bytes, &summed) {
+        return;
     }
-    let end = end.wrapping_sub(named).wrapping_add(base as u64);
-    bytes[addresses..addresses + size].copy_from_slice(&(base as u64).to_le_bytes()[..size]);
-    let at = addresses + 2 * size;
-    bytes[at..at + size].copy_from_slice(&end.to_le_bytes()[..size]);
-    if version >= 2 {
-        let sum = checksum(&bytes[base..summed]).to_le_bytes();
-        bytes[summed..summed + 4].copy_from_slice(&sum);
+    let end = end.wrapping_sub(named).wrapping_add(base);
+    for (at, address) in [(addresses, base), (addresses + 2 * size, end)] {
+        bytes[at..at + size].copy_from_slice(&(address as u64).to_le_bytes()[..size]);
     }
+    if version >= 2 {
+        put_checksum(bytes, summed);
+    }
+}
+
+/// Whether the checksum behind a block is its own: what has another is damaged, or no block at all.
+fn is_whole(bytes: &[u8], block: &Range<usize>) -> bool {
+    let stored = bytes.get(block.end..block.end + 4);
+    let sum = bytes.get(block.clone()).map(|block| checksum(block).to_le_bytes());
+    sum.is_some_and(|sum| stored == Some(&sum[..]))
+}
+
+fn put_checksum(bytes: &mut [u8], block: Range<usize>) {
+    let sum = checksum(&bytes[block.clone()]).to_le_bytes();
+    bytes[block.end..block.end + 4].copy_from_slice(&sum);
 }
 
 /// The checksum of a block of metadata, lookup3 from 0.
@@ -141,8 +143,7 @@ mod tests {
             if message.kind == LAYOUT && older[message.from] == READ {
                 let summed = message.summed.unwrap();
                 newer[message.from] = WRITTEN;
-                let sum = checksum(&newer[summed.clone()]).to_le_bytes();
-                newer[summed.end..summed.end + 4].copy_from_slice(&sum);
+                put_checksum(&mut newer, summed);
                 changed += 1;
             }
         }

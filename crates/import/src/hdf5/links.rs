@@ -20,7 +20,7 @@ const MOST_HOPS: usize = 16;
 const LINK: u16 = 0x06;
 const SYMBOL_TABLE: u16 = 0x11;
 /// The kind of an entry of a symbol table that is a soft link.
-const IS_SOFT: u64 = 2;
+const IS_SOFT: usize = 2;
 
 /// Where a link leads.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -126,20 +126,16 @@ impl Walk {
     fn groups(&mut self, raw: &Raw, root: usize) {
         self.groups.push(Group { header: root, path: String::new(), depth: 0 });
         while let Some(group) = self.groups.pop() {
-            // What cannot be read has no links that are known.
-            self.header(raw, &group);
-        }
-    }
-
-    fn header(&mut self, raw: &Raw, group: &Group) {
-        if group.depth > MOST_DEPTH {
-            return;
-        }
-        for message in raw.messages(group.header, &mut self.seen) {
-            match message.kind {
-                LINK => _ = self.link(raw, group, message.from),
-                SYMBOL_TABLE => _ = self.symbol_table(raw, group, message.from),
-                _ => {}
+            if group.depth > MOST_DEPTH {
+                continue;
+            }
+            for message in raw.messages(group.header, &mut self.seen) {
+                // What cannot be read has no links that are known.
+                match message.kind {
+                    LINK => _ = self.link(raw, &group, message.from),
+                    SYMBOL_TABLE => _ = self.symbol_table(raw, &group, message.from),
+                    _ => {}
+                }
             }
         }
     }
@@ -157,7 +153,7 @@ impl Walk {
         next += if flags & 0x04 != 0 { 8 } else { 0 };
         next += usize::from(flags & 0x10 != 0);
         let size = 1 << (flags & 3);
-        let length = usize::try_from(raw.number(next, size)?).ok().filter(|n| *n <= MOST_NAME)?;
+        let length = raw.number(next, size).filter(|n| *n <= MOST_NAME)?;
         let name = raw.bytes.get(next + size..next + size + length)?;
         let path = join(&group.path, &String::from_utf8_lossy(name));
         let value = next + size + length;
@@ -167,7 +163,7 @@ impl Walk {
                 self.groups.push(Group { header, path, depth: group.depth + 1 });
             }
             1 => {
-                let length = usize::try_from(raw.number(value, 2)?).ok()?;
+                let length = raw.number(value, 2)?;
                 let target = raw.bytes.get(value + 2..value + 2 + length)?;
                 let target = String::from_utf8_lossy(target).into_owned();
                 self.links.insert(path, Target::Path(target));
@@ -191,7 +187,7 @@ impl Walk {
             if raw.has(node, b"SNOD") {
                 self.entries(raw, group, names, node)?;
             } else if raw.has(node, b"TREE") {
-                let children = usize::try_from(raw.number(node + 6, 2)?).ok()?;
+                let children = raw.number(node + 6, 2)?;
                 // Behind the head and both neighbours keys and children take turns, a key first.
                 let first = node + 8 + 2 * raw.address_size + raw.length_size;
                 let step = raw.address_size + raw.length_size;
@@ -204,15 +200,14 @@ impl Walk {
     }
 
     fn entries(&mut self, raw: &Raw, group: &Group, names: usize, node: usize) -> Option<()> {
-        let count = usize::try_from(raw.number(node + 6, 2)?).ok()?;
+        let count = raw.number(node + 6, 2)?;
         let mut table =
             SymbolTable { entries: node + 8, size: 2 * raw.address_size + 24, stay: Vec::new() };
         for i in 0..count {
             let at = table.entries + i * table.size;
             // All of it is there.
             raw.number(at + table.size - 8, 8)?;
-            let name = raw
-                .text(names.checked_add(usize::try_from(raw.number(at, raw.address_size)?).ok()?)?);
+            let name = raw.text(names.checked_add(raw.number(at, raw.address_size)?)?);
             let kind = at + 2 * raw.address_size;
             if raw.number(kind, 4)? != IS_SOFT {
                 table.stay.push(i);
@@ -222,8 +217,7 @@ impl Walk {
                 }
                 continue;
             }
-            let value = usize::try_from(raw.number(kind + 8, 4)?).ok()?;
-            let target = names.checked_add(value).and_then(|at| raw.text(at));
+            let target = names.checked_add(raw.number(kind + 8, 4)?).and_then(|at| raw.text(at));
             if let Some((name, target)) = name.zip(target) {
                 self.links.insert(join(&group.path, &name), Target::Path(target));
             }

@@ -12,13 +12,10 @@ mod raw;
 #[cfg(test)]
 pub(super) mod tests;
 
-use super::limits::{
-    MOST_COLUMNS, MOST_UNPACKED, MOST_WHOLE_ROWS, Take, check_columns, check_name, too_many_rows,
-    too_much,
-};
+use super::limits::{MOST_COLUMNS, MOST_UNPACKED, Take, check_columns, check_name, check_rows};
 use super::matlab::{is_object, other_class};
 use super::spelling::shown;
-use super::table::{Cells, ColumnRef, Declared, Table};
+use super::table::{Cells, ColumnRef, Declared, MOST_LISTED, Table, listed};
 use super::text::HDF5;
 use arrow::array::Float64Array;
 use fields::{Fields, octave_range};
@@ -30,9 +27,6 @@ use std::fmt::Display;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use zwidth_store::StoreError;
-
-/// Names that an error lists.
-const MOST_LISTED: usize = 20;
 
 /// Groups that MATLAB keeps beside the variables.
 const OF_MATLAB: [&str; 2] = ["#refs#", "#subsystem#"];
@@ -80,7 +74,12 @@ fn vectors(file: &Opened, within: Option<&str>, take: &Take) -> Result<Table, St
     let path = file.path;
     let mut table = Table { names: Some(Vec::new()), ..Table::default() };
     for group in &file.groups {
-        let Some(before) = beginning(&group.before, within) else { continue };
+        // The names begin with the path of the group from `within`, or from the root.
+        let before = match within {
+            None => Some(group.before.as_str()),
+            Some(within) => group.before.strip_prefix(within).and_then(|s| s.strip_prefix('/')),
+        };
+        let Some(before) = before else { continue };
         let first = table.columns.len();
         check_columns(path, first + group.names.len())?;
         // As the mapping spells it: MATLAB has points where HDF5 has strokes.
@@ -100,7 +99,7 @@ fn vectors(file: &Opened, within: Option<&str>, take: &Take) -> Result<Table, St
         let opened = group.open(path, &wants)?;
         for ((name, own_name), data) in names.into_iter().zip(&group.names).zip(opened) {
             let column = match data {
-                Some(data) => file.vector(group, own_name, &data, take)?,
+                Some(data) => DataSet { file, group, name: own_name, data }.vector(take)?,
                 None => Column::from(Cells::Unread),
             };
             column.add_to(&mut table, name);
@@ -117,22 +116,12 @@ fn vectors(file: &Opened, within: Option<&str>, take: &Take) -> Result<Table, St
         }
     }
     let names = table.names.iter().flatten();
-    if take.columns.iter().any(|column| match column {
-        ColumnRef::Name(name) => !names.clone().any(|other| other == name),
-        ColumnRef::Position(_) => false,
+    if take.columns.iter().any(|column| {
+        matches!(column, ColumnRef::Name(name) if !names.clone().any(|other| other == name))
     }) {
         table.hidden = file.hidden()?;
     }
     Ok(table)
-}
-
-/// How the name of a data set begins that lies in this group: by its path from the group `within`, or
-/// from the root; nothing if it lies elsewhere.
-fn beginning<'a>(before: &'a str, within: Option<&str>) -> Option<&'a str> {
-    match within {
-        None => Some(before),
-        Some(within) => before.strip_prefix(within)?.strip_prefix('/'),
-    }
 }
 
 /// A data set as a column, and a note on how it was read.
@@ -160,28 +149,6 @@ impl Column {
     }
 }
 
-/// The data set to which a link leads, if the name is that of a link or of something behind one.
-///
-/// # Errors
-/// A link that leads to no data set of this file.
-fn linked(
-    path: &Path,
-    file: &File,
-    links: &Links,
-    name: &str,
-) -> Result<Option<Dataset>, StoreError> {
-    let data = links.follow(name).and_then(|target| {
-        let Some(target) = target else { return Ok(None) };
-        file.dataset(&target).map(Some).map_err(|e| {
-            format!("it is a link to '{target}', which is no data set of the file: {e}")
-        })
-    });
-    data.map_err(|what| {
-        let remedy = "name the data set itself, or copy it into this file where the link is";
-        StoreError::new(path, shown(&what), remedy).column(shown(name))
-    })
-}
-
 /// A group, with the names of its data sets.
 struct DataGroup {
     group: Group,
@@ -199,11 +166,6 @@ struct DataGroup {
 const MOST_BY_NAME: usize = 32;
 
 impl DataGroup {
-    /// The path of a data set.
-    fn full(&self, name: &str) -> String {
-        format!("{}{name}", self.before)
-    }
-
     /// Opens the data sets that are wanted, in the order of their names.
     fn open(&self, path: &Path, wants: &[bool]) -> Result<Vec<Option<Dataset>>, StoreError> {
         let opens_all = wants.iter().filter(|wants| **wants).count() > MOST_BY_NAME;
@@ -220,43 +182,6 @@ impl DataGroup {
     }
 }
 
-/// The groups of a file, each with the names of its data sets. The links of a group are gone through
-/// a fixed number of times, however many they are.
-fn groups(path: &Path, file: &File) -> Result<Vec<DataGroup>, StoreError> {
-    let mut left = vec![(String::new(), file.root(), 0)];
-    let mut all = Vec::new();
-    let mut visited = 0;
-    while let Some((before, group, depth)) = left.pop() {
-        let names = group.datasets().map_err(|e| unreadable(path, e))?;
-        let within = group.iter_groups().map_err(|e| unreadable(path, e))?;
-        for (name, group) in within.filter(|(name, _)| !OF_MATLAB.contains(&name.as_str())) {
-            visited += 1;
-            if depth == MOST_DEPTH || visited > MOST_COLUMNS {
-                let what = "it has more groups, or deeper ones, than are read";
-                return Err(unreadable(path, what));
-            }
-            left.push((format!("{before}{name}/"), group, depth + 1));
-        }
-        let attributes = group.attrs().map_err(|e| unreadable(path, e))?;
-        let is_octave = attributes.contains_key("OCTAVE_NEW_FORMAT");
-        let class = if attributes.contains_key("MATLAB_sparse")
-            || ["ridx", "cidx"].iter().all(|part| names.iter().any(|name| name == part))
-        {
-            other_class("sparse", before.trim_end_matches('/'))
-        } else if attributes.contains_key("OCTAVE_EMPTY_MATRIX") {
-            Some("empty".to_owned())
-        } else if is_octave {
-            let kind = group.dataset("type").and_then(|kind| kind.read_string());
-            let kind = kind.ok().and_then(|mut all| all.pop()).unwrap_or_default();
-            kind.contains("string").then(|| "text".to_owned())
-        } else {
-            None
-        };
-        all.push(DataGroup { group, before, names, is_octave, class });
-    }
-    Ok(all)
-}
-
 /// A file whose groups are known.
 struct Opened<'a> {
     path: &'a Path,
@@ -269,6 +194,8 @@ struct Opened<'a> {
 }
 
 impl<'a> Opened<'a> {
+    /// Opens a file and goes through its groups. The links of a group are gone through a fixed number of times,
+    /// however many they are.
     fn new(path: &'a Path, mut bytes: Vec<u8>, order: Order) -> Result<Self, StoreError> {
         let length = bytes.len() as u64;
         // What the library cannot read is changed before it sees the bytes.
@@ -276,7 +203,37 @@ impl<'a> Opened<'a> {
         layout::put_beginning(&mut bytes);
         layout::make_older(&mut bytes);
         let file = File::from_bytes(bytes).map_err(|e| unreadable(path, e))?;
-        let groups = groups(path, &file)?;
+        let mut left = vec![(String::new(), file.root(), 0)];
+        let mut groups = Vec::new();
+        let mut visited = 0;
+        while let Some((before, group, depth)) = left.pop() {
+            let names = group.datasets().map_err(|e| unreadable(path, e))?;
+            let within = group.iter_groups().map_err(|e| unreadable(path, e))?;
+            for (name, group) in within.filter(|(name, _)| !OF_MATLAB.contains(&name.as_str())) {
+                visited += 1;
+                if depth == MOST_DEPTH || visited > MOST_COLUMNS {
+                    let what = "it has more groups, or deeper ones, than are read";
+                    return Err(unreadable(path, what));
+                }
+                left.push((format!("{before}{name}/"), group, depth + 1));
+            }
+            let attributes = group.attrs().map_err(|e| unreadable(path, e))?;
+            let is_octave = attributes.contains_key("OCTAVE_NEW_FORMAT");
+            let class = if attributes.contains_key("MATLAB_sparse")
+                || ["ridx", "cidx"].iter().all(|part| names.iter().any(|name| name == part))
+            {
+                other_class("sparse", before.trim_end_matches('/'))
+            } else if attributes.contains_key("OCTAVE_EMPTY_MATRIX") {
+                Some("empty".to_owned())
+            } else if is_octave {
+                let kind = group.dataset("type").and_then(|kind| kind.read_string());
+                let kind = kind.ok().and_then(|mut all| all.pop()).unwrap_or_default();
+                kind.contains("string").then(|| "text".to_owned())
+            } else {
+                None
+            };
+            groups.push(DataGroup { group, before, names, is_octave, class });
+        }
         Ok(Self { path, length, order, file, links, groups })
     }
 
@@ -285,26 +242,48 @@ impl<'a> Opened<'a> {
         let mut hidden = Vec::new();
         for group in self.groups.iter().filter(|group| group.before.is_empty()) {
             for name in group.names.iter().take(MOST_LISTED) {
-                let data = group.group.dataset(name);
-                let data = data.map_err(|e| unreadable(self.path, e))?;
-                let class = class(group, name, &data).filter(|class| is_object(class));
+                let class = self.open(group, name)?.class().filter(|class| is_object(class));
                 hidden.extend(class.map(|class| format!("'{}' is {class}", shown(name))));
             }
         }
         Ok(hidden)
     }
 
-    /// The data set at a path, with its group and its own name.
-    fn find(&self, full: &str) -> Result<Option<(&DataGroup, &str, Dataset)>, StoreError> {
+    /// The data set of this name in a group.
+    fn open<'f>(&'f self, group: &'f DataGroup, name: &'f str) -> Result<DataSet<'f>, StoreError> {
+        let data = group.group.dataset(name).map_err(|e| unreadable(self.path, e))?;
+        Ok(DataSet { file: self, group, name, data })
+    }
+
+    /// The data set at a path.
+    fn find(&self, full: &str) -> Result<Option<DataSet<'_>>, StoreError> {
         for group in &self.groups {
             let Some(name) = full.strip_prefix(&group.before) else { continue };
             if let Some(name) = group.names.iter().find(|own| *own == name) {
-                let data = group.group.dataset(name);
-                let data = data.map_err(|e| unreadable(self.path, e))?;
-                return Ok(Some((group, name, data)));
+                return self.open(group, name).map(Some);
             }
         }
         Ok(None)
+    }
+
+    /// The data set to which a link leads, if the name is that of a link or of something behind one.
+    ///
+    /// # Errors
+    /// A link that leads to no data set of this file.
+    fn linked(&self, name: &str) -> Result<Option<DataSet<'_>>, StoreError> {
+        let data = self.links.follow(name).and_then(|target| {
+            let Some(target) = target else { return Ok(None) };
+            self.file.dataset(&target).map(Some).map_err(|e| {
+                format!("it is a link to '{target}', which is no data set of the file: {e}")
+            })
+        });
+        let data = data.map_err(|what| {
+            let remedy = "name the data set itself, or copy it into this file where the link is";
+            StoreError::new(self.path, shown(&what), remedy).column(shown(name))
+        })?;
+        // What a group says of its data sets is meant for those that lie in it, not for this one.
+        let root = data.zip(self.groups.first());
+        Ok(root.map(|(data, group)| DataSet { file: self, group, name: "", data }))
     }
 
     /// A column that no vector of the file is: what a link leads to, a column of a matrix, `rig/data(2)`, or
@@ -316,19 +295,16 @@ impl<'a> Opened<'a> {
         take: &Take,
     ) -> Result<Option<Column>, StoreError> {
         let full = within.map_or_else(|| name.to_owned(), |within| format!("{within}/{name}"));
-        if let Some(data) = linked(self.path, &self.file, &self.links, &full)? {
-            // What a group says of its data sets is meant for those that lie in it, not for this one.
-            let Some(group) = self.groups.first() else { return Ok(None) };
-            return self.vector(group, "", &data, take).map(Some);
+        if let Some(data_set) = self.linked(&full)? {
+            return data_set.vector(take).map(Some);
         }
         // As written first: the name of a data set may itself have a point.
         for full in [full.clone(), full.replace('.', "/")] {
             if let Some((matrix, place)) = full.strip_suffix(')').and_then(|s| s.rsplit_once('('))
                 && let Some(place) = place.parse::<usize>().ok().and_then(|n| n.checked_sub(1))
-                && let Some((group, own_name, data)) = self.find(matrix)?
+                && let Some(data_set) = self.find(matrix)?
             {
-                let mut all =
-                    self.matrix(group, own_name, matrix, &data, &|at| at == place, take)?;
+                let mut all = data_set.matrix(matrix, &|at| at == place, take)?;
                 if place >= all.columns.len() {
                     let what = format!("it has {} columns", all.columns.len());
                     let error = StoreError::new(self.path, what, "name one of them, from 1");
@@ -339,9 +315,9 @@ impl<'a> Opened<'a> {
                 return Ok(Some(Column { cells, note: all.told.pop(), unit }));
             }
             for (at, _) in full.match_indices('/') {
-                if let Some((_, _, data)) = self.find(&full[..at])?
-                    && let Some(fields) = Fields::new(&data)
-                    && let Some(cells) = self.field(&data, &fields, &full[at + 1..], take)?
+                if let Some(data_set) = self.find(&full[..at])?
+                    && let Some(fields) = Fields::new(&data_set.data)
+                    && let Some(cells) = data_set.field(&fields, &full[at + 1..], take)?
                 {
                     return Ok(Some(Column::from(cells)));
                 }
@@ -349,191 +325,215 @@ impl<'a> Opened<'a> {
         }
         Ok(None)
     }
+}
+
+/// A data set of a file, and where it lies.
+struct DataSet<'a> {
+    file: &'a Opened<'a>,
+    group: &'a DataGroup,
+    /// Its name in the group.
+    name: &'a str,
+    data: Dataset,
+}
+
+impl DataSet<'_> {
+    /// Checks what a data set of `n` values claims against what is read.
+    fn check_size(&self, n: usize) -> Result<(), StoreError> {
+        let path = self.file.path;
+        let data = &self.data;
+        // A chunk that is not there is made of its fill value: the size claimed counts, of a chunk too.
+        let chunk = data.chunk_shape().map_err(|e| unreadable(path, e))?.unwrap_or_default();
+        let chunk = chunk.iter().fold(1_u64, |n, size| n.saturating_mul(*size));
+        // A value takes eight bytes when it is read, however few it has in the file.
+        let item = data.element_size().map_err(|e| unreadable(path, e))?.max(8);
+        let claimed = chunk.max(n as u64).saturating_mul(item);
+        if claimed > MOST_UNPACKED {
+            let what = format!(
+                "a data set unpacks to {claimed} bytes, and at most {MOST_UNPACKED} are read"
+            );
+            let remedy = "split it, or save it in chunks of fewer values";
+            return Err(StoreError::new(path, what, remedy));
+        }
+        // Memory is taken for a chunk before it is read.
+        let chunks = match data.is_chunked() {
+            true => data.chunks().map_err(|e| unreadable(path, e))?,
+            false => Vec::new(),
+        };
+        if chunks.iter().any(|chunk| chunk.storage_size > self.file.length) {
+            let what = "it is cut off or damaged: a chunk is longer than the file";
+            return Err(unreadable(path, what));
+        }
+        Ok(())
+    }
 
     /// The values of a field of a table.
-    fn field(
-        &self,
-        data: &Dataset,
-        fields: &Fields,
-        name: &str,
-        take: &Take,
-    ) -> Result<Option<Cells>, StoreError> {
-        let path = self.path;
-        let rows: usize = size(path, data)?.iter().product();
-        check_size(path, data, rows, self.length)?;
-        if rows > MOST_WHOLE_ROWS {
-            return Err(too_many_rows(path, &rows.to_string()));
-        }
-        if !take.budget.cells(rows) {
-            return Err(too_much(path));
-        }
-        let bytes = data.read_raw().map_err(|e| unreadable(path, e))?;
+    fn field(&self, fields: &Fields, name: &str, take: &Take) -> Result<Option<Cells>, StoreError> {
+        let path = self.file.path;
+        let rows: usize = size(path, &self.data)?.iter().product();
+        self.check_size(rows)?;
+        check_rows(path, rows)?;
+        take.room(path, rows)?;
+        let bytes = self.data.read_raw().map_err(|e| unreadable(path, e))?;
         Ok(fields.values(name, &bytes, rows))
     }
 
     /// A data set as a column: its values if it is a vector of numbers, else why not.
-    fn vector(
-        &self,
-        group: &DataGroup,
-        own_name: &str,
-        data: &Dataset,
-        take: &Take,
-    ) -> Result<Column, StoreError> {
-        let path = self.path;
+    fn vector(&self, take: &Take) -> Result<Column, StoreError> {
+        let path = self.file.path;
+        let Self { name, data, .. } = self;
+        let other = |what: String| Ok(Column::from(Cells::Other(what)));
         if let Some(range) = octave_range(data) {
             let range = range.map_err(|what| unreadable(path, what))?;
-            if range.len() > MOST_WHOLE_ROWS || !take.budget.cells(range.len()) {
-                return Err(too_much(path));
-            }
+            take.room(path, range.len())?;
             return Ok(Cells::Numbers(Float64Array::from(range)).into());
         }
         let size = size(path, data)?;
         if let Some(fields) = Fields::new(data) {
             let names = fields.names().take(MOST_LISTED).collect::<Vec<_>>().join(", ");
-            return Ok(Cells::Other(format!(
-                "it is a table of the fields {}; name one of them behind a stroke, as {own_name}/…, or name it as matrix \
+            return other(format!(
+                "it is a table of the fields {}; name one of them behind a stroke, as {name}/…, or name it as matrix \
                  in [file]",
                 shown(&names)
-            ))
-            .into());
+            ));
         }
-        if let Some(class) = class(group, own_name, data) {
+        if let Some(class) = self.class() {
             let line =
                 if class.contains("in MATLAB") { String::new() } else { format!("; {HDF5}") };
-            return Ok(Cells::Other(format!("it is {class}{line}")).into());
+            return other(format!("it is {class}{line}"));
         }
         if size.iter().filter(|n| **n != 1).count() > 1 {
             let size = size.iter().map(usize::to_string).collect::<Vec<_>>().join(" × ");
-            return Ok(Cells::Other(format!(
-                "it is a {size} matrix; name it as matrix in [file] to use its columns, or one of them, as {own_name}(1)"
-            ))
-            .into());
+            return other(format!(
+                "it is a {size} matrix; name it as matrix in [file] to use its columns, or one of them, as {name}(1)"
+            ));
         }
-        let packing = match packing(group, own_name, data) {
+        let packing = match self.packing() {
             Ok((packing, None)) => packing,
             Ok((_, Some(_))) => {
                 let what = "it has a factor for each channel (channel_conversion) beside it; name it as matrix in [file]";
-                return Ok(Cells::Other(what.to_owned()).into());
+                return other(what.to_owned());
             }
-            Err(what) => return Ok(Cells::Other(what).into()),
+            Err(what) => return other(what),
         };
         let rows: usize = size.iter().product();
-        if rows > MOST_WHOLE_ROWS {
-            return Err(too_many_rows(path, &rows.to_string()));
-        }
-        if !take.budget.cells(rows) {
-            return Err(too_much(path));
-        }
+        check_rows(path, rows)?;
+        take.room(path, rows)?;
+        self.check_size(rows)?;
         let note = packing.words(None);
         let cells = match data.dtype() {
             // Whole numbers keep every digit, unless attributes make others of them.
             Ok(DType::I64) if packing.is_plain() => {
-                check_size(path, data, rows, self.length)?;
                 let values = data.read_i64().map_err(|e| unreadable(path, e))?;
                 Cells::whole(values.iter().map(|value| Some(i128::from(*value))))
             }
             Ok(DType::U64) if packing.is_plain() => {
-                check_size(path, data, rows, self.length)?;
                 let values = data.read_u64().map_err(|e| unreadable(path, e))?;
                 Cells::whole(values.iter().map(|value| Some(i128::from(*value))))
             }
-            _ => {
-                let stored = values(path, self.length, data, rows)?;
-                Cells::Numbers(packing.unpack(stored.into_iter(), 1.0))
-            }
+            _ => Cells::Numbers(packing.unpack(values(path, data)?.into_iter(), 1.0)),
         };
-        if cells.len() != rows {
-            let what =
-                format!("a data set says that it has {rows} values, and has {}", cells.len());
-            return Err(unreadable(path, what));
-        }
+        check_count(path, rows, cells.len())?;
         Ok(Column { cells, note, unit: packing.unit })
     }
 
     /// A matrix' columns by position, those that are wanted; a table's fields by name.
     fn matrix(
         &self,
-        group: &DataGroup,
-        own_name: &str,
         full: &str,
-        data: &Dataset,
         wants: &dyn Fn(usize) -> bool,
         take: &Take,
     ) -> Result<Table, StoreError> {
-        let path = self.path;
+        let path = self.file.path;
+        let data = &self.data;
         let size = size(path, data)?;
-        if let Some(class) = class(group, own_name, data) {
+        if let Some(class) = self.class() {
             return Err(StoreError::new(path, format!("it is {class}"), HDF5).column(full));
         }
         let is_matlab = data.attrs().is_ok_and(|all| all.contains_key("MATLAB_class"));
-        let by_columns = group.is_octave || is_matlab || self.order == Order::Columns;
+        let by_columns = self.group.is_octave || is_matlab || self.file.order == Order::Columns;
         // Turned, a matrix of either kind lies as one of the other kind.
         let order = if by_columns == take.turned { Order::Rows } else { Order::Columns };
         let (rows, columns) = match (size.as_slice(), order) {
             (&[rows], _) => (rows, 1),
             (&[rows, columns], Order::Rows) | (&[columns, rows], Order::Columns) => (rows, columns),
             _ => {
-                return Err(no_matrix(
-                    path,
-                    full,
-                    format!("it has {} dimensions where 2 belong", size.len()),
-                ));
+                let what = format!("it has {} dimensions where 2 belong", size.len());
+                return Err(no_matrix(path, full, what));
             }
         };
         check_columns(path, columns)?;
-        if rows > MOST_WHOLE_ROWS {
-            return Err(too_many_rows(path, &rows.to_string()));
-        }
-        let (packing, factors) =
-            packing(group, own_name, data).map_err(|what| no_matrix(path, full, what))?;
+        check_rows(path, rows)?;
+        let (packing, factors) = self.packing().map_err(|what| no_matrix(path, full, what))?;
         if factors.as_ref().is_some_and(|factors| factors.len() != columns) {
             let what = format!(
                 "it has {columns} columns, and channel_conversion another number of factors"
             );
             return Err(no_matrix(path, full, what));
         }
-        let all = values(path, self.length, data, rows.saturating_mul(columns))?;
+        let count = rows.saturating_mul(columns);
+        self.check_size(count)?;
+        let all = values(path, data)?;
+        check_count(path, count, all.len())?;
         let mut table = Table::default();
         table.told.extend(packing.words(factors.as_deref()));
         for place in 0..columns {
-            table.columns.push(match wants(place) {
-                true if take.budget.cells(rows) => {
-                    let stored = (0..rows).map(|row| match order {
-                        Order::Rows => all[row * columns + place],
-                        Order::Columns => all[place * rows + row],
-                    });
-                    let factor = factors.as_ref().map_or(1.0, |factors| factors[place]);
-                    Cells::Numbers(packing.unpack(stored, factor))
-                }
-                true => return Err(too_much(path)),
-                false => Cells::Unread,
-            });
+            let mut cells = Cells::Unread;
+            if wants(place) {
+                take.room(path, rows)?;
+                let stored = (0..rows).map(|row| match order {
+                    Order::Rows => all[row * columns + place],
+                    Order::Columns => all[place * rows + row],
+                });
+                let factor = factors.as_ref().map_or(1.0, |factors| factors[place]);
+                cells = Cells::Numbers(packing.unpack(stored, factor));
+            }
+            table.columns.push(cells);
             if let Some(unit) = packing.unit.clone() {
                 table.units.insert(place, Declared { unit, is_type: false });
             }
         }
         Ok(table)
     }
-}
 
-/// What the attributes of a data set say of its numbers, and the factor of each of its channels where NWB has
-/// them in a data set beside it.
-fn packing(
-    group: &DataGroup,
-    own_name: &str,
-    data: &Dataset,
-) -> Result<(Packing, Option<Vec<f64>>), String> {
-    let packing = Packing::new(data)?;
-    if own_name != "data" || !group.names.iter().any(|name| name == CHANNEL_FACTORS) {
-        return Ok((packing, None));
+    /// What the attributes of a data set say of its numbers, and the factor of each of its channels where NWB has
+    /// them in a data set beside it.
+    fn packing(&self) -> Result<(Packing, Option<Vec<f64>>), String> {
+        let packing = Packing::new(&self.data)?;
+        if self.name != "data" || !self.group.names.iter().any(|name| name == CHANNEL_FACTORS) {
+            return Ok((packing, None));
+        }
+        let factors = self.group.group.dataset(CHANNEL_FACTORS);
+        let factors = factors.and_then(|factors| factors.read_f64());
+        let factors =
+            factors.map_err(|e| format!("{CHANNEL_FACTORS} beside it cannot be read: {e}"))?;
+        if factors.iter().all(|factor| factor.is_finite()) {
+            return Ok((packing, Some(factors)));
+        }
+        Err(format!("{CHANNEL_FACTORS} beside it has factors that are not finite"))
     }
-    let factors = group.group.dataset(CHANNEL_FACTORS).and_then(|factors| factors.read_f64());
-    let factors =
-        factors.map_err(|e| format!("{CHANNEL_FACTORS} beside it cannot be read: {e}"))?;
-    if factors.iter().all(|factor| factor.is_finite()) {
-        return Ok((packing, Some(factors)));
+
+    /// The class of a data set that holds no real numbers.
+    fn class(&self) -> Option<String> {
+        use DType::{F32, F64, I8, I16, I32, I64, U8, U16, U32, U64};
+        let attributes = self.data.attrs().unwrap_or_default();
+        // Before the type: the values of an empty array are its dimensions.
+        if attributes.contains_key("MATLAB_empty") {
+            return Some("empty".to_owned());
+        }
+        let matlab_class = attributes.get("MATLAB_class").and_then(AttrValue::as_str);
+        let other = matlab_class.and_then(|class| other_class(class, self.name));
+        if let Some(class) = other.or_else(|| self.group.class.clone()) {
+            return Some(class);
+        }
+        match self.data.dtype() {
+            Ok(F32 | F64 | I8 | I16 | I32 | I64 | U8 | U16 | U32 | U64 | DType::Enum(_)) => None,
+            Ok(_) if half(&self.data).is_some() => None,
+            Ok(DType::String | DType::VariableLengthString) => Some("text".to_owned()),
+            Ok(DType::Compound(_)) => Some("a table of several fields, or complex".to_owned()),
+            Ok(_) => Some("of a type that has no numbers".to_owned()),
+            Err(e) => Some(format!("of a type that is not known: {}", shown(&e.to_string()))),
+        }
     }
-    Err(format!("{CHANNEL_FACTORS} beside it has factors that are not finite"))
 }
 
 fn no_matrix(path: &Path, matrix: &str, what: String) -> StoreError {
@@ -545,42 +545,42 @@ fn no_matrix(path: &Path, matrix: &str, what: String) -> StoreError {
 fn columns(file: &Opened, matrix: &str, take: &Take) -> Result<Table, StoreError> {
     let path = file.path;
     let slashed = matrix.replace('.', "/");
-    let data_set = match file.find(matrix)? {
+    let mut data_set = match file.find(matrix)? {
         None => file.find(&slashed)?,
         data_set => data_set,
     };
-    if let Some((group, own_name, data)) = data_set {
-        if let Some(fields) = Fields::new(&data) {
-            let mut table = Table::default();
-            for (place, name) in fields.names().enumerate() {
-                let cells = match take.wants(place, Some(name)) {
-                    true => file.field(&data, &fields, name, take)?,
-                    false => Some(Cells::Unread),
-                };
-                let cells = cells.unwrap_or_else(|| {
-                    Cells::Other("it is a field without numbers of its own".to_owned())
-                });
-                Column::from(cells).add_to(&mut table, name.to_owned());
-            }
-            return Ok(table);
+    if let Some(data_set) = &data_set
+        && let Some(fields) = Fields::new(&data_set.data)
+    {
+        let mut table = Table::default();
+        for (place, name) in fields.names().enumerate() {
+            let cells = match take.wants(place, Some(name)) {
+                true => data_set.field(&fields, name, take)?,
+                false => Some(Cells::Unread),
+            };
+            let cells = cells.unwrap_or_else(|| {
+                Cells::Other("it is a field without numbers of its own".to_owned())
+            });
+            Column::from(cells).add_to(&mut table, name.to_owned());
         }
-        return file.matrix(group, own_name, matrix, &data, &|place| take.wants(place, None), take);
+        return Ok(table);
     }
-    if let Some(data) = linked(path, &file.file, &file.links, matrix)? {
-        let Some(group) = file.groups.first() else { return Ok(Table::default()) };
-        return file.matrix(group, "", matrix, &data, &|place| take.wants(place, None), take);
+    if data_set.is_none() {
+        data_set = file.linked(matrix)?;
+    }
+    if let Some(data_set) = data_set {
+        return data_set.matrix(matrix, &|place| take.wants(place, None), take);
     }
     for within in [matrix, &slashed] {
         if file.groups.iter().any(|group| group.before.strip_suffix('/') == Some(within)) {
             return vectors(file, Some(within), take);
         }
     }
-    let names =
-        file.groups.iter().flat_map(|group| group.names.iter().map(|name| group.full(name)));
-    let names: Vec<String> = names.take(MOST_LISTED + 1).collect();
-    let first = names.iter().take(MOST_LISTED).map(|name| shown(name)).collect::<Vec<_>>();
-    let more = if names.len() > MOST_LISTED { ", …" } else { "" };
-    let what = format!("the data set is missing; the file has {}{more}", first.join(", "));
+    let names = file.groups.iter().flat_map(|group| {
+        let before = &group.before;
+        group.names.iter().map(move |name| shown(&format!("{before}{name}")).into_owned())
+    });
+    let what = format!("the data set is missing; the file has {}", listed(names));
     Err(no_matrix(path, matrix, what))
 }
 
@@ -590,72 +590,25 @@ fn size(path: &Path, data: &Dataset) -> Result<Vec<usize>, StoreError> {
     Ok(size.into_iter().map(|n| usize::try_from(n).unwrap_or(usize::MAX)).collect())
 }
 
-/// The class of a data set that holds no real numbers.
-fn class(group: &DataGroup, own_name: &str, data: &Dataset) -> Option<String> {
-    use DType::{F32, F64, I8, I16, I32, I64, U8, U16, U32, U64};
-    let attributes = data.attrs().unwrap_or_default();
-    // Before the type: the values of an empty array are its dimensions.
-    if attributes.contains_key("MATLAB_empty") {
-        return Some("empty".to_owned());
-    }
-    let matlab_class = attributes.get("MATLAB_class").and_then(AttrValue::as_str);
-    let other = matlab_class.and_then(|class| other_class(class, own_name));
-    if let Some(class) = other.or_else(|| group.class.clone()) {
-        return Some(class);
-    }
-    match data.dtype() {
-        Ok(F32 | F64 | I8 | I16 | I32 | I64 | U8 | U16 | U32 | U64 | DType::Enum(_)) => None,
-        Ok(_) if half(data).is_some() => None,
-        Ok(DType::String | DType::VariableLengthString) => Some("text".to_owned()),
-        Ok(DType::Compound(_)) => Some("a table of several fields, or complex".to_owned()),
-        Ok(_) => Some("of a type that has no numbers".to_owned()),
-        Err(error) => Some(format!("of a type that is not known: {}", shown(&error.to_string()))),
-    }
+/// The values of a data set, as they are stored.
+fn values(path: &Path, data: &Dataset) -> Result<Vec<f64>, StoreError> {
+    let Some(order) = half(data) else {
+        return data.read_f64().map_err(|e| unreadable(path, e));
+    };
+    let bytes = data.read_raw().map_err(|e| unreadable(path, e))?;
+    let halves = bytes.chunks_exact(2).map(|half| match order {
+        DatatypeByteOrder::BigEndian => u16::from_be_bytes([half[0], half[1]]),
+        _ => u16::from_le_bytes([half[0], half[1]]),
+    });
+    Ok(halves.map(number_of_half).collect())
 }
 
-/// Checks what a data set of `n` values claims against what is read, in a file of so many bytes.
-fn check_size(path: &Path, data: &Dataset, n: usize, length: u64) -> Result<(), StoreError> {
-    // A chunk that is not there is made of its fill value: the size claimed counts, of a chunk too.
-    let chunk = data.chunk_shape().map_err(|e| unreadable(path, e))?.unwrap_or_default();
-    let chunk = chunk.iter().fold(1_u64, |n, size| n.saturating_mul(*size));
-    // A value takes eight bytes when it is read, however few it has in the file.
-    let item = data.element_size().map_err(|e| unreadable(path, e))?.max(8);
-    let claimed = chunk.max(n as u64).saturating_mul(item);
-    if claimed > MOST_UNPACKED {
-        let what =
-            format!("a data set unpacks to {claimed} bytes, and at most {MOST_UNPACKED} are read");
-        return Err(StoreError::new(path, what, "split it, or save it in chunks of fewer values"));
+/// Checks that a data set has as many values as it says.
+fn check_count(path: &Path, n: usize, found: usize) -> Result<(), StoreError> {
+    if found == n {
+        return Ok(());
     }
-    // Memory is taken for a chunk before it is read.
-    let chunks = match data.is_chunked() {
-        true => data.chunks().map_err(|e| unreadable(path, e))?,
-        false => Vec::new(),
-    };
-    if chunks.iter().any(|chunk| chunk.storage_size > length) {
-        return Err(unreadable(path, "it is cut off or damaged: a chunk is longer than the file"));
-    }
-    Ok(())
-}
-
-/// The values of a data set, `n` of them, as they lie in a file of so many bytes.
-fn values(path: &Path, length: u64, data: &Dataset, n: usize) -> Result<Vec<f64>, StoreError> {
-    check_size(path, data, n, length)?;
-    let values = match half(data) {
-        Some(order) => {
-            let bytes = data.read_raw().map_err(|e| unreadable(path, e))?;
-            let halves = bytes.chunks_exact(2).map(|half| match order {
-                DatatypeByteOrder::BigEndian => u16::from_be_bytes([half[0], half[1]]),
-                _ => u16::from_le_bytes([half[0], half[1]]),
-            });
-            halves.map(number_of_half).collect()
-        }
-        None => data.read_f64().map_err(|e| unreadable(path, e))?,
-    };
-    if values.len() == n {
-        return Ok(values);
-    }
-    let what = format!("a data set says that it has {n} values, and has {}", values.len());
-    Err(unreadable(path, what))
+    Err(unreadable(path, format!("a data set says that it has {n} values, and has {found}")))
 }
 
 /// The order of the bytes of numbers of two bytes (IEEE 754 binary16), which the library does not read;

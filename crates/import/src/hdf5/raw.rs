@@ -4,6 +4,7 @@
 //! Source: HDF5 File Format Specification 3.0, II.A (superblock), IV.A (headers).
 
 use super::super::limits::MOST_NAME;
+use super::super::table::little;
 use std::collections::BTreeSet;
 use std::ops::Range;
 
@@ -55,19 +56,14 @@ impl<'a> Raw<'a> {
         Some((raw, root))
     }
 
-    pub(super) fn number(&self, at: usize, size: usize) -> Option<u64> {
-        let bytes = self.bytes.get(at..at.checked_add(size)?)?;
-        Some(bytes.iter().rev().fold(0, |number, byte| number << 8 | u64::from(*byte)))
+    pub(super) fn number(&self, at: usize, size: usize) -> Option<usize> {
+        little(self.bytes, at, size)
     }
 
     /// An address, as a place in the bytes; nothing if it is past their end.
     pub(super) fn address(&self, at: usize) -> Option<usize> {
-        let place = usize::try_from(self.number(at, self.address_size)?).ok()?;
-        place.checked_add(self.base).filter(|place| *place < self.bytes.len())
-    }
-
-    pub(super) fn length(&self, at: usize) -> Option<usize> {
-        usize::try_from(self.number(at, self.length_size)?).ok()
+        let place = self.number(at, self.address_size)?.checked_add(self.base);
+        place.filter(|place| *place < self.bytes.len())
     }
 
     pub(super) fn has(&self, at: usize, signature: &[u8]) -> bool {
@@ -110,11 +106,11 @@ impl<'a> Raw<'a> {
             let size_at = at + 6 + times + attributes;
             let size_size = 1 << (flags & 3);
             let from = size_at + size_size;
-            let size = usize::try_from(self.number(size_at, size_size)?).ok()?;
+            let size = self.number(size_at, size_size)?;
             blocks.push((at, from..from.checked_add(size)?));
         } else if self.number(at, 1)? == 1 {
             // Twelve bytes of head, padded to a multiple of eight.
-            let size = usize::try_from(self.number(at + 8, 4)?).ok()?;
+            let size = self.number(at + 8, 4)?;
             blocks.push((at, at + 16..(at + 16).checked_add(size)?));
         }
         let head = if is_new { 4 + ordered } else { 8 };
@@ -127,11 +123,12 @@ impl<'a> Raw<'a> {
                 };
                 let from = at + head;
                 let kind = u16::try_from(kind).ok()?;
-                at = from + usize::try_from(size).ok()?;
+                at = from + size;
                 all.push(Message { kind, from, summed: is_new.then_some(begin..block.end) });
                 if kind == CONTINUATION {
                     let place = self.address(from)?;
-                    let end = place.checked_add(self.length(from + self.address_size)?)?;
+                    let length = self.number(from + self.address_size, self.length_size)?;
+                    let end = place.checked_add(length)?;
                     // Between its signature and its checksum.
                     let around = if is_new { 4 } else { 0 };
                     if seen.insert(place) {

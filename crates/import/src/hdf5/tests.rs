@@ -1,5 +1,4 @@
-use super::super::limits::Budget;
-use super::super::limits::tests::{everything, everything_turned};
+use super::super::limits::tests::{everything, everything_turned, only};
 use super::*;
 use hdf5_pure::{
     AttrValue, CharacterSet, CompoundTypeBuilder, FileBuilder, FloatingPointLayout, StringPadding,
@@ -231,22 +230,20 @@ pub(in super::super) fn with_links() -> Vec<u8> {
 }
 
 /// A file of which the columns of these names are taken.
-fn take_named(bytes: Vec<u8>, columns: &[ColumnRef]) -> Result<Table, StoreError> {
-    let budget = Budget::default();
-    let take = Take::of(columns.iter().collect(), &budget);
-    super::read(Path::new("a.h5"), bytes, None, Order::Rows, &take)
+fn take_named(bytes: Vec<u8>, names: &[&str]) -> Result<Table, StoreError> {
+    only(names, |take| super::read(Path::new("a.h5"), bytes, None, Order::Rows, take))
 }
 
-fn named(names: &[&str]) -> Vec<ColumnRef> {
-    names.iter().map(|name| ColumnRef::Name((*name).to_owned())).collect()
+/// The place of a column in a table, or why it cannot be used.
+fn place(table: &Table, name: &str) -> Result<usize, String> {
+    table.find(&ColumnRef::Name(name.to_owned()))
 }
 
 /// The columns of these names.
 fn read_named(bytes: Vec<u8>, names: &[&str]) -> Result<Vec<Vec<f64>>, StoreError> {
-    let columns = named(names);
-    let table = take_named(bytes, &columns)?;
-    let values = |column: &ColumnRef| numbers(&table.columns[table.find(column).unwrap()]);
-    Ok(columns.iter().map(values).collect())
+    let table = take_named(bytes, names)?;
+    let values = |name: &&str| numbers(&table.columns[place(&table, name).unwrap()]);
+    Ok(names.iter().map(values).collect())
 }
 
 #[test]
@@ -296,9 +293,9 @@ fn damaged_links_are_an_error_or_a_table_and_never_a_panic() {
         for change in [0xff, 0x02, 0x80] {
             let mut damaged = whole.clone();
             damaged[place] ^= change;
-            let _ = take_named(damaged, &named(&["t", "again"]));
+            let _ = take_named(damaged, &["t", "again"]);
         }
-        let _ = take_named(whole[..place].to_vec(), &named(&["t", "again"]));
+        let _ = take_named(whole[..place].to_vec(), &["t", "again"]);
     }
 }
 
@@ -358,8 +355,8 @@ fn scales_and_offsets_of_attributes_are_applied_and_told_or_refused() {
         let bytes = with_attributes(&[attribute]);
         let error = read(bytes.clone(), Some("rig/data"), Order::Rows).unwrap_err();
         assert!(error.what.contains(words), "{error}");
-        let table = take_named(bytes, &named(&["rig/one"])).unwrap();
-        let error = table.find(&named(&["rig/one"])[0]).unwrap_err();
+        let table = take_named(bytes, &["rig/one"]).unwrap();
+        let error = place(&table, "rig/one").unwrap_err();
         assert!(error.contains(words) && error.contains("python -c"), "{error}");
     }
 }
@@ -369,8 +366,8 @@ fn numbers_that_stand_for_missing_ones_are_missing_and_signs_that_are_none_are_t
     let fill = ("_FillValue", AttrValue::I16(-2));
     let unsigned = ("_Unsigned", AttrValue::String("true".to_owned()));
     let one = |attributes: &[(&str, AttrValue)]| {
-        let table = take_named(with_attributes(attributes), &named(&["rig/one"])).unwrap();
-        let place = table.find(&named(&["rig/one"])[0]).unwrap();
+        let table = take_named(with_attributes(attributes), &["rig/one"]).unwrap();
+        let place = place(&table, "rig/one").unwrap();
         (0..3).map(|row| table.columns[place].cell(row).to_string()).collect::<Vec<_>>()
     };
     assert_eq!(one(&[fill]), ["1", "", "300"]);
@@ -403,13 +400,10 @@ pub(in super::super) fn matlab_7_3() -> Vec<u8> {
 #[test]
 fn structures_of_matlab_7_3_come_by_their_path_with_points_or_strokes_and_objects_are_named() {
     let take = |names: &[&str], matrix| {
-        let columns = named(names);
-        let budget = Budget::default();
-        let take = Take::of(columns.iter().collect(), &budget);
-        let path = Path::new("a.mat");
-        let table = super::read(path, matlab_7_3(), matrix, Order::Columns, &take).unwrap();
-        let all =
-            columns.iter().map(|column| table.find(column).map(|i| numbers(&table.columns[i])));
+        let table = only(names, |take| {
+            super::read(Path::new("a.mat"), matlab_7_3(), matrix, Order::Columns, take).unwrap()
+        });
+        let all = names.iter().map(|name| place(&table, name).map(|i| numbers(&table.columns[i])));
         all.collect::<Result<Vec<_>, String>>()
     };
     let expect = Ok(vec![vec![0.0, 0.5, 1.0], vec![1.5, -2.0, 4.0]]);
@@ -456,8 +450,8 @@ fn fields_within_fields_come_by_their_path() {
     assert_eq!(found, [[0.0, 0.5], [1.5, 3.5], [2.5, 4.5]]);
     let table = read(nested(), Some("log"), Order::Rows).unwrap();
     assert_eq!(table.names.unwrap(), ["t", "s/angle", "s/F"]);
-    let table = take_named(compound(), &named(&["data/who"])).unwrap();
-    let why = table.find(&named(&["data/who"])[0]).unwrap_err();
+    let table = take_named(compound(), &["data/who"]).unwrap();
+    let why = place(&table, "data/who").unwrap_err();
     assert!(why.contains("a field without numbers") && why.contains("python -c"), "{why}");
 }
 
@@ -483,9 +477,9 @@ fn the_fields_of_a_table_come_by_their_name() {
     let table = read(compound(), Some("data"), Order::Rows).unwrap();
     assert_eq!(table.names.clone().unwrap(), ["t", "n", "who"]);
     assert_eq!(numbers(&table.columns[1]), [5.0, -6.0, 300.0]);
-    assert!(table.find(&named(&["who"])[0]).unwrap_err().contains("without numbers"));
+    assert!(place(&table, "who").unwrap_err().contains("without numbers"));
     let table = read(compound(), None, Order::Rows).unwrap();
-    let error = table.find(&named(&["data"])[0]).unwrap_err();
+    let error = place(&table, "data").unwrap_err();
     assert!(error.contains("a table of the fields t, n, who; name one of them"), "{error}");
 }
 
@@ -548,6 +542,6 @@ fn variables_of_octave_are_read_as_it_means_them() {
     assert_eq!(found, [[0.0, 0.5, 1.0], [1.5, -2.0, 4.0]]);
     let table = read(octave(), Some("f/value"), Order::Rows).unwrap();
     assert_eq!(numbers(&table.columns[0]), [7.0, 8.0, 9.0]);
-    let table = take_named(octave(), &named(&["who/value"])).unwrap();
-    assert!(table.find(&named(&["who/value"])[0]).unwrap_err().contains("it is text"));
+    let table = take_named(octave(), &["who/value"]).unwrap();
+    assert!(place(&table, "who/value").unwrap_err().contains("it is text"));
 }

@@ -6,9 +6,10 @@
 use super::limits::{MOST_COLUMNS, MOST_NAME, MOST_UNPACKED, Take};
 use super::matlab::{is_object, other_class};
 use super::spelling::shown;
-use super::table::{Cells, ColumnRef, Table};
+use super::table::{Cells, ColumnRef, Number, NumberKind, Table};
 use arrow::array::Float64Array;
 use flate2::read::ZlibDecoder;
+use std::borrow::Cow;
 use std::io::Read as _;
 use std::path::Path;
 use zwidth_store::StoreError;
@@ -120,9 +121,8 @@ struct Head {
 
 /// The values of a variable, not decoded yet.
 struct Numbers<'a> {
-    kind: u32,
+    written: Number,
     data: &'a [u8],
-    big: bool,
 }
 
 /// Gives the values of the variable at hand; only who asks has them unpacked.
@@ -143,7 +143,7 @@ fn vector(head: &Head, values: Values, take: &Take) -> Result<Cells, String> {
     let mut cells = Cells::Unread;
     let mut fits = true;
     values(&mut |numbers| {
-        let n = numbers.count()?;
+        let n = numbers.count();
         fits = take.budget.cells(n);
         if fits && Some(n) == head.count() {
             cells = Cells::Numbers(Float64Array::from(numbers.values(0, n)?));
@@ -174,7 +174,7 @@ fn column_of(head: &Head, values: Values, place: usize, take: &Take) -> Result<C
     }
     let mut cells = Cells::Unread;
     values(&mut |numbers| {
-        (numbers.count()? == rows.checked_mul(columns)?).then_some(())?;
+        (numbers.count() == rows.checked_mul(columns)?).then_some(())?;
         cells = Cells::Numbers(Float64Array::from(numbers.values(place.checked_mul(rows)?, rows)?));
         Some(())
     })?;
@@ -202,7 +202,7 @@ fn columns(head: &Head, values: Values, take: &Take) -> Result<Result<Table, Str
     let mut table = Table::default();
     let mut fits = true;
     values(&mut |numbers| {
-        let whole = numbers.count() == head.count();
+        let whole = Some(numbers.count()) == head.count();
         for place in (0..columns).filter(|_| whole && rows > 0) {
             let wanted = take.wants(place, None);
             fits = fits && (!wanted || take.budget.cells(rows));
@@ -250,7 +250,7 @@ fn variables(
         false => u64::from_le_bytes(offset),
     });
     let mut last: Option<String> = None;
-    let mut fields = Visited(0);
+    let mut visited = 0;
     for count in 1.. {
         let place = (bytes.len() - elements.bytes.len()) as u64;
         if elements.bytes.is_empty() || Some(place) == subsystem {
@@ -275,117 +275,99 @@ fn variables(
             _ => matrix_tag(&beginning, big).ok_or_else(damaged)?,
         };
         let (head, _) = head(plain, big, None).ok_or_else(damaged)?;
-        if head.is_struct {
+        let content = || -> Result<Cow<[u8]>, String> {
+            if kind == mi::MATRIX {
+                return Ok(Cow::Borrowed(data));
+            }
             if size > MOST_UNPACKED {
-                return Err(too_large(&head.name, size));
+                let name = shown(&head.name);
+                return Err(format!(
+                    "variable '{name}' unpacks to {size} bytes, and at most {MOST_UNPACKED} are read"
+                ));
             }
-            let unpacked;
-            let data = match kind {
-                mi::MATRIX => data,
-                _ => {
-                    unpacked = inflate(data, ALIGN as u64 + size).ok_or_else(damaged)?;
-                    Elements { bytes: &unpacked, big }.next().ok_or_else(damaged)?.1
-                }
-            };
-            let name = head.name;
-            fields.visit(&name, data, big, each)?;
-            last = Some(name);
-            continue;
+            let mut plain = inflate(data, ALIGN as u64 + size).ok_or_else(damaged)?;
+            // Its tag was read before.
+            plain.drain(..ALIGN.min(plain.len()));
+            if plain.len() as u64 == size { Ok(Cow::Owned(plain)) } else { Err(damaged()) }
+        };
+        if head.is_struct {
+            visit(&mut visited, &head.name, &content()?, big, each)?;
+        } else {
+            each(&head, &|take| {
+                let content = content()?;
+                real_part(&content, big).and_then(&mut *take).ok_or_else(damaged)
+            })?;
         }
-        each(&head, &|take| match kind {
-            mi::MATRIX => real_part(data, big).and_then(&mut *take).ok_or_else(damaged),
-            _ => {
-                if size > MOST_UNPACKED {
-                    return Err(too_large(&head.name, size));
-                }
-                let plain = inflate(data, ALIGN as u64 + size).ok_or_else(damaged)?;
-                let matrix = Elements { bytes: &plain, big }.next().map(|(_, data)| data);
-                matrix
-                    .and_then(|data| real_part(data, big))
-                    .and_then(&mut *take)
-                    .ok_or_else(damaged)
-            }
-        })?;
         last = Some(head.name);
     }
     Ok(())
 }
 
-fn too_large(name: &str, size: u64) -> String {
-    let name = shown(name);
-    format!("variable '{name}' unpacks to {size} bytes, and at most {MOST_UNPACKED} are read")
-}
-
-/// The number of fields of structures visited so far.
-struct Visited(usize);
-
-impl Visited {
-    /// Goes through the fields of a structure, and those of structures in it: by the name of the structure, a
-    /// point and that of the field. Of several structures in an array each has its number, `s(2).x`.
-    fn visit(
-        &mut self,
-        name: &str,
-        data: &[u8],
-        big: bool,
-        each: &mut dyn FnMut(&Head, Values) -> Result<(), String>,
-    ) -> Result<(), String> {
-        let mut left = vec![(name.to_owned(), data)];
-        while let Some((name, data)) = left.pop() {
-            let damaged = || format!("the structure '{}' is cut off or damaged", shown(&name));
-            let (outer, mut parts) = head(data, big, Some(&name)).ok_or_else(damaged)?;
-            let (kind, length) = parts.next().ok_or_else(damaged)?;
-            let length = Numbers { kind, data: length, big }.values(0, 1).ok_or_else(damaged)?;
-            let length = whole(length[0]).filter(|n| (1..=MOST_NAME).contains(n));
-            let length = length.ok_or_else(damaged)?;
-            let (_, names) = parts.next().ok_or_else(damaged)?;
-            let names: Vec<String> = names
-                .chunks_exact(length)
-                .map(|name| {
-                    let end = name.iter().position(|byte| *byte == 0).unwrap_or(name.len());
-                    String::from_utf8_lossy(&name[..end]).into_owned()
-                })
-                .collect();
-            let structures = outer.count().ok_or_else(damaged)?;
-            each(&outer, &|_| Ok(()))?;
-            let mut within = Vec::new();
-            for structure in 0..structures {
-                for field in &names {
-                    self.0 += 1;
-                    let full = match structures {
-                        1 => format!("{name}.{field}"),
-                        _ => format!("{name}({}).{field}", structure + 1),
-                    };
-                    if self.0 > MOST_COLUMNS || full.len() > MOST_NAME {
-                        return Err(
-                            "its structures have more fields, or deeper ones, than are read"
-                                .to_owned(),
-                        );
-                    }
-                    let (kind, data) = parts.next().ok_or_else(damaged)?;
-                    if kind != mi::MATRIX {
-                        return Err(damaged());
-                    }
-                    // A field that was never set has nothing at all.
-                    if data.is_empty() {
-                        let class = Some("empty".to_owned());
-                        let head = Head { name: full, size: vec![0, 0], class, is_struct: false };
-                        each(&head, &|_| Ok(()))?;
-                        continue;
-                    }
-                    let (inner, _) = head(data, big, Some(&full)).ok_or_else(damaged)?;
-                    if inner.is_struct {
-                        within.push((full, data));
-                        continue;
-                    }
-                    each(&inner, &|take| {
-                        real_part(data, big).and_then(&mut *take).ok_or_else(damaged)
-                    })?;
+/// Goes through the fields of a structure, and those of structures in it: by the name of the structure, a
+/// point and that of the field. Of several structures in an array each has its number, `s(2).x`.
+/// `visited` counts the fields of all structures.
+fn visit(
+    visited: &mut usize,
+    name: &str,
+    data: &[u8],
+    big: bool,
+    each: &mut dyn FnMut(&Head, Values) -> Result<(), String>,
+) -> Result<(), String> {
+    let mut left = vec![(name.to_owned(), data)];
+    while let Some((name, data)) = left.pop() {
+        let damaged = || format!("the structure '{}' is cut off or damaged", shown(&name));
+        let (outer, mut parts) = head(data, big, Some(&name)).ok_or_else(damaged)?;
+        let (kind, length) = parts.next().ok_or_else(damaged)?;
+        let length = Numbers::new(kind, length, big).and_then(|length| length.values(0, 1));
+        let length = whole(length.ok_or_else(damaged)?[0]);
+        let length = length.filter(|n| (1..=MOST_NAME).contains(n));
+        let length = length.ok_or_else(damaged)?;
+        let (_, names) = parts.next().ok_or_else(damaged)?;
+        let names: Vec<String> = names
+            .chunks_exact(length)
+            .map(|name| {
+                let end = name.iter().position(|byte| *byte == 0).unwrap_or(name.len());
+                String::from_utf8_lossy(&name[..end]).into_owned()
+            })
+            .collect();
+        let structures = outer.count().ok_or_else(damaged)?;
+        each(&outer, &|_| Ok(()))?;
+        let mut within = Vec::new();
+        for structure in 0..structures {
+            for field in &names {
+                *visited += 1;
+                let full = match structures {
+                    1 => format!("{name}.{field}"),
+                    _ => format!("{name}({}).{field}", structure + 1),
+                };
+                if *visited > MOST_COLUMNS || full.len() > MOST_NAME {
+                    let what = "its structures have more fields, or deeper ones, than are read";
+                    return Err(what.to_owned());
                 }
+                let (kind, data) = parts.next().ok_or_else(damaged)?;
+                if kind != mi::MATRIX {
+                    return Err(damaged());
+                }
+                // A field that was never set has nothing at all.
+                if data.is_empty() {
+                    let class = Some("empty".to_owned());
+                    let head = Head { name: full, size: vec![0, 0], class, is_struct: false };
+                    each(&head, &|_| Ok(()))?;
+                    continue;
+                }
+                let (inner, _) = head(data, big, Some(&full)).ok_or_else(damaged)?;
+                if inner.is_struct {
+                    within.push((full, data));
+                    continue;
+                }
+                each(&inner, &|take| {
+                    real_part(data, big).and_then(&mut *take).ok_or_else(damaged)
+                })?;
             }
-            left.extend(within.into_iter().rev());
         }
-        Ok(())
+        left.extend(within.into_iter().rev());
     }
+    Ok(())
 }
 
 /// The first bytes of a compressed element, at most `most`: what it claims of its size decides
@@ -405,7 +387,7 @@ struct Elements<'a> {
 impl<'a> Elements<'a> {
     /// The next element's type and data; `None` where it is cut off.
     fn next(&mut self) -> Option<(u32, &'a [u8])> {
-        let first = word(self.bytes.get(..4)?.try_into().ok()?, self.big);
+        let first = word(self.bytes, self.big)?;
         // A small element has its length in the upper half of the word that holds its type.
         let small = (first >> 16) as usize;
         let kind = first & 0xffff;
@@ -414,7 +396,7 @@ impl<'a> Elements<'a> {
             self.bytes = &self.bytes[2 * SMALL..];
             return Some((kind, data));
         }
-        let size = word(self.bytes.get(4..8)?.try_into().ok()?, self.big) as usize;
+        let size = word(&self.bytes[4..], self.big)? as usize;
         let end = ALIGN.checked_add(size)?;
         let data = self.bytes.get(ALIGN..end)?;
         // Compressed elements follow each other without padding; the last one of all may lack it.
@@ -424,15 +406,17 @@ impl<'a> Elements<'a> {
     }
 }
 
-fn word(bytes: [u8; 4], big: bool) -> u32 {
-    if big { u32::from_be_bytes(bytes) } else { u32::from_le_bytes(bytes) }
+/// The word at the beginning.
+fn word(bytes: &[u8], big: bool) -> Option<u32> {
+    let word = *bytes.first_chunk::<4>()?;
+    Some(if big { u32::from_be_bytes(word) } else { u32::from_le_bytes(word) })
 }
 
 /// The size that the tag of a matrix gives, bytes, and what follows the tag.
 fn matrix_tag(bytes: &[u8], big: bool) -> Option<(u64, &[u8])> {
-    let (kind, rest) = bytes.split_first_chunk::<4>()?;
-    let (size, data) = rest.split_first_chunk::<4>()?;
-    (word(*kind, big) == mi::MATRIX).then_some((u64::from(word(*size, big)), data))
+    let (tag, data) = bytes.split_at_checked(ALIGN)?;
+    let size = word(&tag[4..], big)?;
+    (word(tag, big)? == mi::MATRIX).then_some((u64::from(size), data))
 }
 
 /// The description of a matrix, and the elements behind it.
@@ -440,7 +424,7 @@ fn matrix_tag(bytes: &[u8], big: bool) -> Option<(u64, &[u8])> {
 fn head<'a>(data: &'a [u8], big: bool, field: Option<&str>) -> Option<(Head, Elements<'a>)> {
     let mut parts = Elements { bytes: data, big };
     let (_, flags) = parts.next()?;
-    let flags = word(flags.get(..4)?.try_into().ok()?, big);
+    let flags = word(flags, big)?;
     let kind = flags & 0xff;
     if kind == OPAQUE {
         // It has no size; behind its name stand the system of its type and its class.
@@ -453,8 +437,8 @@ fn head<'a>(data: &'a [u8], big: bool, field: Option<&str>) -> Option<(Head, Ele
         return Some((head, parts));
     }
     let (size_kind, size) = parts.next()?;
-    let size = Numbers { kind: size_kind, data: size, big };
-    let dimensions = size.count().filter(|n| *n <= MOST_DIMENSIONS)?;
+    let size = Numbers::new(size_kind, size, big)?;
+    let dimensions = Some(size.count()).filter(|n| *n <= MOST_DIMENSIONS)?;
     let size = size.values(0, dimensions)?.into_iter().map(whole).collect::<Option<Vec<_>>>()?;
     let own = parts.next()?.1;
     let name = field.map_or_else(|| text(own), str::to_owned);
@@ -483,7 +467,7 @@ fn text(bytes: &[u8]) -> String {
 /// The values of a matrix, as they lie in the file.
 fn real_part(data: &[u8], big: bool) -> Option<Numbers<'_>> {
     let (kind, data) = head(data, big, None)?.1.next()?;
-    Some(Numbers { kind, data, big })
+    Numbers::new(kind, data, big)
 }
 
 impl Head {
@@ -499,58 +483,36 @@ fn whole(value: f64) -> Option<usize> {
 }
 
 /// MATLAB stores whole numbers in the smallest type that holds them.
-impl Numbers<'_> {
-    /// Bytes of a value.
-    fn width(&self) -> Option<usize> {
-        match self.kind {
-            mi::INT8 | mi::UINT8 => Some(1),
-            mi::INT16 | mi::UINT16 => Some(2),
-            mi::INT32 | mi::UINT32 | mi::SINGLE => Some(4),
-            mi::DOUBLE | mi::INT64 | mi::UINT64 => Some(8),
-            _ => None,
-        }
+impl<'a> Numbers<'a> {
+    /// Those of an element; nothing if its type is none of numbers.
+    fn new(kind: u32, data: &'a [u8], big: bool) -> Option<Self> {
+        let (kind, size) = match kind {
+            mi::INT8 => (NumberKind::Signed, 1),
+            mi::UINT8 => (NumberKind::Unsigned, 1),
+            mi::INT16 => (NumberKind::Signed, 2),
+            mi::UINT16 => (NumberKind::Unsigned, 2),
+            mi::INT32 => (NumberKind::Signed, 4),
+            mi::UINT32 => (NumberKind::Unsigned, 4),
+            mi::SINGLE => (NumberKind::Float, 4),
+            mi::DOUBLE => (NumberKind::Float, 8),
+            mi::INT64 => (NumberKind::Signed, 8),
+            mi::UINT64 => (NumberKind::Unsigned, 8),
+            _ => return None,
+        };
+        Some(Self { written: Number { kind, size, big }, data })
     }
 
     /// The number of values.
-    fn count(&self) -> Option<usize> {
-        Some(self.data.len() / self.width()?)
+    fn count(&self) -> usize {
+        self.data.len() / self.written.size
     }
 
     /// `n` values from the one at `from` on.
-    #[allow(clippy::cast_precision_loss)]
     fn values(&self, from: usize, n: usize) -> Option<Vec<f64>> {
-        let width = self.width()?;
+        let width = self.written.size;
         let data =
             self.data.get(from.checked_mul(width)?..from.checked_add(n)?.checked_mul(width)?)?;
-        let big = self.big;
-        macro_rules! all {
-            ($type:ty) => {
-                data.chunks_exact(size_of::<$type>())
-                    .map(|chunk| {
-                        let bytes = chunk.try_into().ok()?;
-                        let value = if big {
-                            <$type>::from_be_bytes(bytes)
-                        } else {
-                            <$type>::from_le_bytes(bytes)
-                        };
-                        Some(value as f64)
-                    })
-                    .collect()
-            };
-        }
-        match self.kind {
-            mi::INT8 => all!(i8),
-            mi::UINT8 => all!(u8),
-            mi::INT16 => all!(i16),
-            mi::UINT16 => all!(u16),
-            mi::INT32 => all!(i32),
-            mi::UINT32 => all!(u32),
-            mi::SINGLE => all!(f32),
-            mi::DOUBLE => all!(f64),
-            mi::INT64 => all!(i64),
-            mi::UINT64 => all!(u64),
-            _ => None,
-        }
+        Some(data.chunks_exact(width).map(|bytes| self.written.read(bytes)).collect())
     }
 }
 

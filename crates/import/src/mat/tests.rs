@@ -1,9 +1,6 @@
 //! MAT files: some that SciPy wrote, truncated ones, and some that claim too much.
 
-use super::super::limits::{
-    Budget,
-    tests::{everything, everything_turned},
-};
+use super::super::limits::tests::{everything, everything_turned, only};
 use super::super::table::{Cell, ColumnRef};
 use super::*;
 use flate2::{Compression, write::ZlibEncoder};
@@ -160,11 +157,9 @@ pub(in super::super) fn object(class: &str) -> Vec<u8> {
 #[test]
 fn the_fields_of_structures_come_by_their_path_and_columns_of_a_matrix_by_their_place() {
     let names = ["simout.time", "simout.signals.values(2)", "scope.signals(2).values"];
-    let columns = names.map(|name| ColumnRef::Name(name.to_owned()));
-    let budget = Budget::default();
-    let take = Take::of(columns.iter().collect(), &budget);
     let plain = simulink();
-    let table = super::read(Path::new("a.mat"), &plain, None, &take).unwrap();
+    let take = |take: &Take| super::read(Path::new("a.mat"), &plain, None, take);
+    let table = only(&names, take).unwrap();
     for (name, expect) in
         names.into_iter().zip([[0.0, 0.5, 1.0], [1.5, -2.0, 4.0], [1.5, -2.0, 4.0]])
     {
@@ -326,10 +321,9 @@ fn a_size_that_is_not_that_of_the_values_is_damage_however_large_it_is() {
 
 #[test]
 fn a_variable_that_is_not_mapped_is_not_unpacked() {
-    let y = ColumnRef::Name("y".to_owned());
-    let budget = Budget::default();
-    let take = Take::of(vec![&y], &budget);
-    let table = super::read(Path::new("a.mat"), &bomb(1 << 20, 1 << 31), None, &take).unwrap();
+    let bytes = bomb(1 << 20, 1 << 31);
+    let take = |take: &Take| super::read(Path::new("a.mat"), &bytes, None, take);
+    let table = only(&["y"], take).unwrap();
     assert!(matches!(table.columns[..], [Cells::Unread]));
 }
 

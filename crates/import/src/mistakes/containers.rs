@@ -7,8 +7,7 @@ use super::super::mat::tests as mat;
 use super::super::parquet::tests as parquet;
 use super::super::world::{FORCE, ONE, trials_map};
 use super::super::xdf::tests as xdf;
-use super::Becomes::{Flagged, Read, Refused};
-use super::{PLAIN, Row, mapped};
+use super::{PLAIN, Row, mapped, mapped_csv};
 use arrow::array::{
     ArrayRef, DurationMicrosecondArray, Float64Array, RecordBatch, Time64MicrosecondArray,
     TimestampNanosecondArray,
@@ -17,13 +16,20 @@ use hdf5_pure::{AttrValue, FileBuilder};
 use std::sync::Arc;
 
 /// HDF5 of the usual times, and forces as whole numbers with these attributes.
-fn packed(stored: &[i16], attributes: &[(&str, AttrValue)]) -> Vec<u8> {
+fn packed(what: &'static str, stored: &[i16], attributes: &[(&str, AttrValue)]) -> Row {
     let mut file = FileBuilder::new();
     file.create_dataset("t").with_f64_data(&[0.0, 0.5, 1.0]).with_shape(&[3]);
     let force = file.create_dataset("f").with_i16_data(stored).with_shape(&[3]);
     for (name, value) in attributes {
         force.set_attr(name, value.clone());
     }
+    mapped(what, trials_map(&[ONE, FORCE]), "a.h5", file.finish().unwrap())
+}
+
+/// HDF5 with a matrix of this shape.
+fn matrix(shape: &[u64], values: &[f64]) -> Vec<u8> {
+    let mut file = FileBuilder::new();
+    file.create_dataset("ans").with_f64_data(values).with_shape(shape);
     file.finish().unwrap()
 }
 
@@ -36,6 +42,10 @@ fn timed(times: ArrayRef) -> RecordBatch {
 pub(super) fn containers() -> Vec<Row> {
     let usual = trials_map(&[ONE, FORCE]);
     let in_unit = |unit: &str| usual.replace("unit = \"s\"", &format!("unit = \"{unit}\""));
+    let renamed = |time: &str, force: &str| {
+        usual.replace("\"t\"", &format!("\"{time}\"")).replace("\"f\"", &format!("\"{force}\""))
+    };
+    let simout = renamed("simout.time", "simout.signals.values(2)");
     let hundredths = ("scale_factor", AttrValue::F64(0.01));
     let from_xdf = |unit: &str| {
         let force = FORCE.replace("\"t\"", "\"time_s\"").replace("\"f\"", "\"load\"");
@@ -47,13 +57,7 @@ pub(super) fn containers() -> Vec<Row> {
         let times = (0..300).map(|i| 0.01 * f64::from(i));
         xdf::steady_of(channel, times, &[(0.0, 5.0), (1.0, 5.0), (2.0, 5.0)])
     };
-    let mut turned = FileBuilder::new();
     let values: Vec<f64> = (0..375).map(f64::from).collect();
-    turned.create_dataset("ans").with_f64_data(&values).with_shape(&[3, 125]);
-    let turned = turned.finish().unwrap();
-    let mut rows = FileBuilder::new();
-    rows.create_dataset("ans").with_f64_data(&[0.0, 0.5, 1.0, 1.5, -2.0, 4.0]).with_shape(&[2, 3]);
-    let rows = rows.finish().unwrap();
     let by_place = FORCE.replace("\"t\"", "1").replace("\"f\"", "2");
     let durations: ArrayRef = Arc::new(DurationMicrosecondArray::from(vec![0, 500_000, 1_000_000]));
     let noon = 12 * 3_600_000_000_i64;
@@ -62,223 +66,138 @@ pub(super) fn containers() -> Vec<Row> {
     let epoch = 1_700_000_000_123_456_789_i64;
     let moments = [0, 500_000_000, 1_000_000_000].map(|ns| epoch + ns);
     let moments: ArrayRef = Arc::new(TimestampNanosecondArray::from(moments.to_vec()));
-    let from_first = |unit: &str| format!("unit = \"{unit}\"\nzero = \"first\"");
-    let from_first = |unit: &str| usual.replace("unit = \"s\"", &from_first(unit));
+    let from_first =
+        |unit: &str| usual.replace("unit = \"s\"", &format!("unit = \"{unit}\"\nzero = \"first\""));
     vec![
-        mapped(
+        packed(
             "HDF5 of whole numbers with a scale_factor",
-            (Flagged, "column f: its numbers are those stored × 0.01 + 0, as its attributes say"),
-            usual.clone(),
-            "a.h5",
-            packed(&[150, -200, 400], std::slice::from_ref(&hundredths)),
+            &[150, -200, 400],
+            std::slice::from_ref(&hundredths),
         ),
-        mapped(
+        packed(
             "NWB with conversion and offset",
-            (Flagged, "those stored × 0.5 + -1, as its attributes say (conversion, offset)"),
-            usual.clone(),
-            "a.h5",
-            packed(
-                &[5, -2, 10],
-                &[("conversion", AttrValue::F32(0.5)), ("offset", AttrValue::I32(-1))],
-            ),
+            &[5, -2, 10],
+            &[("conversion", AttrValue::F32(0.5)), ("offset", AttrValue::I32(-1))],
         ),
-        mapped(
+        packed(
             "HDF5 whose scale_factor is a text",
-            (Refused, "its attribute 'scale_factor' is not one finite number"),
-            usual.clone(),
-            "a.h5",
-            packed(&[150, -200, 400], &[("scale_factor", AttrValue::String("0.01".to_owned()))]),
+            &[150, -200, 400],
+            &[("scale_factor", AttrValue::String("0.01".to_owned()))],
         ),
-        mapped(
+        packed(
             "HDF5 with scale_factor and conversion",
-            (Refused, "'scale_factor' and 'conversion' beside each other"),
-            usual.clone(),
-            "a.h5",
-            packed(&[150, -200, 400], &[hundredths, ("conversion", AttrValue::F64(0.5))]),
+            &[150, -200, 400],
+            &[hundredths, ("conversion", AttrValue::F64(0.5))],
         ),
-        mapped(
+        packed(
             "HDF5 with a number that stands for a missing one",
-            (Refused, "the cell is empty"),
-            usual.clone(),
-            "a.h5",
-            packed(&[150, -999, 400], &[("_FillValue", AttrValue::I16(-999))]),
+            &[150, -999, 400],
+            &[("_FillValue", AttrValue::I16(-999))],
         ),
-        mapped(
+        packed(
             "HDF5 whose unit is not that of the mapping",
-            (
-                Flagged,
-                "column f: the file says that its unit is 'millinewtons', and the mapping takes it for N",
-            ),
-            usual.clone(),
-            "a.h5",
-            packed(&[150, -200, 400], &[("units", AttrValue::String("millinewtons".to_owned()))]),
+            &[150, -200, 400],
+            &[("units", AttrValue::String("millinewtons".to_owned()))],
         ),
         mapped(
             "durations of pandas in Parquet",
-            (Read, ""),
             in_unit("us"),
             "a.parquet",
             parquet::encode(&timed(durations.clone())),
         ),
         mapped(
             "durations in Parquet, in another unit",
-            (Refused, "it counts in us, and the mapping says s; set unit = \"us\""),
             usual.clone(),
             "a.parquet",
             parquet::encode(&timed(durations.clone())),
         ),
         mapped(
             "durations in an Arrow file",
-            (Read, ""),
             in_unit("us"),
             "a.arrow",
             feather::encode(&[timed(durations)]),
         ),
         mapped(
             "times of day in Parquet",
-            (Read, ""),
             from_first("us"),
             "a.parquet",
             parquet::encode(&timed(of_day)),
         ),
         mapped(
             "moments to a nanosecond in Parquet",
-            (Read, ""),
             from_first("ns"),
             "a.parquet",
             parquet::encode(&timed(moments.clone())),
         ),
         mapped(
             "moments to a nanosecond in an Arrow file",
-            (Read, ""),
             from_first("ns"),
             "a.arrow",
             feather::encode(&[timed(moments)]),
         ),
-        mapped(
-            "a structure with time of Simulink",
-            (Read, ""),
-            usual
-                .replace("\"t\"", "\"simout.time\"")
-                .replace("\"f\"", "\"simout.signals.values(2)\""),
-            "a.mat",
-            mat::simulink(),
-        ),
+        mapped("a structure with time of Simulink", simout.clone(), "a.mat", mat::simulink()),
         mapped(
             "structures of Simulink in an array",
-            (Read, ""),
-            usual
-                .replace("\"t\"", "\"scope.time\"")
-                .replace("\"f\"", "\"scope.signals(2).values\""),
+            renamed("scope.time", "scope.signals(2).values"),
             "a.mat",
             mat::simulink(),
         ),
         mapped(
             "a structure with time, saved with -v7.3",
-            (Read, ""),
-            usual
-                .replace("\"t\"", "\"simout.time\"")
-                .replace("\"f\"", "\"simout.signals.values(2)\""),
+            simout.clone(),
             "a.mat",
             hdf5::matlab_7_3(),
         ),
         mapped(
             "a MAT file of version 7.3 without its first text",
-            (Read, ""),
-            usual
-                .replace("\"t\"", "\"simout.time\"")
-                .replace("\"f\"", "\"simout.signals.values(2)\""),
+            simout,
             "a.mat",
             &hdf5::matlab_7_3()[512..],
         ),
         mapped(
             "an XDF channel whose unit is that of the mapping, in words",
-            (Read, ""),
             from_xdf("N"),
             "a.xdf",
             in_newtons(),
         ),
         mapped(
             "an XDF channel whose unit is not that of the mapping",
-            (
-                Flagged,
-                "column load: the file says that its unit is 'newtons', and the mapping takes it for mN",
-            ),
             from_xdf("mN"),
             "a.xdf",
             in_newtons(),
         ),
         mapped(
             "times of XDF taken for milliseconds",
-            (Refused, "it counts in s, and the mapping says ms; set unit = \"s\""),
             from_xdf("N").replace("unit = \"s\"", "unit = \"ms\""),
             "a.xdf",
             in_newtons(),
         ),
         mapped(
             "a matrix whose rows are the signals",
-            (Refused, "its rows are the signals; set signals = \"rows\" in [file]"),
             trials_map(&["[file]\nmatrix = \"ans\"\n", ONE, &by_place]),
             "a.h5",
-            turned,
+            matrix(&[3, 125], &values),
         ),
         mapped(
             "a matrix whose rows are the signals, said",
-            (Read, ""),
             trials_map(&["[file]\nmatrix = \"ans\"\nsignals = \"rows\"\n", ONE, &by_place]),
             "a.h5",
-            rows,
+            matrix(&[2, 3], &[0.0, 0.5, 1.0, 1.5, -2.0, 4.0]),
         ),
-        mapped(
+        mapped_csv(
             "columns of a text that are said to be rows of a matrix",
-            (
-                Refused,
-                "signals = \"rows\" is of a matrix, and none is named; remove it from [file]",
-            ),
             trials_map(&["[file]\nsignals = \"rows\"\n", ONE, FORCE]),
-            "a.csv",
             PLAIN,
         ),
-        mapped(
-            "a range of Octave",
-            (Read, ""),
-            usual.replace("\"t\"", "\"t/value\"").replace("\"f\"", "\"f/value(2)\""),
-            "a.h5",
-            hdf5::octave(),
-        ),
+        mapped("a range of Octave", renamed("t/value", "f/value(2)"), "a.h5", hdf5::octave()),
         mapped(
             "a table of HDF5 of several fields",
-            (Refused, "it is a table of the fields t, n, who; name one of them behind a stroke"),
-            usual.replace("\"t\"", "\"data/t\"").replace("\"f\"", "\"data\""),
+            renamed("data/t", "data"),
             "a.h5",
             hdf5::compound(),
         ),
-        mapped(
-            "a MATLAB table",
-            (
-                Refused,
-                "'x' is a MATLAB table; in MATLAB, type s = table2struct(x, 'ToScalar', true)",
-            ),
-            usual.clone(),
-            "a.mat",
-            mat::object("table"),
-        ),
-        mapped(
-            "a MATLAB timetable",
-            (Refused, "'x' is a MATLAB timetable; in MATLAB, type T = timetable2table(x)"),
-            usual.clone(),
-            "a.mat",
-            mat::object("timetable"),
-        ),
-        mapped(
-            "a MATLAB table, saved with -v7.3",
-            (
-                Refused,
-                "'T' is a MATLAB table; in MATLAB, type s = table2struct(T, 'ToScalar', true)",
-            ),
-            usual.clone(),
-            "a.mat",
-            hdf5::matlab_7_3(),
-        ),
+        mapped("a MATLAB table", usual.clone(), "a.mat", mat::object("table")),
+        mapped("a MATLAB timetable", usual.clone(), "a.mat", mat::object("timetable")),
+        mapped("a MATLAB table, saved with -v7.3", usual.clone(), "a.mat", hdf5::matlab_7_3()),
     ]
 }

@@ -2,8 +2,7 @@
 
 use super::super::world::{FORCE, ONE, trials_map};
 use super::super::xdf::tests::steady;
-use super::Becomes::{Flagged, Read, Refused};
-use super::{Becomes, Row, mapped};
+use super::{Row, mapped, mapped_csv};
 use std::fmt::Write as _;
 
 /// A mapping with other keys under `[time]`.
@@ -13,9 +12,8 @@ fn timed(keys: &str) -> String {
 }
 
 /// Three samples at these times.
-fn three(what: &'static str, said: (Becomes, &'static str), keys: &str, times: [&str; 3]) -> Row {
-    let [a, b, c] = times;
-    mapped(what, said, timed(keys), "a.csv", format!("t,f\n{a},1.5\n{b},-2\n{c},4\n"))
+fn three(what: &'static str, keys: &str, [a, b, c]: [&str; 3]) -> Row {
+    mapped_csv(what, timed(keys), format!("t,f\n{a},1.5\n{b},-2\n{c},4\n"))
 }
 
 /// What becomes of clocks and counters.
@@ -24,9 +22,6 @@ pub(super) fn clocks() -> Vec<Row> {
     let seconds = "from = \"t\"\nunit = \"s\"\nzero = \"first\"";
     let counted = "rate_hz = 100.0\ncounter = \"n\"\nwrap = 16";
     let wraps = ["4294000000", "4294500000", "32704"];
-    let backwards = "time runs backwards or stands still";
-    let in_ms =
-        "its cells are clock times or durations, which say their unit themselves; set unit = \"s\"";
     let doubled = "t,f\n0,1.5\n0,1.5\n0.5,-2\n1,4\n";
     let mut counter = String::from("n,f\n");
     for n in (0..60).filter(|n| !(30..40).contains(n)) {
@@ -38,8 +33,9 @@ pub(super) fn clocks() -> Vec<Row> {
     let packets = rows("n,f\n", &|i| i / 4 + u32::from(i >= 60));
     let of_8_ms = rows("time_ms,f\n", &|i| 8 * i);
     let coarse = rows("t,f\n", &|i| i / 25);
-    let xdf = |times: &dyn Fn(u32) -> f64, samples, offsets: &[(f64, f64)]| {
-        steady((0..samples).map(times), offsets)
+    let from_xdf = timed(&seconds.replace("\"t\"", "\"time_s\"")).replace("\"f\"", "\"load\"");
+    let stream = |what, times: &dyn Fn(u32) -> f64, samples, offsets: &[(f64, f64)]| {
+        mapped(what, from_xdf.clone(), "a.xdf", steady((0..samples).map(times), offsets))
     };
     let usual = [(0.0, 5.0), (1.0, 5.0), (2.0, 5.0)];
     let even = |i: u32| 0.01 * f64::from(i);
@@ -49,162 +45,105 @@ pub(super) fn clocks() -> Vec<Row> {
     // Chunks of ten, late by up to 40 ms.
     let in_chunks = |i: u32| even(i) + 0.01 * f64::from((i / 10 * 7 + i / 50) % 5);
     let stepped = |i: u32| 0.01 * f64::from(i) - if i >= 150 { 10.0 } else { 0.0 };
-    let from_xdf = || timed(&seconds.replace("\"t\"", "\"time_s\"")).replace("\"f\"", "\"load\"");
     vec![
-        three("a counter of microseconds that starts over", (Refused, backwards), micros, wraps),
-        three("the same, said", (Read, ""), &format!("{micros}\nwrap = 4294967296"), wraps),
+        three("a counter of microseconds that starts over", micros, wraps),
+        three("the same, said", &format!("{micros}\nwrap = 4294967296"), wraps),
         three(
             "the same, parted into trials there",
-            (Refused, "a movement would become two; set wrap = 4294967296 in [time]"),
             &format!("{micros}\nbackwards = \"split\""),
             ["4294967290", "4294967295", "4"],
         ),
-        three("clock times", (Read, ""), seconds, ["10:00:00.0", "10:00:00.5", "10:00:01.0"]),
+        three("clock times", seconds, ["10:00:00.0", "10:00:00.5", "10:00:01.0"]),
         three(
             "dates with times",
-            (Read, ""),
             seconds,
             ["2026-01-31 23:59:59", "2026-01-31 23:59:59.5", "2026-02-01 00:00:00"],
         ),
-        three("durations with their unit", (Read, ""), seconds, ["0 sec", "0.5 sec", "1 sec"]),
+        three("durations with their unit", seconds, ["0 sec", "0.5 sec", "1 sec"]),
         three(
             "durations as pandas writes them",
-            (Read, ""),
             seconds,
             ["0 days 00:00:00", "0 days 00:00:00.5", "0 days 00:00:01"],
         ),
         three(
             "clock times taken for milliseconds",
-            (Refused, in_ms),
             "from = \"t\"\nunit = \"ms\"",
             ["10:00:00.0", "10:00:00.5", "10:00:01.0"],
         ),
         three(
             "days, as spreadsheets count",
-            (Read, ""),
             "from = \"t\"\nunit = \"d\"",
             ["0", "5.787037037037037e-6", "1.1574074074074073e-5"],
         ),
-        three("a clock that is set back", (Refused, backwards), seconds, ["0", "0.5", "0.25"]),
-        mapped("each row twice", (Refused, backwards), timed(seconds), "a.csv", doubled),
-        mapped(
-            "each row twice, said",
-            (Flagged, "they have the time of a row before them"),
-            timed(&format!("{seconds}\nequal = \"drop\"")),
-            "a.csv",
-            doubled,
-        ),
-        mapped(
-            "samples that a counter passes over, said",
-            (Flagged, "its counter passes over 10 samples in 1 places"),
-            timed(counted),
-            "a.csv",
-            &counter,
-        ),
-        mapped(
+        three("a clock that is set back", seconds, ["0", "0.5", "0.25"]),
+        mapped_csv("each row twice", timed(seconds), doubled),
+        mapped_csv("each row twice, said", timed(&format!("{seconds}\nequal = \"drop\"")), doubled),
+        mapped_csv("samples that a counter passes over, said", timed(counted), &counter),
+        mapped_csv(
             "samples that a counter passes over, beside rate_hz",
-            (Flagged, "column n passes over 10 samples in 1 places"),
             timed("rate_hz = 100.0"),
-            "a.csv",
             &counter,
         ),
-        mapped(
+        mapped_csv(
             "packets of four samples of which one is missing, beside rate_hz",
-            (Flagged, "column n passes over 4 samples in 1 places"),
             timed("rate_hz = 100.0"),
-            "a.csv",
             packets,
         ),
-        mapped(
-            "a column of times that contradicts rate_hz",
-            (Flagged, "rate_hz is 100, and column time_ms has 125.0 samples a second"),
-            timed("rate_hz = 100.0"),
-            "a.csv",
-            of_8_ms,
-        ),
-        mapped(
+        mapped_csv("a column of times that contradicts rate_hz", timed("rate_hz = 100.0"), of_8_ms),
+        mapped_csv(
             "a clock of whole seconds, made one sample of each",
-            (Flagged, "rows have the time of a row before them, and other values"),
             timed(&format!("{seconds}\nequal = \"drop\"")),
-            "a.csv",
             coarse,
         ),
-        mapped(
-            "an XDF stream as it should be",
-            (Read, ""),
-            from_xdf(),
-            "a.xdf",
-            xdf(&even, 300, &usual),
-        ),
-        mapped(
-            "an XDF stream of which 0.6 s are missing",
-            (Flagged, "0.60 s (60 samples at 100 Hz) are missing behind sample 150"),
-            from_xdf(),
-            "a.xdf",
-            xdf(&gap, 300, &usual),
-        ),
-        mapped(
+        stream("an XDF stream as it should be", &even, 300, &usual),
+        stream("an XDF stream of which 0.6 s are missing", &gap, 300, &usual),
+        stream(
             "an XDF stream of which every second sample is missing for a while",
-            (
-                Flagged,
-                "0.40 s (40 samples at 100 Hz) are missing in 40 gaps, the first behind sample 151",
-            ),
-            from_xdf(),
-            "a.xdf",
-            xdf(&single, 400, &usual),
+            &single,
+            400,
+            &usual,
         ),
-        mapped(
+        stream(
             "an XDF stream whose samples were held up, and all came then",
-            (Read, ""),
-            from_xdf(),
-            "a.xdf",
-            xdf(&stalled, 400, &usual),
+            &stalled,
+            400,
+            &usual,
         ),
-        mapped(
+        stream(
             "an XDF stream whose chunks come late, each by another time",
-            (Read, ""),
-            from_xdf(),
-            "a.xdf",
-            xdf(&in_chunks, 400, &usual),
+            &in_chunks,
+            400,
+            &usual,
         ),
-        mapped(
+        stream(
             "an XDF stream of another rate than it says",
-            (Flagged, "the stream says 100 Hz, and 90.9 samples per second were recorded"),
-            from_xdf(),
-            "a.xdf",
-            xdf(&|i| 0.011 * f64::from(i), 300, &usual),
+            &|i| 0.011 * f64::from(i),
+            300,
+            &usual,
         ),
-        mapped(
+        stream(
             "an XDF file with a clock offset that is off by itself",
-            (Flagged, "clock offset 4 of 4 lies 200000.000 s off those beside it, and is left out"),
-            from_xdf(),
-            "a.xdf",
-            xdf(&even, 300, &[usual[0], usual[1], usual[2], (3.0, 200_005.0)]),
+            &even,
+            300,
+            &[usual[0], usual[1], usual[2], (3.0, 200_005.0)],
         ),
-        mapped(
+        stream(
             "an XDF file whose clock offsets step by 0.2 s, and its samples do not",
-            (Flagged, "clock offset 4 of 4 lies 0.200 s off those beside it, and is left out"),
-            from_xdf(),
-            "a.xdf",
-            xdf(&even, 300, &[usual[0], usual[1], usual[2], (3.0, 5.2)]),
+            &even,
+            300,
+            &[usual[0], usual[1], usual[2], (3.0, 5.2)],
         ),
-        mapped(
+        stream(
             "an XDF file with a clock offset that is no number",
-            (Flagged, "clock offset 2 of 3 is not a number, and is left out"),
-            from_xdf(),
-            "a.xdf",
-            xdf(&even, 300, &[usual[0], (1.0, f64::NAN), usual[2]]),
+            &even,
+            300,
+            &[usual[0], (1.0, f64::NAN), usual[2]],
         ),
-        mapped(
+        stream(
             "an XDF file recorded while the clock was set back by 10 s",
-            (Flagged, "a clock was set anew by 10.000 s while this was recorded"),
-            from_xdf(),
-            "a.xdf",
-            xdf(
-                &stepped,
-                1000,
-                &[(0.0, 5.0), (0.5, 5.0), (1.0, 5.0), (1.4, 5.0), (-8.3, 15.0), (-7.5, 15.0)],
-            ),
+            &stepped,
+            1000,
+            &[(0.0, 5.0), (0.5, 5.0), (1.0, 5.0), (1.4, 5.0), (-8.3, 15.0), (-7.5, 15.0)],
         ),
     ]
 }
@@ -248,30 +187,20 @@ pub(super) fn zeros() -> Vec<Row> {
     }
     let derived = "[[column]]\nto = \"theta_dot_rad_s\"\nderive = \"derivative of theta_rad\"\n";
     vec![
-        mapped(
+        mapped_csv(
             "a first sample that is taken for the zero, and is none",
-            (Flagged, "its first value, 1.15, is taken for its zero, and it rests at 2.3"),
             zeroed("\"first\""),
-            "a.csv",
             pushed(1.15),
         ),
-        mapped("a zero over a stretch at rest", (Read, ""), rest(0.1, 0.6), "a.csv", pushed(1.15)),
-        mapped(
-            "a zero over a stretch that does not rest",
-            (Flagged, "where it does not rest"),
-            rest(0.5, 2.5),
-            "a.csv",
-            pushed(2.3),
-        ),
-        mapped(
+        mapped_csv("a zero over a stretch at rest", rest(0.1, 0.6), pushed(1.15)),
+        mapped_csv("a zero over a stretch that does not rest", rest(0.5, 2.5), pushed(2.3)),
+        mapped_csv(
             "an angle that starts over at a full turn, said",
-            (Read, ""),
             angle("wrap = 360.0\noffset = -360.0"),
-            "a.csv",
             turning,
         ),
-        mapped("a load that is held", (Read, ""), trials_map(&[ONE, load]), "a.csv", held),
-        mapped("an isometric trial", (Read, ""), angle("") + derived, "a.csv", isometric),
+        mapped_csv("a load that is held", trials_map(&[ONE, load]), held),
+        mapped_csv("an isometric trial", angle("") + derived, isometric),
     ]
 }
 
@@ -290,40 +219,26 @@ pub(super) fn plans() -> Vec<Row> {
     const NAMES: [&str; 6] = ["P1.csv", "P2.csv", "P3.csv", "P4.csv", "P5.csv", "P6.csv"];
     let labelled = "[name]\npattern = 'P(?<who>\\d)'\n[trial]\nparticipant = { name = \"who\", prefix = \"P\" }\n\
                     session = \"S01\"\nenvironment = \"spring\"\nmode = { column = \"m\" }\n";
-    let several = |what, said: &'static str, one: &str, files: Vec<Vec<u8>>| Row {
+    let several = |what, one: &str, files: Vec<Vec<u8>>| Row {
         what,
-        becomes: Flagged,
-        said,
         map: trials_map(&[one, FORCE]),
         files: NAMES.into_iter().zip(files).collect(),
         is_twice: false,
     };
     let active = |_| "active";
-    let of_one = |odd: Vec<u8>| -> Vec<Vec<u8>> {
-        (0..5).map(|n| trial(100 + n, 10, active)).chain([odd]).collect()
+    let odd_one = |what, odd: Vec<u8>| {
+        let usual = (0..5).map(|n| trial(100 + n, 10, active));
+        several(what, labelled, usual.chain([odd]).collect())
     };
     vec![
-        several(
+        odd_one(
             "a label that changes just before a file ends",
-            "its file has 2 trials, and 5 of 6 files have 1",
-            labelled,
-            of_one(trial(100, 10, |i| if i < 95 { "active" } else { "passive" })),
+            trial(100, 10, |i| if i < 95 { "active" } else { "passive" }),
         ),
-        several(
-            "a trial far shorter than the others",
-            "it lasts 0.14 s, and the trials of spring last 1.00 s",
-            labelled,
-            of_one(trial(15, 10, active)),
-        ),
-        several(
-            "a trial at another rate than the others",
-            "it has 50.0 samples a second, and the trials of spring have 100.0",
-            labelled,
-            of_one(trial(60, 20, active)),
-        ),
+        odd_one("a trial far shorter than the others", trial(15, 10, active)),
+        odd_one("a trial at another rate than the others", trial(60, 20, active)),
         several(
             "more repeats than planned",
-            "(design.repeats = 1 of each condition): 2 of spring × hybrid",
             ONE,
             vec![trial(100, 10, active), trial(101, 10, active)],
         ),

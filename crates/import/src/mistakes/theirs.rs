@@ -5,65 +5,41 @@ use super::super::hdf5;
 use super::super::workbook::tests as workbook;
 use super::super::world::{FORCE, ONE, trials_map};
 use super::super::xdf::tests as xdf;
-use super::Becomes::{Flagged, Read, Refused};
-use super::{PLAIN, Row, file, mapped};
+use super::{PLAIN, Row, csv, file, mapped, mapped_csv};
 use arrow::array::{ArrayRef, Float64Array, RecordBatch, StructArray};
 use std::sync::Arc;
 
 /// Mappings and commands.
 pub(super) fn mappings() -> Vec<Row> {
     let usual = trials_map(&[ONE, FORCE]);
-
-    let again = |what, said, is_twice, second: &str| Row {
+    let again = |what, is_twice, second: &str| Row {
         what,
-        becomes: Refused,
-        said,
         map: usual.clone(),
         files: vec![("a.csv", PLAIN.into()), ("b.csv", second.into())],
         is_twice,
     };
     vec![
-        mapped(
+        mapped_csv(
             "a key that there is not",
-            (Refused, "unknown field `delimeter`"),
             trials_map(&["[file]\ndelimeter = \";\"\n", ONE, FORCE]),
-            "a.csv",
             PLAIN,
         ),
-        mapped(
-            "a unit that there is not",
-            (Refused, "the unit 'Newtons' is unknown; use one of N, mN"),
-            usual.replace("\"N\"", "\"Newtons\""),
-            "a.csv",
-            PLAIN,
-        ),
-        mapped(
-            "a unit that does not fit",
-            (Refused, "the unit 'mV' does not fit force_ex_n"),
-            usual.replace("\"N\"", "\"mV\""),
-            "a.csv",
-            PLAIN,
-        ),
-        mapped(
+        mapped_csv("a unit that there is not", usual.replace("\"N\"", "\"Newtons\""), PLAIN),
+        mapped_csv("a unit that does not fit", usual.replace("\"N\"", "\"mV\""), PLAIN),
+        mapped_csv(
             "a pattern that the path does not match",
-            (Refused, "the path does not match the pattern"),
             usual.clone() + "[name]\npattern = 'P\\d+/(?<mode>[a-z]+)\\.csv$'\n",
-            "a.csv",
             PLAIN,
         ),
-        mapped(
+        mapped_csv(
             "a sheet of a file that has none",
-            (Refused, "'data' is named, and a CSV has no parts"),
             trials_map(&["[file]\nsheet = \"data\"\n", ONE, FORCE]),
-            "a.csv",
             PLAIN,
         ),
-        again("a file given twice under two names", "the recording is given twice", false, PLAIN),
-        again("two trials of one number", "duplicate trial", true, "t,f\n0,2\n1,2\n"),
+        again("a file given twice under two names", false, PLAIN),
+        again("two trials of one number", true, "t,f\n0,2\n1,2\n"),
         Row {
             what: "a file that was imported before, as somebody else's",
-            becomes: Refused,
-            said: "this recording was imported before",
             map: usual.replace("\"P01\"", "{ name = \"who\" }")
                 + "[name]\npattern = '(?<who>P\\d+)\\.csv$'\n",
             files: vec![("P01.csv", PLAIN.into()), ("P02.csv", PLAIN.into())],
@@ -95,139 +71,48 @@ pub(super) fn kinds() -> Vec<Row> {
     let force = FORCE.replace("from = \"t\"", "from = \"time_s\"").replace("\"f\"", "\"F & x\"");
     let from_xdf = |keys: &str| trials_map(&[&format!("[file]\n{keys}\n"), ONE, &force]);
     vec![
-        file("an Excel workbook", (Read, ""), "", "a.xlsx", &book),
-        file(
-            "an Excel workbook called .csv",
-            (Refused, "a packed file: an .xlsx or .ods workbook, or a ZIP; set format = \"xlsx\""),
-            "",
-            "a.csv",
-            &book,
-        ),
-        file(
-            "a CSV called .xlsx",
-            (Refused, "not a workbook: it does not begin as an .xlsx or .ods does"),
-            "",
-            "a.xlsx",
-            PLAIN,
-        ),
-        file(
-            "a workbook of two sheets",
-            (Refused, "2 sheets have values; the file has first, second; set sheet in [file]"),
-            "",
-            "a.xlsx",
-            two,
-        ),
-        file(
-            "a formula that was never calculated",
-            (Refused, "'=B2*2' is not a number"),
-            "",
-            "a.xlsx",
-            formula,
-        ),
-        file(
-            "a division by zero in a workbook",
-            (Refused, "'#DIV/0!' is not a number"),
-            "",
-            "a.xlsx",
-            wrong,
-        ),
+        file("an Excel workbook", "a.xlsx", &book),
+        csv("an Excel workbook called .csv", "", &book),
+        file("a CSV called .xlsx", "a.xlsx", PLAIN),
+        file("a workbook of two sheets", "a.xlsx", two),
+        file("a formula that was never calculated", "a.xlsx", formula),
+        file("a division by zero in a workbook", "a.xlsx", wrong),
         file(
             "an old workbook (.xls), or a locked one",
-            (Refused, "an old Excel workbook (.xls), or one that a password locks"),
-            "",
             "a.xlsx",
             b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1",
         ),
-        file("a ZIP", (Refused, "the extension 'zip' names no known format"), "", "a.zip", &book),
-        file(
-            "a CSV packed with gzip",
-            (Refused, "compressed with gzip; unpack it with gunzip"),
-            "",
-            "a.csv.gz",
-            b"\x1f\x8b\x08\0\0\0\0\0",
-        ),
-        mapped("HDF5", (Read, ""), from_hdf5.clone(), "a.h5", hdf5),
+        file("a ZIP", "a.zip", &book),
+        file("a CSV packed with gzip", "a.csv.gz", b"\x1f\x8b\x08\0\0\0\0\0"),
+        mapped("HDF5", from_hdf5.clone(), "a.h5", hdf5),
         mapped(
             "an HDF5 file with soft links, one of them named",
-            (Read, ""),
             from_hdf5.replace("rig/f", "again"),
             "a.h5",
             hdf5::tests::with_links(),
         ),
         mapped(
             "an HDF5 file whose link leads to nothing",
-            (Refused, "it is a link to 'nothing/there', which is no data set of the file"),
             from_hdf5.replace("rig/f", "gone"),
             "a.h5",
             hdf5::tests::with_links(),
         ),
-        mapped(
-            "an HDF5 file that is cut off",
-            (Refused, "save it from MATLAB with -v7, or convert it: python -c"),
-            from_hdf5.clone(),
-            "a.h5",
-            cut_hdf5,
-        ),
-        mapped("a MAT file of version 7.3", (Read, ""), from_hdf5, "a.mat", mat),
-        file(
-            "a Python pickle",
-            (Refused, "a Python pickle; where it was made, write it as CSV"),
-            "",
-            "a.pkl",
-            b"\x80\x04\x95\0",
-        ),
-        file(
-            "a Parquet file of nested columns",
-            (Refused, "is neither number nor text"),
-            "",
-            "a.parquet",
-            nested,
-        ),
-        file(
+        mapped("an HDF5 file that is cut off", from_hdf5.clone(), "a.h5", cut_hdf5),
+        mapped("a MAT file of version 7.3", from_hdf5, "a.mat", mat),
+        file("a Python pickle", "a.pkl", b"\x80\x04\x95\0"),
+        file("a Parquet file of nested columns", "a.parquet", nested),
+        csv(
             "a Parquet file called .csv",
-            (Refused, "a Parquet file; set format = \"parquet\""),
             "",
-            "a.csv",
             crate::parquet::tests::encode(&columns(inner.clone())),
         ),
-        file(
-            "an Arrow or Feather file",
-            (Read, ""),
-            "",
-            "a.feather",
-            feather::encode(&[columns(inner)]),
-        ),
-        file(
-            "an Arrow stream",
-            (Refused, "an Arrow stream, which is not the file format; convert it: python -c"),
-            "",
-            "a.arrow",
-            [0xff; 16],
-        ),
-        file(
-            "JSON that is no lines",
-            (Refused, "one JSON array, and not JSON lines"),
-            "",
-            "a.json",
-            "[{\"t\":0,\"f\":1}]",
-        ),
-        file(
-            "NumPy's array of Python objects",
-            (Refused, "it holds Python objects"),
-            "",
-            "a.npy",
-            OBJECTS,
-        ),
-        mapped(
-            "an XDF file of two streams",
-            (Refused, "2 streams have samples: 1 'rig', 7 'marks'; set stream in [file]"),
-            from_xdf(""),
-            "a.xdf",
-            stream.concat(),
-        ),
+        file("an Arrow or Feather file", "a.feather", feather::encode(&[columns(inner)])),
+        file("an Arrow stream", "a.arrow", [0xff; 16]),
+        file("JSON that is no lines", "a.json", "[{\"t\":0,\"f\":1}]"),
+        file("NumPy's array of Python objects", "a.npy", OBJECTS),
+        mapped("an XDF file of two streams", from_xdf(""), "a.xdf", stream.concat()),
         mapped(
             "an XDF file that is cut off",
-            (Flagged, "1 samples of damaged chunks are lost"),
             from_xdf("stream = \"rig\""),
             "a.xdf",
             &stream.concat()[..stream[..5].concat().len() - 1],

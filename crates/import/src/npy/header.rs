@@ -1,6 +1,7 @@
 //! The description of an array: a Python dictionary of type, order and shape.
 
 use crate::limits::{MOST_COLUMNS, MOST_NAME};
+use crate::table::{Number, NumberKind};
 
 /// The first bytes of every array.
 const MAGIC: &[u8] = b"\x93NUMPY";
@@ -32,25 +33,17 @@ pub(super) struct Member {
     pub(super) kind: Kind,
 }
 
-/// What a value is; `big`: its first byte is the highest.
+/// What a value is.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Kind {
-    Float {
-        big: bool,
-    },
-    Signed {
-        big: bool,
-    },
-    Unsigned {
-        big: bool,
-    },
-    /// Four bytes a letter.
+    Number(Number),
+    /// Four bytes a letter; `big`: the first is the highest.
     Unicode {
         big: bool,
     },
     /// One byte a letter.
     Bytes,
-    /// Neither number nor text: why, in words.
+    /// Neither number nor text: why, in words, and what to save instead.
     Other(String),
 }
 
@@ -135,7 +128,7 @@ fn members(descr: &Literal) -> Result<(usize, Vec<Member>), String> {
     let mut offset = 0_usize;
     let mut members = Vec::new();
     for field in fields {
-        let Field { name, code, repeats } = field_of(field).ok_or_else(no_type)?;
+        let (name, code, repeats) = field_of(field).ok_or_else(no_type)?;
         if name.len() > MOST_NAME {
             return Err(format!("a field's name has more than {MOST_NAME} bytes"));
         }
@@ -156,27 +149,15 @@ fn members(descr: &Literal) -> Result<(usize, Vec<Member>), String> {
     Ok((offset, members))
 }
 
-/// A field of a structured array.
-struct Field<'a> {
-    name: &'a str,
-    /// Its type.
-    code: &'a str,
-    /// The number of values in each row, if it holds arrays.
-    repeats: Option<usize>,
-}
-
-fn field_of(field: &Literal) -> Option<Field<'_>> {
+/// The name of a field of a structured array, its type, and the number of values in each row if it holds arrays.
+fn field_of(field: &Literal) -> Option<(&str, &str, Option<usize>)> {
     let Literal::List(parts) = field else { return None };
     let name = match parts.first()? {
-        Literal::Text(name) => name,
         // A title beside the name.
-        Literal::List(both) => match both.last()? {
-            Literal::Text(name) => name,
-            _ => return None,
-        },
-        _ => return None,
+        Literal::List(both) => both.last()?,
+        name => name,
     };
-    let Literal::Text(code) = parts.get(1)? else { return None };
+    let (Literal::Text(name), Literal::Text(code)) = (name, parts.get(1)?) else { return None };
     let repeats = match parts.get(2) {
         None => None,
         Some(Literal::List(lengths)) => {
@@ -184,7 +165,7 @@ fn field_of(field: &Literal) -> Option<Field<'_>> {
         }
         Some(_) => return None,
     };
-    Some(Field { name, code, repeats })
+    Some((name.as_str(), code.as_str(), repeats))
 }
 
 /// The kind that a type code means, and its size in bytes: `<f8`, `|S7`, `<U3`.
@@ -195,10 +176,12 @@ fn kind(code: &str) -> Result<(Kind, usize), String> {
     // A date has its unit behind it.
     let digits = size.split('[').next().unwrap_or_default();
     let size: usize = if digits.is_empty() { 0 } else { digits.parse().map_err(|_| no_type())? };
+    let number = |kind| Kind::Number(Number { kind, size, big });
+    let other = |what: &str| Kind::Other(what.to_owned());
     let kind = match (letter, size) {
-        ("f", 4 | 8) => Kind::Float { big },
-        ("i", 1 | 2 | 4 | 8) => Kind::Signed { big },
-        ("u", 1 | 2 | 4 | 8) => Kind::Unsigned { big },
+        ("f", 4 | 8) => number(NumberKind::Float),
+        ("i", 1 | 2 | 4 | 8) => number(NumberKind::Signed),
+        ("u", 1 | 2 | 4 | 8) => number(NumberKind::Unsigned),
         ("U", letters) => {
             let size = letters.checked_mul(4).ok_or_else(no_type)?;
             return Ok((Kind::Unicode { big }, size));
@@ -208,7 +191,12 @@ fn kind(code: &str) -> Result<(Kind, usize), String> {
             let what = "it holds Python objects, which are not read; save numbers or text";
             return Err(what.to_owned());
         }
-        (letter, _) => Kind::Other(other(letter).ok_or_else(no_type)?.to_owned()),
+        ("b", _) => other("it holds yes or no; save it as numbers"),
+        ("f" | "g", _) => other("it holds numbers of 2 or 16 bytes; save it as float64"),
+        ("c", _) => other("it holds complex numbers; save real and imaginary part apart"),
+        ("M" | "m", _) => other("it holds dates; save seconds as float64"),
+        ("V", _) => other("it holds bytes without a type; save it as float64"),
+        _ => return Err(no_type()),
     };
     Ok((kind, size))
 }
@@ -217,47 +205,7 @@ fn no_type() -> String {
     "its type is not one that NumPy writes".to_owned()
 }
 
-/// Describes a type that is not read, with what to save instead.
-fn other(letter: &str) -> Option<&'static str> {
-    match letter {
-        "b" => Some("it holds yes or no; save it as numbers"),
-        "f" | "g" => Some("it holds numbers of 2 or 16 bytes; save it as float64"),
-        "c" => Some("it holds complex numbers; save real and imaginary part apart"),
-        "M" | "m" => Some("it holds dates; save seconds as float64"),
-        "V" => Some("it holds bytes without a type; save it as float64"),
-        _ => None,
-    }
-}
-
 impl Kind {
-    /// Whether its values are text.
-    pub(super) fn is_text(&self) -> bool {
-        matches!(self, Self::Unicode { .. } | Self::Bytes)
-    }
-
-    /// A value as a number.
-    pub(super) fn number(&self, bytes: &[u8]) -> Option<f64> {
-        let big = match self {
-            Self::Float { big } | Self::Signed { big } | Self::Unsigned { big } => *big,
-            _ => return None,
-        };
-        let mut eight = [0_u8; 8];
-        let size = bytes.len();
-        eight.get_mut(..size)?.copy_from_slice(bytes);
-        if big {
-            eight.get_mut(..size)?.reverse();
-        }
-        let bits = u64::from_le_bytes(eight);
-        // Shifted up and down again, a number of fewer bytes keeps its sign.
-        let unused = 64 - 8 * u32::try_from(size).ok().filter(|size| (1..=8).contains(size))?;
-        match self {
-            Self::Float { .. } if size == 4 => Some(f32::from_bits(bits as u32).into()),
-            Self::Float { .. } => Some(f64::from_bits(bits)),
-            Self::Signed { .. } => Some(((bits << unused) as i64 >> unused) as f64),
-            _ => Some(bits as f64),
-        }
-    }
-
     /// A value as text, without the zeros behind it.
     pub(super) fn text(&self, bytes: &[u8]) -> Result<String, String> {
         const NO_TEXT: &str = "a text in it cannot be read";
@@ -308,11 +256,17 @@ impl Reader<'_> {
             return None;
         }
         if self.passes("{") {
-            return self.dict(depth);
+            let entries = self.items("}", |reader| {
+                let quote = reader.rest.chars().next().filter(|c| ['\'', '"'].contains(c))?;
+                let key = reader.text(quote)?;
+                reader.passes(":").then_some(())?;
+                Some((key, reader.value(depth + 1)?))
+            });
+            return entries.map(Literal::Dict);
         }
         for (open, close) in [("(", ")"), ("[", "]")] {
             if self.passes(open) {
-                return self.list(close, depth);
+                return self.items(close, |reader| reader.value(depth + 1)).map(Literal::List);
             }
         }
         if self.passes("True") {
@@ -333,31 +287,16 @@ impl Reader<'_> {
         }
     }
 
-    fn list(&mut self, close: &str, depth: usize) -> Option<Literal> {
-        let mut values = Vec::new();
+    /// What stands between commas up to `close`.
+    fn items<T>(&mut self, close: &str, item: impl Fn(&mut Self) -> Option<T>) -> Option<Vec<T>> {
+        let mut all = Vec::new();
         while !self.passes(close) {
-            values.push(self.value(depth + 1)?);
+            all.push(item(self)?);
             if !self.passes(",") && !self.rest.starts_with(close) {
                 return None;
             }
         }
-        Some(Literal::List(values))
-    }
-
-    fn dict(&mut self, depth: usize) -> Option<Literal> {
-        let mut entries = Vec::new();
-        while !self.passes("}") {
-            let quote = self.rest.chars().next().filter(|c| ['\'', '"'].contains(c))?;
-            let key = self.text(quote)?;
-            if !self.passes(":") {
-                return None;
-            }
-            entries.push((key, self.value(depth + 1)?));
-            if !self.passes(",") && !self.rest.starts_with('}') {
-                return None;
-            }
-        }
-        Some(Literal::Dict(entries))
+        Some(all)
     }
 
     /// A text in quotes; one with a backslash is read by nobody here.

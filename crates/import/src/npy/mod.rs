@@ -6,11 +6,11 @@ mod header;
 #[cfg(test)]
 mod tests;
 
-use super::limits::{MOST_TEXT, MOST_WHOLE_ROWS, Take, check_columns, too_many_rows, too_much};
+use super::limits::{MOST_TEXT, Take, check_columns, check_rows};
 use super::spelling::shown;
 use super::table::{Cells, Table};
 use super::zip;
-use arrow::array::{Float64Array, LargeStringBuilder};
+use arrow::array::LargeStringBuilder;
 use header::{Header, Kind, Member};
 use std::path::Path;
 use zwidth_store::StoreError;
@@ -147,23 +147,19 @@ impl<'a> Array<'a> {
         at: impl Fn(usize) -> usize,
         take: &Take,
     ) -> Result<Cells, StoreError> {
-        if rows > MOST_WHOLE_ROWS {
-            return Err(too_many_rows(path, &rows.to_string()));
-        }
+        check_rows(path, rows)?;
         if let Kind::Other(what) = &member.kind {
             return Ok(Cells::Other(what.clone()));
         }
-        if !take.budget.cells(rows) {
-            return Err(too_much(path));
-        }
+        take.room(path, rows)?;
         // All of them lie within the data: its length is that of the header's shape.
         let item = |row: usize| {
             let from = at(row) * self.header.item + member.offset;
             self.data.get(from..from + member.size).unwrap_or_default()
         };
-        if !member.kind.is_text() {
-            let values = (0..rows).map(|row| member.kind.number(item(row)));
-            return Ok(Cells::Numbers(values.collect::<Float64Array>()));
+        if let Kind::Number(number) = member.kind {
+            let values = (0..rows).map(|row| Some(number.read(item(row))));
+            return Ok(Cells::Numbers(values.collect()));
         }
         let mut built = LargeStringBuilder::new();
         let mut length = 0;

@@ -2,10 +2,8 @@
 
 use super::super::limits::tests::{everything, everything_turned};
 use super::super::table::{Cell, ColumnRef};
+use super::super::workbook::tests::packed as archive;
 use super::*;
-use flate2::write::DeflateEncoder;
-use flate2::{Compression, Crc};
-use std::io::Write as _;
 
 /// An array of version 1.0: its header is filled with blanks, as NumPy's is.
 fn array(descr: &str, by_columns: &str, shape: &str, values: &[u8]) -> Vec<u8> {
@@ -22,38 +20,6 @@ fn floats(values: &[f64]) -> Vec<u8> {
 
 fn vector(values: &[f64]) -> Vec<u8> {
     array("'<f8'", "False", &format!("({},)", values.len()), &floats(values))
-}
-
-/// An archive of entries, stored or deflated, as `numpy.savez` and `savez_compressed` write them.
-fn archive(entries: &[(&str, Vec<u8>)], deflated: bool) -> Vec<u8> {
-    let (mut bytes, mut directory) = (Vec::new(), Vec::new());
-    for (name, content) in entries {
-        let packed = match deflated {
-            false => content.clone(),
-            true => {
-                let mut encoder = DeflateEncoder::new(Vec::new(), Compression::default());
-                encoder.write_all(content).unwrap();
-                encoder.finish().unwrap()
-            }
-        };
-        let mut crc = Crc::new();
-        crc.update(content);
-        let number = |n: usize| u32::try_from(n).unwrap().to_le_bytes();
-        let short = |n: usize| u16::try_from(n).unwrap().to_le_bytes();
-        let method = short(if deflated { 8 } else { 0 });
-        let sums = [crc.sum().to_le_bytes(), number(packed.len()), number(content.len())].concat();
-        let about = [&[0; 2][..], &method, &[0; 4], &sums, &short(name.len())].concat();
-        let at = number(bytes.len());
-        bytes.extend(
-            [b"PK\x03\x04", &[20, 0][..], &about, &short(0), name.as_bytes(), &packed].concat(),
-        );
-        let rest = [&short(0)[..], &[0; 8], &at, name.as_bytes()].concat();
-        directory.extend([b"PK\x01\x02", &[20, 0, 20, 0][..], &about, &short(0), &rest].concat());
-    }
-    let [n, length, at] = [entries.len(), directory.len(), bytes.len()];
-    let counts = u16::try_from(n).unwrap().to_le_bytes().repeat(2);
-    let places = [length, at].map(|n| u32::try_from(n).unwrap().to_le_bytes()).concat();
-    [bytes, directory, b"PK\x05\x06\0\0\0\0".to_vec(), counts, places, vec![0, 0]].concat()
 }
 
 fn read(bytes: &[u8]) -> Result<Table, StoreError> {

@@ -16,48 +16,39 @@ mod xlsx;
 use super::csv::Dialect;
 use super::limits::Take;
 use super::spelling::shown;
-use super::table::Table;
+use super::table::{Table, listed};
 use parts::{Parts, unreadable};
 use sheet::Sheet;
 use std::path::Path;
 use zwidth_store::StoreError;
 
-/// Reads the sheet named, or the only one with values, of an `.xlsx` workbook.
-pub(super) fn read_xlsx(
+/// Reads the sheet named, or the only one with values, of an `.xlsx` workbook or an `.ods`.
+pub(super) fn read(
     path: &Path,
     bytes: &[u8],
+    is_ods: bool,
     dialect: Dialect,
     part: Option<&str>,
     take: &Take,
 ) -> Result<Table, StoreError> {
+    let damaged = |why: String| unreadable(path, &why);
     let mut parts = Parts::of(path, bytes)?;
-    let book = xlsx::Book::read(&mut parts).map_err(|why| unreadable(path, &why))?;
-    let names: Vec<&str> = book.sheets.iter().map(|sheet| sheet.name.as_str()).collect();
-    let place = choose(path, &names, part, |place| {
-        let content = parts.text(&book.sheets[place].part)?;
-        xlsx::has_values(&content)
-    })?;
-    let content = parts.text(&book.sheets[place].part).map_err(|why| unreadable(path, &why))?;
     let mut sheet = Sheet::new(path, dialect, take);
-    book.cells(&content, &mut sheet).map_err(|error| error.about(path))?;
-    sheet.table()
-}
-
-/// Reads the sheet named, or the only one with values, of an `.ods` workbook.
-pub(super) fn read_ods(
-    path: &Path,
-    bytes: &[u8],
-    dialect: Dialect,
-    part: Option<&str>,
-    take: &Take,
-) -> Result<Table, StoreError> {
-    let mut parts = Parts::of(path, bytes)?;
-    let content = parts.text("content.xml").map_err(|why| unreadable(path, &why))?;
-    let sheets = ods::sheets(&content).map_err(|why| unreadable(path, &why))?;
-    let names: Vec<&str> = sheets.iter().map(|sheet| sheet.name.as_str()).collect();
-    let place = choose(path, &names, part, |place| Ok(sheets[place].has_values))?;
-    let mut sheet = Sheet::new(path, dialect, take);
-    ods::cells(&content, place, &mut sheet).map_err(|error| error.about(path))?;
+    if is_ods {
+        let content = parts.text("content.xml").map_err(damaged)?;
+        let sheets = ods::sheets(&content).map_err(damaged)?;
+        let names: Vec<&str> = sheets.iter().map(|sheet| sheet.name.as_str()).collect();
+        let place = choose(path, &names, part, |place| Ok(sheets[place].has_values))?;
+        ods::cells(path, &content, place, &mut sheet)?;
+    } else {
+        let book = xlsx::Book::read(&mut parts).map_err(damaged)?;
+        let names: Vec<&str> = book.sheets.iter().map(|sheet| sheet.name.as_str()).collect();
+        let place = choose(path, &names, part, |place| {
+            xlsx::has_values(&parts.text(&book.sheets[place].part)?)
+        })?;
+        let content = parts.text(&book.sheets[place].part).map_err(damaged)?;
+        book.cells(path, &content, &mut sheet)?;
+    }
     sheet.table()
 }
 
@@ -68,17 +59,12 @@ fn choose(
     wanted: Option<&str>,
     mut has_values: impl FnMut(usize) -> Result<bool, String>,
 ) -> Result<usize, StoreError> {
-    let list: Vec<_> = names.iter().take(MOST_LISTED).map(|name| shown(name)).collect();
-    let list = list.join(", ") + if names.len() > MOST_LISTED { ", …" } else { "" };
+    let list = listed(names.iter().map(|name| shown(name).into_owned()));
     let remedy = "set sheet in [file] to one of them";
     if let Some(wanted) = wanted {
         return names.iter().position(|name| *name == wanted).ok_or_else(|| {
-            let wanted = shown(wanted);
-            StoreError::new(
-                path,
-                format!("there is no sheet '{wanted}'; the file has {list}"),
-                remedy,
-            )
+            let what = format!("there is no sheet '{}'; the file has {list}", shown(wanted));
+            StoreError::new(path, what, remedy)
         });
     }
     let mut filled = Vec::new();
@@ -97,6 +83,3 @@ fn choose(
         }
     }
 }
-
-/// Sheets that an error lists.
-const MOST_LISTED: usize = 20;

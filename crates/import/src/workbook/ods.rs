@@ -2,9 +2,11 @@
 
 use super::super::limits::MOST_COLUMNS;
 use super::super::xml::{Attributes, Event, Xml};
-use super::parts::Fault;
+use super::parts::unreadable;
 use super::sheet::{Sheet, Value};
 use std::borrow::Cow;
+use std::path::Path;
+use zwidth_store::StoreError;
 
 /// A sheet, before its cells are read.
 pub(super) struct Named {
@@ -38,16 +40,22 @@ pub(super) fn sheets(xml: &str) -> Result<Vec<Named>, String> {
 }
 
 /// Gives the rows of the sheet at a place.
-pub(super) fn cells<'a>(xml: &'a str, wanted: usize, sheet: &mut Sheet) -> Result<(), Fault> {
+pub(super) fn cells(
+    path: &Path,
+    xml: &str,
+    wanted: usize,
+    sheet: &mut Sheet,
+) -> Result<(), StoreError> {
+    let damaged = |why: String| unreadable(path, &why);
     let mut reader = Xml::new(xml);
     let mut tables = 0_usize;
     let mut line = 1_u64;
-    while let Some(event) = reader.next()? {
+    while let Some(event) = reader.next().map_err(damaged)? {
         match event {
             Event::Begin { name: "table", .. } => tables += 1,
             Event::Begin { name: "table-row", attributes } if tables == wanted + 1 => {
                 let repeated = attributes.number("number-rows-repeated").unwrap_or(1);
-                let cells: Vec<(usize, Value<'a>)> = row(&mut reader)?;
+                let cells = row(&mut reader).map_err(damaged)?;
                 sheet.row(line, repeated, &cells)?;
                 line = line.saturating_add(repeated as u64);
             }
@@ -93,10 +101,9 @@ fn texts<'a>(reader: &mut Xml<'a>, cell: &str) -> Result<Option<Cow<'a, str>>, S
             Event::Begin { name: "s" | "tab" | "line-break", .. } if remarks == 0 => {
                 all.get_or_insert_default().to_mut().push(' ');
             }
-            Event::Text(text) if remarks == 0 && paragraphs > 0 => match &mut all {
-                Some(all) => all.to_mut().push_str(&text),
-                None => all = Some(text),
-            },
+            Event::Text(text) if remarks == 0 && paragraphs > 0 => {
+                *all.get_or_insert_default() += text;
+            }
             _ => {}
         }
     }

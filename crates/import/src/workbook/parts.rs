@@ -8,33 +8,6 @@ use zwidth_store::StoreError;
 
 const REMEDY: &str = "the file may be cut off or damaged; open it and save it again, or save its sheet as CSV (UTF-8)";
 
-/// Why a sheet cannot be read: what its file lacks, or more than is read.
-pub(super) enum Fault {
-    Unreadable(String),
-    Refused(StoreError),
-}
-
-impl From<String> for Fault {
-    fn from(why: String) -> Self {
-        Self::Unreadable(why)
-    }
-}
-
-impl From<StoreError> for Fault {
-    fn from(error: StoreError) -> Self {
-        Self::Refused(error)
-    }
-}
-
-impl Fault {
-    pub(super) fn about(self, path: &Path) -> StoreError {
-        match self {
-            Self::Unreadable(why) => unreadable(path, &why),
-            Self::Refused(error) => error,
-        }
-    }
-}
-
 pub(super) fn unreadable(path: &Path, why: &str) -> StoreError {
     StoreError::new(path, format!("not a readable workbook: {why}"), REMEDY)
 }

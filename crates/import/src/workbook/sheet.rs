@@ -2,10 +2,10 @@
 
 use super::super::csv::Dialect;
 use super::super::limits::{
-    MOST_TEXT, MOST_WHOLE_ROWS, Take, check_columns, check_name, too_many_rows, too_much,
+    MOST_TEXT, MOST_WHOLE_ROWS, Take, check_columns, check_name, more_rows, too_much_text,
 };
 use super::super::table::{Cells, EmptyRows, Table};
-use arrow::array::{Float64Array, LargeStringBuilder};
+use arrow::array::Float64Array;
 use std::borrow::Cow;
 use std::path::Path;
 use zwidth_store::StoreError;
@@ -66,11 +66,7 @@ impl Column {
         match self {
             Self::Unread => Cells::Unread,
             Self::Numbers(numbers) => Cells::Numbers(Float64Array::from(numbers)),
-            Self::Texts(texts) => {
-                let mut built = LargeStringBuilder::new();
-                texts.iter().for_each(|text| built.append_option(text.as_deref()));
-                Cells::Text(built.finish())
-            }
+            Self::Texts(texts) => Cells::Text(texts.into_iter().collect()),
         }
     }
 }
@@ -108,30 +104,38 @@ impl<'a> Sheet<'a> {
         if line <= self.dialect.skip as u64 {
             return Ok(());
         }
-        check_columns(self.path, last + 1)?;
+        let width = last + 1;
+        check_columns(self.path, width)?;
         if self.dialect.header && self.names.is_none() {
-            return self.header(last + 1, &cells);
+            let mut names = vec![String::new(); width];
+            for (place, value) in &cells {
+                let name = value.text();
+                check_name(self.path, &name)?;
+                names[*place] = name;
+            }
+            self.names = Some(names);
+            self.widen(width);
+            return Ok(());
         }
-        self.widen(last + 1);
+        self.widen(width);
         // Before memory is taken: a row may be repeated a million times in a few bytes of the file.
-        self.check(repeated, &cells)?;
+        if self.lines.len().saturating_add(repeated) > MOST_WHOLE_ROWS {
+            return Err(more_rows(self.path));
+        }
+        self.take.room(self.path, self.read.len().saturating_mul(repeated))?;
+        let texts = cells.iter().map(|(place, value)| match (&self.columns[*place], value) {
+            (Column::Unread, _) | (_, Value::Number(_)) => 0,
+            (_, Value::Text(text)) => text.len(),
+        });
+        self.text = self.text.saturating_add(texts.sum::<usize>().saturating_mul(repeated));
+        if self.text > MOST_TEXT {
+            return Err(too_much_text(self.path));
+        }
         for place in &self.read {
             let here = cells.binary_search_by_key(place, |(at, _)| *at).ok().map(|i| &cells[i].1);
             (0..repeated).for_each(|_| self.columns[*place].push(here));
         }
         self.lines.extend((line..).take(repeated));
-        Ok(())
-    }
-
-    fn header(&mut self, width: usize, cells: &[&(usize, Value)]) -> Result<(), StoreError> {
-        let mut names = vec![String::new(); width];
-        for (place, value) in cells {
-            let name = value.text();
-            check_name(self.path, &name)?;
-            names[*place] = name;
-        }
-        self.names = Some(names);
-        self.widen(width);
         Ok(())
     }
 
@@ -152,26 +156,6 @@ impl<'a> Sheet<'a> {
         }
     }
 
-    /// Whether so many more rows of these cells are read.
-    fn check(&mut self, repeated: usize, cells: &[&(usize, Value)]) -> Result<(), StoreError> {
-        if self.lines.len().saturating_add(repeated) > MOST_WHOLE_ROWS {
-            return Err(too_many_rows(self.path, &format!("more than {MOST_WHOLE_ROWS}")));
-        }
-        if !self.take.budget.cells(self.read.len().saturating_mul(repeated)) {
-            return Err(too_much(self.path));
-        }
-        let texts = cells.iter().map(|(place, value)| match (&self.columns[*place], value) {
-            (Column::Unread, _) | (_, Value::Number(_)) => 0,
-            (_, Value::Text(text)) => text.len(),
-        });
-        self.text = self.text.saturating_add(texts.sum::<usize>().saturating_mul(repeated));
-        if self.text > MOST_TEXT {
-            let what = format!("the texts in mapped columns have more than {MOST_TEXT} bytes");
-            return Err(StoreError::new(self.path, what, "split the file"));
-        }
-        Ok(())
-    }
-
     /// The table.
     ///
     /// # Errors
@@ -182,9 +166,7 @@ impl<'a> Sheet<'a> {
             return Err(StoreError::new(self.path, what, "leave the file out of the import"));
         }
         let columns = self.columns.into_iter().map(Column::cells).collect();
-        let names = self.names;
-        let lines = self.lines;
-        let empty = EmptyRows::between(&lines);
-        Ok(Table { names, columns, lines, empty, ..Table::default() })
+        let empty = EmptyRows::between(&self.lines);
+        Ok(Table { names: self.names, columns, lines: self.lines, empty, ..Table::default() })
     }
 }

@@ -3,40 +3,47 @@ use super::super::limits::tests::everything;
 use super::super::table::Cell;
 use super::super::text::Encoding;
 use super::*;
-use flate2::Crc;
+use flate2::write::DeflateEncoder;
+use flate2::{Compression, Crc};
+use std::io::Write as _;
 
-/// A ZIP archive of stored parts.
-pub(in super::super) fn archive(parts: &[(&str, &str)]) -> Vec<u8> {
+/// A ZIP archive of parts, stored or deflated.
+pub(in super::super) fn packed(parts: &[(&str, Vec<u8>)], deflated: bool) -> Vec<u8> {
     let (mut bytes, mut directory) = (Vec::new(), Vec::new());
     for (name, content) in parts {
+        let packed = match deflated {
+            false => content.clone(),
+            true => {
+                let mut encoder = DeflateEncoder::new(Vec::new(), Compression::default());
+                encoder.write_all(content).unwrap();
+                encoder.finish().unwrap()
+            }
+        };
         let mut crc = Crc::new();
-        crc.update(content.as_bytes());
-        let size = u32::try_from(content.len()).unwrap().to_le_bytes();
-        let facts = [
-            &[20, 0, 0, 0, 0, 0, 0, 0, 0, 0][..],
-            &crc.sum().to_le_bytes(),
-            &size,
-            &size,
-            &u16::try_from(name.len()).unwrap().to_le_bytes(),
-            &[0; 2],
-        ]
-        .concat();
-        let at = u32::try_from(bytes.len()).unwrap().to_le_bytes();
-        directory
-            .extend([&b"PK\x01\x02\x14\0"[..], &facts, &[0; 10], &at, name.as_bytes()].concat());
-        bytes.extend([&b"PK\x03\x04"[..], &facts, name.as_bytes(), content.as_bytes()].concat());
+        crc.update(content);
+        let number = |n: usize| u32::try_from(n).unwrap().to_le_bytes();
+        let short = |n: usize| u16::try_from(n).unwrap().to_le_bytes();
+        let method = short(if deflated { 8 } else { 0 });
+        let sums = [crc.sum().to_le_bytes(), number(packed.len()), number(content.len())].concat();
+        let about = [&[0; 2][..], &method, &[0; 4], &sums, &short(name.len())].concat();
+        let at = number(bytes.len());
+        bytes.extend(
+            [b"PK\x03\x04", &[20, 0][..], &about, &short(0), name.as_bytes(), &packed].concat(),
+        );
+        let rest = [&short(0)[..], &[0; 8], &at, name.as_bytes()].concat();
+        directory.extend([b"PK\x01\x02", &[20, 0, 20, 0][..], &about, &short(0), &rest].concat());
     }
-    let count = u16::try_from(parts.len()).unwrap().to_le_bytes();
-    let end = [
-        &b"PK\x05\x06\0\0\0\0"[..],
-        &count,
-        &count,
-        &u32::try_from(directory.len()).unwrap().to_le_bytes(),
-        &u32::try_from(bytes.len()).unwrap().to_le_bytes(),
-        &[0; 2],
-    ]
-    .concat();
-    [bytes, directory, end].concat()
+    let [n, length, at] = [parts.len(), directory.len(), bytes.len()];
+    let counts = u16::try_from(n).unwrap().to_le_bytes().repeat(2);
+    let places = [length, at].map(|n| u32::try_from(n).unwrap().to_le_bytes()).concat();
+    [bytes, directory, b"PK\x05\x06\0\0\0\0".to_vec(), counts, places, vec![0, 0]].concat()
+}
+
+/// A ZIP archive of stored texts.
+pub(in super::super) fn archive(parts: &[(&str, &str)]) -> Vec<u8> {
+    let parts: Vec<_> =
+        parts.iter().map(|(name, text)| (*name, text.as_bytes().to_vec())).collect();
+    packed(&parts, false)
 }
 
 /// A workbook of these sheets: name and rows.
@@ -93,8 +100,7 @@ fn with(bytes: &[u8], is_ods: bool, part: Option<&str>, skip: usize) -> Result<T
         bad_lines: 0,
         before: 0,
     };
-    let read = if is_ods { read_ods } else { read_xlsx };
-    everything(|take| read(Path::new("a"), bytes, dialect, part, take))
+    everything(|take| read(Path::new("a"), bytes, is_ods, dialect, part, take))
 }
 
 fn try_xlsx(bytes: &[u8]) -> Result<Table, StoreError> {

@@ -3,10 +3,12 @@
 use super::super::limits::MOST_COLUMNS;
 use super::super::xml::{Attributes, Event, Xml};
 use super::dates::{is_date, is_date_number, iso};
-use super::parts::{Fault, Parts};
+use super::parts::{Parts, unreadable};
 use super::sheet::{Sheet, Value};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
+use std::path::Path;
+use zwidth_store::StoreError;
 
 const BOOK: &str = "xl/workbook.xml";
 const LINKS: &str = "xl/_rels/workbook.xml.rels";
@@ -55,10 +57,16 @@ impl Book {
     }
 
     /// Gives the rows of a sheet.
-    pub(super) fn cells<'a>(&'a self, xml: &'a str, sheet: &mut Sheet) -> Result<(), Fault> {
+    pub(super) fn cells<'a>(
+        &'a self,
+        path: &Path,
+        xml: &'a str,
+        sheet: &mut Sheet,
+    ) -> Result<(), StoreError> {
+        let damaged = |why: String| unreadable(path, &why);
         let mut reader = Xml::new(xml);
         let (mut line, mut cells): (u64, Vec<(usize, Value)>) = (0, Vec::new());
-        while let Some(event) = reader.next()? {
+        while let Some(event) = reader.next().map_err(damaged)? {
             match event {
                 Event::Begin { name: "row", attributes } => {
                     let number = attributes.number("r").map(|row| row as u64);
@@ -69,9 +77,9 @@ impl Book {
                     let next = cells.last().map_or(0, |(place, _)| place + 1);
                     let place = attributes.get("r").and_then(|r| column(&r)).unwrap_or(next);
                     if cells.last().is_some_and(|(last, _)| *last >= place) {
-                        return Err(format!("the cells of row {line} stand in no order").into());
+                        return Err(damaged(format!("the cells of row {line} stand in no order")));
                     }
-                    let value = self.value(attributes, &mut reader)?;
+                    let value = self.value(attributes, &mut reader).map_err(damaged)?;
                     cells.extend(value.map(|value| (place, value)));
                 }
                 Event::End("row") => {
@@ -137,19 +145,12 @@ fn written<'a>(reader: &mut Xml<'a>) -> Result<Written<'a>, String> {
             Event::End("c") => return Ok(written),
             Event::End(_) => within = "",
             Event::Text(text) => match within {
-                "v" => add(&mut written.value, text),
-                "t" => add(&mut written.inline, text),
-                "f" => add(&mut written.formula, text),
+                "v" => *written.value.get_or_insert_default() += text,
+                "t" => *written.inline.get_or_insert_default() += text,
+                "f" => *written.formula.get_or_insert_default() += text,
                 _ => {}
             },
         }
-    }
-}
-
-fn add<'a>(all: &mut Option<Cow<'a, str>>, more: Cow<'a, str>) {
-    match all {
-        Some(all) => all.to_mut().push_str(&more),
-        None => *all = Some(more),
     }
 }
 

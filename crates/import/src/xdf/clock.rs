@@ -261,17 +261,13 @@ fn glitches(values: &[f64], (deviations, at_least): (f64, f64)) -> Vec<bool> {
 
 /// Start, s, and slope of the line offset = start + slope · t through a stretch; `None` where it
 /// has none.
+///
+/// It minimises the sum of Huber's loss of offset − start − slope · t in units of [`WINSOR_S`], by
+/// the alternating directions method of multipliers with ρ = 1.
 fn line(offsets: &[Offset]) -> Option<Offset> {
-    match offsets {
-        [] => None,
-        [(_, offset)] => Some((*offset, 0.0)),
-        _ => robust_line(offsets),
+    if let [(_, offset)] = offsets {
+        return Some((*offset, 0.0));
     }
-}
-
-/// The line that minimises the sum of Huber's loss of offset − start − slope · t in units of
-/// [`WINSOR_S`], by the alternating directions method of multipliers with ρ = 1.
-fn robust_line(offsets: &[Offset]) -> Option<Offset> {
     let scaled: Vec<Offset> =
         offsets.iter().map(|(t, offset)| (t / WINSOR_S, offset / WINSOR_S)).collect();
     // Times may count from the start of a computer: squares of such would lose the digits that matter.
@@ -280,6 +276,7 @@ fn robust_line(offsets: &[Offset]) -> Option<Offset> {
     #[allow(clippy::cast_precision_loss)] // At most 2¹⁶ of them.
     let n = rows.len() as f64;
     let (sum_t, sum_tt) = rows.iter().fold((0.0, 0.0), |(a, b), (t, _)| (a + t, b + t * t));
+    // Of no offsets it is no number.
     let pivot = sum_tt - sum_t * sum_t / n;
     if !(pivot > 0.0 && pivot.is_finite()) {
         return None;

@@ -1,73 +1,49 @@
 //! The description of a stream: XML, of which a few texts are read.
 
 use super::super::limits::MOST_COLUMNS;
+use super::super::table::{Number, NumberKind};
 use super::super::xml::{Event, Xml};
-use std::borrow::Cow;
 
 /// The format of a stream's values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Written {
-    Float32,
-    Double64,
-    Int8,
-    Int16,
-    Int32,
-    Int64,
+    Number(Number),
     Text,
 }
 
 impl Written {
     fn of(word: &str) -> Option<Self> {
-        Some(match word {
-            "float32" => Self::Float32,
-            "double64" => Self::Double64,
-            "int8" => Self::Int8,
-            "int16" => Self::Int16,
-            "int32" => Self::Int32,
-            "int64" => Self::Int64,
-            "string" => Self::Text,
+        let (kind, size) = match word {
+            "string" => return Some(Self::Text),
+            "float32" => (NumberKind::Float, 4),
+            "double64" => (NumberKind::Float, 8),
+            "int8" => (NumberKind::Signed, 1),
+            "int16" => (NumberKind::Signed, 2),
+            "int32" => (NumberKind::Signed, 4),
+            "int64" => (NumberKind::Signed, 8),
             _ => return None,
-        })
+        };
+        Some(Self::Number(Number { kind, size, big: false }))
     }
+}
 
-    /// Bytes of a number; 0 for texts.
-    pub(super) fn size(self) -> usize {
-        match self {
-            Self::Text => 0,
-            Self::Int8 => 1,
-            Self::Int16 => 2,
-            Self::Int32 | Self::Float32 => 4,
-            Self::Int64 | Self::Double64 => 8,
-        }
-    }
-
-    /// The number in bytes of its size.
-    #[allow(clippy::cast_precision_loss)] // Whole numbers past 2⁵³ become the nearest one, as in every other format.
-    pub(super) fn number(self, bytes: &[u8]) -> Option<f64> {
-        Some(match self {
-            Self::Text => return None,
-            Self::Int8 => f64::from(i8::from_le_bytes(bytes.try_into().ok()?)),
-            Self::Int16 => f64::from(i16::from_le_bytes(bytes.try_into().ok()?)),
-            Self::Int32 => f64::from(i32::from_le_bytes(bytes.try_into().ok()?)),
-            Self::Int64 => i64::from_le_bytes(bytes.try_into().ok()?) as f64,
-            Self::Float32 => f64::from(f32::from_le_bytes(bytes.try_into().ok()?)),
-            Self::Double64 => f64::from_le_bytes(bytes.try_into().ok()?),
-        })
-    }
+/// A channel of a stream.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(super) struct Channel {
+    /// Its label, or one of its number where it has none.
+    pub(super) name: String,
+    /// Its unit, empty where there is none.
+    pub(super) unit: String,
 }
 
 /// The header of a stream.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Header {
     pub(super) name: String,
-    pub(super) channels: usize,
+    pub(super) channels: Vec<Channel>,
     /// Samples a second, 0 where they come as they do.
     pub(super) rate_hz: f64,
     pub(super) written: Written,
-    /// The channels' labels, empty where there is none.
-    pub(super) labels: Vec<String>,
-    /// The channels' units, empty where there is none.
-    pub(super) units: Vec<String>,
     /// Whether samples may be left out: then its times are not those of a steady clock.
     pub(super) may_drop: bool,
 }
@@ -78,26 +54,20 @@ pub(super) fn header(xml: &str) -> Result<Header, String> {
     let mut count = None;
     let mut rate = None;
     let mut format = None;
-    let mut labels = Vec::<String>::new();
-    let mut units = Vec::<String>::new();
+    let mut channels = Vec::<Channel>::new();
     let mut may_drop = false;
     elements(xml, &mut |path, text| match (path, text) {
-        (["info", "name"], Some(text)) => name = Some(text.into_owned()),
+        (["info", "name"], Some(text)) => name = Some(text.to_owned()),
         (["info", "channel_count"], Some(text)) => count = text.parse::<usize>().ok(),
         (["info", "nominal_srate"], Some(text)) => rate = text.parse::<f64>().ok(),
-        (["info", "channel_format"], Some(text)) => format = Written::of(&text),
-        (["info", "desc", "channels", "channel"], None) => {
-            labels.push(String::new());
-            units.push(String::new());
-        }
-        (["info", "desc", "channels", "channel", "unit"], Some(text)) => {
-            if let Some(unit) = units.last_mut() {
-                unit.push_str(&text);
-            }
-        }
-        (["info", "desc", "channels", "channel", "label"], Some(text)) => {
-            if let Some(label) = labels.last_mut() {
-                label.push_str(&text);
+        (["info", "channel_format"], Some(text)) => format = Written::of(text),
+        (["info", "desc", "channels", "channel"], None) => channels.push(Channel::default()),
+        (["info", "desc", "channels", "channel", part], Some(text)) => {
+            let Some(channel) = channels.last_mut() else { return };
+            match *part {
+                "unit" => channel.unit.push_str(text),
+                "label" => channel.name.push_str(text),
+                _ => {}
             }
         }
         (["info", "desc", "synchronization", "can_drop_samples"], Some(text)) => {
@@ -105,20 +75,21 @@ pub(super) fn header(xml: &str) -> Result<Header, String> {
         }
         _ => {}
     })?;
-    let channels = count.filter(|count| (1..=MOST_COLUMNS).contains(count));
+    let count = count.filter(|count| (1..=MOST_COLUMNS).contains(count));
+    let count =
+        count.ok_or_else(|| format!("its channel_count is not from 1 to {MOST_COLUMNS}"))?;
     // A header may describe more channels than it counts, or fewer.
-    labels.resize(channels.unwrap_or(0), String::new());
-    units.resize(channels.unwrap_or(0), String::new());
+    channels.resize(count, Channel::default());
+    for (i, channel) in channels.iter_mut().enumerate().filter(|(_, one)| one.name.is_empty()) {
+        channel.name = format!("channel_{}", i + 1);
+    }
     Ok(Header {
         name: name.unwrap_or_default(),
-        channels: channels
-            .ok_or_else(|| format!("its channel_count is not from 1 to {MOST_COLUMNS}"))?,
+        channels,
         rate_hz: rate
             .filter(|rate| rate.is_finite() && *rate >= 0.0)
             .ok_or("its nominal_srate is not a rate")?,
         written: format.ok_or("its channel_format is not known")?,
-        labels,
-        units,
         may_drop,
     })
 }
@@ -135,10 +106,10 @@ pub(super) fn sample_count(xml: &str) -> Option<u64> {
 }
 
 /// Takes the path of an element, and a text in it.
-type Visit<'v, 'a> = &'v mut dyn FnMut(&[&'a str], Option<Cow<'a, str>>);
+type Visit<'v> = &'v mut dyn FnMut(&[&str], Option<&str>);
 
 /// Gives the path of every element as it begins, and with each text in it.
-fn elements<'a>(xml: &'a str, visit: Visit<'_, 'a>) -> Result<(), String> {
+fn elements(xml: &str, visit: Visit) -> Result<(), String> {
     let mut path: Vec<&str> = Vec::new();
     let mut reader = Xml::new(xml);
     while let Some(event) = reader.next()? {
@@ -148,10 +119,7 @@ fn elements<'a>(xml: &'a str, visit: Visit<'_, 'a>) -> Result<(), String> {
                 visit(&path, None);
             }
             Event::Text(text) if text.trim().is_empty() => {}
-            Event::Text(Cow::Borrowed(text)) => visit(&path, Some(Cow::Borrowed(text.trim()))),
-            Event::Text(Cow::Owned(text)) => {
-                visit(&path, Some(Cow::Owned(text.trim().to_owned())));
-            }
+            Event::Text(text) => visit(&path, Some(text.trim())),
             Event::End(_) => {
                 path.pop();
             }

@@ -14,7 +14,7 @@ pub(super) mod tests;
 
 use super::limits::{MOST_COLUMNS, Take};
 use super::spelling::shown;
-use super::table::{Cells, Declared, Table};
+use super::table::{Cells, Declared, Table, listed};
 use arrow::array::Float64Array;
 use chunks::{Bytes, Lost, MAGIC, Tag, walk};
 use clock::{Offset, Synchronised, synchronise};
@@ -88,13 +88,15 @@ pub(super) fn read(
         let what = format!("the header of stream {number} cannot be read: {why}");
         StoreError::new(path, what, REMEDY)
     })?;
-    let mut samples = Samples::new(header, take);
+    let mut samples = Samples::new(path, header, take);
     let lost = walk(bytes, &mut |chunk| {
         // Chunks of other streams are sound without being read.
         chunk.tag != Tag::Samples || chunk.stream != number || samples.add(header, chunk.content)
     });
     let damaged = damage(&lost);
-    samples.check(path)?;
+    if let Some(error) = samples.over.take() {
+        return Err(error);
+    }
     let lost = samples.lost(stream.counted, damaged.is_some());
     let mut table = Table { told: damaged.into_iter().collect(), lost, ..Table::default() };
     table.told.extend(samples.notes(stream.counted));
@@ -104,29 +106,32 @@ pub(super) fn read(
             table.told.push("times are on the stream's own clock, as recorded".to_owned());
         }
         XdfClock::Nominal => {
-            let doubt = nominal_times(&mut times, header.rate_hz);
-            table.doubts.extend(
-                doubt.map_err(|what| {
-                    StoreError::new(path, what, "choose another clock in [time]")
-                })?,
-            );
+            let doubt = nominal_times(&mut times, header.rate_hz)
+                .map_err(|what| StoreError::new(path, what, "choose another clock in [time]"))?;
+            table.doubts.extend(doubt);
         }
         XdfClock::Corrected => {
-            let (notes, doubts) = correct_times(&mut times, stream, header.rate_hz);
-            table.told.extend(notes);
+            if stream.offsets.is_empty() {
+                let what = "no clock offsets were recorded: times are on the stream's own clock";
+                table.told.push(what.to_owned());
+            }
+            let interval_s = if header.rate_hz > 0.0 { 1.0 / header.rate_hz } else { 0.0 };
+            let Synchronised { all_used, doubts } =
+                synchronise(&mut times, &stream.offsets, interval_s);
+            if !all_used {
+                let what = "clock offsets of one and the same time are of no use: times are on the stream's own clock";
+                table.told.push(what.to_owned());
+            }
             table.doubts.extend(doubts);
         }
     }
     if dejitter && header.rate_hz > 0.0 && !header.may_drop {
         table.doubts.extend(remove_jitter(&mut times, header.rate_hz));
     }
-    let named = header.labels.iter().enumerate().map(|(i, label)| match label.as_str() {
-        "" => format!("channel_{}", i + 1),
-        label => label.to_owned(),
-    });
-    let units = header.units.iter().enumerate().filter(|(_, unit)| !unit.is_empty());
-    let units = units.map(|(i, unit)| (i + 1, Declared { unit: unit.clone(), is_type: false }));
-    table.units = units.collect();
+    let named = header.channels.iter().map(|channel| channel.name.clone());
+    for (i, channel) in header.channels.iter().enumerate().filter(|(_, one)| !one.unit.is_empty()) {
+        table.units.insert(i + 1, Declared { unit: channel.unit.clone(), is_type: false });
+    }
     // The format has times in s.
     table.units.insert(0, Declared { unit: "s".to_owned(), is_type: true });
     table.names = Some(std::iter::once(TIME.to_owned()).chain(named).collect());
@@ -207,13 +212,8 @@ fn choose(
     if let [number] = meant[..] {
         return Ok(number);
     }
-    let list: Vec<String> = streams
-        .iter()
-        .take(MOST_LISTED)
-        .map(|(number, stream)| format!("{number} '{}'", shown(stream.name())))
-        .collect();
-    let more = if streams.len() > MOST_LISTED { ", …" } else { "" };
-    let list = list.join(", ") + more;
+    let list = streams.iter().map(|(number, one)| format!("{number} '{}'", shown(one.name())));
+    let list = listed(list);
     let n = meant.len();
     let what = match (wanted, n) {
         (_, _) if streams.is_empty() => "the file has no stream".to_owned(),
@@ -228,27 +228,6 @@ fn choose(
     };
     let remedy = "set stream in [file] to a stream's name or number";
     Err(StoreError::new(path, what, if streams.is_empty() { REMEDY } else { remedy }))
-}
-
-/// Streams that an error lists.
-const MOST_LISTED: usize = 20;
-
-/// Puts times on the recorder's clock; notes for the report, and why they may be wrong.
-fn correct_times(times: &mut [f64], stream: &Stream, rate_hz: f64) -> (Vec<String>, Vec<String>) {
-    let mut notes = Vec::new();
-    if stream.offsets.is_empty() {
-        notes
-            .push("no clock offsets were recorded: times are on the stream's own clock".to_owned());
-    }
-    let interval_s = if rate_hz > 0.0 { 1.0 / rate_hz } else { 0.0 };
-    let Synchronised { all_used, doubts } = synchronise(times, &stream.offsets, interval_s);
-    if !all_used {
-        notes.push(
-            "clock offsets of one and the same time are of no use: times are on the stream's own clock"
-                .to_owned(),
-        );
-    }
-    (notes, doubts)
 }
 
 /// Puts the samples at the rate that the stream names, from the first on; what that hides.

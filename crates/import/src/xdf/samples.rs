@@ -1,10 +1,10 @@
 //! The samples of a stream, for the requested channels only.
 
-use super::super::limits::{MOST_TEXT, MOST_WHOLE_ROWS, Take, too_many_rows, too_much};
-use super::super::table::Cells;
+use super::super::limits::{MOST_TEXT, MOST_WHOLE_ROWS, Take, more_rows, too_much_text};
+use super::super::table::{Built, Cells};
 use super::chunks::Bytes;
 use super::header::{Header, Written};
-use arrow::array::{Float64Array, LargeStringBuilder};
+use arrow::array::{Float64Builder, LargeStringBuilder};
 use std::path::Path;
 use zwidth_store::StoreError;
 
@@ -12,44 +12,29 @@ use zwidth_store::StoreError;
 pub(super) struct Samples<'a> {
     /// On the stream's own clock, s.
     pub(super) times: Vec<f64>,
-    channels: Vec<Channel>,
+    channels: Vec<Built>,
     /// Samples that their chunks claim and that are not there.
     lost: u64,
     /// Of all texts.
     text: usize,
-    /// Rows, cells or texts of which there are too many.
-    over: Option<Over>,
+    /// More rows, cells or texts than are read.
+    pub(super) over: Option<StoreError>,
+    path: &'a Path,
     take: &'a Take<'a>,
 }
 
-/// A channel, grown sample by sample.
-enum Channel {
-    Unread,
-    Numbers(Vec<f64>),
-    Text(LargeStringBuilder),
-}
-
-#[derive(Clone, Copy)]
-enum Over {
-    Rows,
-    Cells,
-    Text,
-}
-
 impl<'a> Samples<'a> {
-    pub(super) fn new(header: &Header, take: &'a Take<'a>) -> Self {
-        let channels = (0..header.channels).map(|place| {
-            let name = Some(header.labels[place].as_str()).filter(|name| !name.is_empty());
-            let other = format!("channel_{}", place + 1);
+    pub(super) fn new(path: &'a Path, header: &Header, take: &'a Take<'a>) -> Self {
+        let channels = header.channels.iter().enumerate().map(|(place, channel)| {
             // Before them stands the time.
-            match (take.wants(place + 1, name.or(Some(&other))), header.written) {
-                (false, _) => Channel::Unread,
-                (true, Written::Text) => Channel::Text(LargeStringBuilder::new()),
-                (true, _) => Channel::Numbers(Vec::new()),
+            match (take.wants(place + 1, Some(&channel.name)), header.written) {
+                (false, _) => Built::Unread,
+                (true, Written::Text) => Built::Text(LargeStringBuilder::new()),
+                (true, _) => Built::Numbers(Float64Builder::new()),
             }
         });
         let channels = channels.collect();
-        Self { times: Vec::new(), channels, lost: 0, text: 0, over: None, take }
+        Self { times: Vec::new(), channels, lost: 0, text: 0, over: None, path, take }
     }
 
     /// Adds the samples of a chunk as far as they go; whether it holds what it claims.
@@ -77,60 +62,42 @@ impl<'a> Samples<'a> {
             [8] => content.f64()?,
             _ => return None,
         };
-        if header.written == Written::Text {
-            // All of them before the first is kept: a sample is there whole or not at all.
-            let texts = (0..self.channels.len()).map(|_| {
-                let length = usize::try_from(content.length()?).ok()?;
-                content.take(length)
-            });
-            let texts: Vec<&[u8]> = texts.collect::<Option<_>>()?;
-            for (channel, text) in self.channels.iter_mut().zip(texts) {
-                if let Channel::Text(built) = channel {
-                    self.text += text.len();
-                    let text = String::from_utf8_lossy(text);
-                    built.append_option(Some(text.trim()).filter(|text| !text.is_empty()));
+        match header.written {
+            Written::Text => {
+                // All of them before the first is kept: a sample is there whole or not at all.
+                let texts = (0..self.channels.len()).map(|_| {
+                    let length = usize::try_from(content.length()?).ok()?;
+                    content.take(length)
+                });
+                let texts: Vec<&[u8]> = texts.collect::<Option<_>>()?;
+                for (channel, text) in self.channels.iter_mut().zip(texts) {
+                    if let Built::Text(built) = channel {
+                        self.text += text.len();
+                        let text = String::from_utf8_lossy(text);
+                        built.append_option(Some(text.trim()).filter(|text| !text.is_empty()));
+                    }
                 }
             }
-        } else {
-            let size = header.written.size();
-            let row = content.take(size * self.channels.len())?;
-            for (channel, value) in self.channels.iter_mut().zip(row.chunks_exact(size)) {
-                if let Channel::Numbers(values) = channel {
-                    values.push(header.written.number(value)?);
+            Written::Number(number) => {
+                let row = content.take(number.size * self.channels.len())?;
+                for (channel, value) in self.channels.iter_mut().zip(row.chunks_exact(number.size))
+                {
+                    if let Built::Numbers(values) = channel {
+                        values.append_value(number.read(value));
+                    }
                 }
             }
         }
         self.times.push(time);
-        self.count();
-        Some(())
-    }
-
-    /// Counts a sample against what is read at most.
-    fn count(&mut self) {
-        let read = self.channels.iter().filter(|c| !matches!(c, Channel::Unread)).count();
+        let read = self.channels.iter().filter(|c| !matches!(c, Built::Unread)).count();
         if self.times.len() > MOST_WHOLE_ROWS {
-            self.over = Some(Over::Rows);
+            self.over = Some(more_rows(self.path));
         } else if self.text > MOST_TEXT {
-            self.over = Some(Over::Text);
-        } else if !self.take.budget.cells(read + 1) {
-            self.over = Some(Over::Cells);
+            self.over = Some(too_much_text(self.path));
+        } else {
+            self.over = self.take.room(self.path, read + 1).err();
         }
-    }
-
-    /// Whether there is no more than is read.
-    ///
-    /// # Errors
-    /// Rows, cells or texts of which there are too many.
-    pub(super) fn check(&self, path: &Path) -> Result<(), StoreError> {
-        match self.over {
-            None => Ok(()),
-            Some(Over::Rows) => Err(too_many_rows(path, &format!("more than {MOST_WHOLE_ROWS}"))),
-            Some(Over::Cells) => Err(too_much(path)),
-            Some(Over::Text) => {
-                let what = format!("the texts in mapped columns have more than {MOST_TEXT} bytes");
-                Err(StoreError::new(path, what, "split the file"))
-            }
-        }
+        Some(())
     }
 
     /// Notes on what is lost, and on what the stream's footer counts besides what is there.
@@ -169,10 +136,6 @@ impl<'a> Samples<'a> {
 
     /// The channels as columns.
     pub(super) fn cells(self) -> impl Iterator<Item = Cells> {
-        self.channels.into_iter().map(|channel| match channel {
-            Channel::Unread => Cells::Unread,
-            Channel::Numbers(values) => Cells::Numbers(Float64Array::from(values)),
-            Channel::Text(mut built) => Cells::Text(built.finish()),
-        })
+        self.channels.into_iter().map(Built::finish)
     }
 }

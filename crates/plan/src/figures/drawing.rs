@@ -2,7 +2,7 @@
 //! it.
 
 use crate::figures::font;
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 use std::path::PathBuf;
 use std::sync::Arc;
 use zwidth_draw::{DEFAULT_DPI, Figure, draw};
@@ -25,30 +25,12 @@ pub(crate) struct Drawing {
 
 /// What a figure is described from besides files, and the function that does it: the parameters
 /// alone are the job's key.
+#[derive(Serialize)]
+#[serde(transparent)]
 struct Described<P, I> {
     parameters: P,
+    #[serde(skip)]
     describe: fn(&P, &I) -> Figured,
-}
-
-impl<P: Serialize, I> Serialize for Described<P, I> {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        self.parameters.serialize(serializer)
-    }
-}
-
-/// A value with two owners: the job of a figure, and the function that describes it alone.
-struct Shared<T>(Arc<T>);
-
-impl<T: Serialize> Serialize for Shared<T> {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        self.0.serialize(serializer)
-    }
-}
-
-impl<T: Inputs> Inputs for Shared<T> {
-    fn files(&self) -> Vec<PathBuf> {
-        self.0.files()
-    }
 }
 
 impl Drawing {
@@ -72,9 +54,10 @@ impl Drawing {
         let described = Arc::new(Described { parameters, describe });
         let inputs = Arc::new(inputs);
         // The font is an input of every figure: all are drawn again with another one.
-        let job_inputs = (Shared(inputs.clone()), font::files(data));
+        let job_inputs = (inputs.clone(), font::files(data));
         let name = format!("figure {stem}");
-        let job = Job::new(STAGE, name, Shared(described.clone()), job_inputs, outputs, make);
+        // The job and the function that describes it alone have both in common.
+        let job = Job::new(STAGE, name, described.clone(), job_inputs, outputs, make);
         let describe = Box::new(move || (described.describe)(&described.parameters, &inputs));
         Self { caption, job, describe }
     }
@@ -102,8 +85,8 @@ const EXTENSIONS: [&str; 5] = ["svg", "pdf", "png", "parquet", "txt"];
 
 /// A figure in every form, with its data and its caption.
 fn make<P, I>(
-    Shared(described): &Shared<Described<P, I>>,
-    (Shared(inputs), font): &(Shared<I>, Vec<PathBuf>),
+    described: &Arc<Described<P, I>>,
+    (inputs, font): &(Arc<I>, Vec<PathBuf>),
     making: &Making,
 ) -> Result<Made, JobError> {
     let (figure, problems) = (described.describe)(&described.parameters, inputs)?;

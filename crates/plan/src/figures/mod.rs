@@ -25,7 +25,7 @@ use zwidth_figures::{
 };
 use zwidth_results::FreePlane;
 use zwidth_runner::{Inputs, Job, JobError};
-use zwidth_store::{Asked, StoreError, StudyData, TrialEntry, check_trial};
+use zwidth_store::{Asked, StudyData, TrialEntry, check_trial};
 use zwidth_study::{Alignment, Environment, ModeId, OwnFigures};
 use zwidth_tables::Table;
 
@@ -60,15 +60,38 @@ fn of_sessions(data: &StudyData, sessions: Vec<Session>) -> Vec<Drawing> {
         let mut environments: Vec<&Environment> =
             data.study.environments.iter().filter(|e| !session.of(e).is_empty()).collect();
         for environment in &environments {
+            let subject = session.ids_with(environment);
+            let stem = Caption::new(MODES, subject.clone()).stem();
+            let alignment = data.study.figures.alignment(&stem);
+            // On axes that hold the environments beside it too.
             let beside = environments.iter().filter(|other| other.id != environment.id);
-            let beside: Vec<&Environment> = beside.copied().collect();
-            drawings.push(modes(data, session, environment, &beside));
+            let parts = [environment].into_iter().chain(beside).map(|other| {
+                let trials = session.of(other);
+                let conditions = conditions(data, session, other);
+                let part = recorded(data, session, other, alignment, &trials, &conditions);
+                // The others only widen the axes, and means lie within their trials.
+                if other.id == environment.id { part } else { without_means(part) }
+            });
+            let (all, files): (Vec<_>, Vec<_>) = parts.unzip();
+            let n = session.of(environment).len();
+            drawings.push(Drawing::new(data, MODES, subject, all, files, draw_modes).of(n));
             drawings.extend(repeats(data, session, environment));
         }
         environments.retain(|e| e.scene.spring().is_some());
-        if !environments.is_empty() {
-            drawings.push(loops(data, session, &environments));
+        if environments.is_empty() {
+            continue;
         }
+        let parts = environments.iter().map(|environment| {
+            let trials = session.of(environment);
+            let conditions = conditions(data, session, environment);
+            let (recorded, files) =
+                recorded(data, session, environment, Alignment::Onset, &trials, &conditions);
+            // Nothing stands against time.
+            (recorded, Files { averages: Vec::new(), ..files })
+        });
+        let (all, files): (Vec<_>, Vec<_>) = parts.unzip();
+        let n = environments.iter().map(|environment| session.of(environment).len()).sum();
+        drawings.push(Drawing::new(data, LOOPS, session.ids(), all, files, draw_loops).of(n));
     }
     drawings.extend(characterise::actuators(data).into_iter().map(|(actuator, sweeps)| {
         let parameters = (actuator.to_string(), data.study.analysis.confidence);
@@ -240,32 +263,26 @@ fn with_notes(figure: Figure, reads: &[&Read]) -> Figure {
     with_care(with_thinned(figure, thinned, MOST_DRAWN), &findings)
 }
 
-/// The findings of trials that are to be read with care. A trial that cannot be read is reported where
-/// it is left out.
-fn check_trials(files: &Files, recorded: &Recorded) -> Result<Vec<Found>, StoreError> {
-    let mut all = Vec::new();
-    for (file, label) in files.trials.iter().zip(&recorded.trials) {
-        let findings = match check_trial(file, &recorded.asked) {
-            // Nothing is wrong with the file itself: the job fails, and the next run makes it again.
-            Err(error) if error.by_system => return Err(error),
-            findings => findings.unwrap_or_default(),
-        };
-        all.extend(findings.into_iter().map(|e| Found {
-            trial: label.trial,
-            column: e.column.unwrap_or_default(),
-            what: e.what,
-        }));
-    }
-    Ok(all)
-}
-
 /// Reads one environment of one session.
 fn load<'r>(recorded: &'r Recorded, files: &Files) -> Result<Read<'r>, JobError> {
     let signals = zwidth_figures::SIGNALS.into_iter();
     let (drawn, problems) = read_drawn(&files.trials, &recorded.trials, signals)?;
     let thinned = drawn.iter().filter(|(trial, all)| trial.samples.len() < *all).count();
     let trials = drawn.into_iter().map(|(trial, _)| trial).collect();
-    let findings = check_trials(files, recorded)?;
+    // Of trials that are to be read with care. One that cannot be read is reported where it is left out.
+    let mut all_findings = Vec::new();
+    for (file, label) in files.trials.iter().zip(&recorded.trials) {
+        let findings = match check_trial(file, &recorded.asked) {
+            // Nothing is wrong with the file itself: the job fails, and the next run makes it again.
+            Err(error) if error.by_system => return Err(error.into()),
+            findings => findings.unwrap_or_default(),
+        };
+        all_findings.extend(findings.into_iter().map(|e| Found {
+            trial: label.trial,
+            column: e.column.unwrap_or_default(),
+            what: e.what,
+        }));
+    }
     let averages = Averages {
         over_time: read_means(
             &recorded.averaged,
@@ -283,7 +300,7 @@ fn load<'r>(recorded: &'r Recorded, files: &Files) -> Result<Read<'r>, JobError>
     let loaded = Loaded::new(about, trials, averages, |trials| {
         zwidth_average::times_s(trials, parameters, *alignment).ok()
     })?;
-    Ok(Read { loaded, problems, findings, thinned })
+    Ok(Read { loaded, problems, findings: all_findings, thinned })
 }
 
 /// The columns of each mode's means.
@@ -298,32 +315,6 @@ fn read_means(
         means.insert(mode.clone(), Table::columns_from_parquet(path, &columns)?);
     }
     Ok(means)
-}
-
-/// The figure of one environment, on axes that hold those `beside` it too.
-fn modes<'a>(
-    data: &'a StudyData,
-    session: &Session<'a>,
-    environment: &'a Environment,
-    beside: &[&'a Environment],
-) -> Drawing {
-    let [participant, session_id] = session.ids();
-    let subject = [participant, session_id, environment.id.to_string()];
-    let alignment = data.study.figures.alignment(&Caption::new(MODES, subject.clone()).stem());
-    let (mut all_recorded, mut all_files) = (Vec::new(), Vec::new());
-    for other in [environment].iter().chain(beside) {
-        let trials = session.of(other);
-        let conditions = conditions(data, session, other);
-        let mut part = recorded(data, session, other, alignment, &trials, &conditions);
-        // The others only widen the axes, and means lie within their trials.
-        if other.id != environment.id {
-            part = without_means(part);
-        }
-        all_recorded.push(part.0);
-        all_files.push(part.1);
-    }
-    let n = session.of(environment).len();
-    Drawing::new(data, MODES, subject, all_recorded, all_files, draw_modes).of(n)
 }
 
 fn draw_modes(recorded: &Vec<Recorded>, files: &Vec<Files>) -> Figured {
@@ -359,9 +350,8 @@ fn repeats<'a>(
     // One recording is whole in the figure of the modes.
     conditions.retain(|repeats| repeats.trials.len() > 1);
     let drawings = conditions.iter().map(|repeats| {
-        let [participant, session_id] = session.ids();
         let mode = repeats.mode.id.to_string();
-        let subject = [participant, session_id, environment.id.to_string(), mode];
+        let subject = session.ids_with(environment).into_iter().chain([mode]);
         let trials = &repeats.trials;
         let only = std::slice::from_ref(repeats);
         // Of no mean: every repeat stands at its own time.
@@ -380,26 +370,6 @@ fn draw_repeats(recorded: &Recorded, files: &Files) -> Figured {
         return Err(format!("no trial could be read: {}", problems.join("; ")).into());
     };
     Ok((with_notes(zwidth_figures::repeats(&scene, first), &[&read]), problems))
-}
-
-fn loops<'a>(
-    data: &'a StudyData,
-    session: &Session<'a>,
-    environments: &[&'a Environment],
-) -> Drawing {
-    let (mut all_recorded, mut all_files) = (Vec::new(), Vec::new());
-    let mut n = 0;
-    for environment in environments {
-        let trials = session.of(environment);
-        n += trials.len();
-        let conditions = conditions(data, session, environment);
-        let (recorded, files) =
-            recorded(data, session, environment, Alignment::Onset, &trials, &conditions);
-        all_recorded.push(recorded);
-        // Nothing stands against time.
-        all_files.push(Files { averages: Vec::new(), ..files });
-    }
-    Drawing::new(data, LOOPS, session.ids(), all_recorded, all_files, draw_loops).of(n)
 }
 
 fn draw_loops(recorded: &Vec<Recorded>, files: &Vec<Files>) -> Figured {

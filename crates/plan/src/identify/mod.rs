@@ -4,20 +4,20 @@
 
 use crate::replay::replayable::{rendering, replayable};
 use crate::shared::conditions::spread;
-use crate::shared::handle::{Derived, Written};
+use crate::shared::handle::{file_within, write_named};
 use crate::shared::making::split;
 use crate::shared::trials::{OfTrials, Recordings, files, name, read_all};
 use rayon::prelude::*;
 use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use zwidth_identify::{Bracket, IdentifyError, Parameter, Recording, Switching, Task};
 use zwidth_metrics::Plant;
 use zwidth_replay::{Balance, Drive, Judged, Parameters, Rendering, ReplayError};
 use zwidth_results::{
     HeldOutError, PlantCovariance, PlantEstimate, PlantParameter, PlantProfile, PlantTrialError,
-    ThresholdBracket,
+    Row, ThresholdBracket,
 };
-use zwidth_runner::{Inputs, Job, JobError, Made, Making, Stage};
+use zwidth_runner::{Job, JobError, Made, Making, Stage};
 use zwidth_store::{Layout, Signal, StoreError, StudyData, Trial, TrialEntry};
 use zwidth_study::TrialMeta;
 use zwidth_tables::{Table, TableError};
@@ -56,65 +56,33 @@ const fn parameter(
 const STARTS: [[f64; P]; 2] =
     [[0.05, 0.1, 0.1, 1e-4, 0.01, 0.01], [0.3, 0.3, 0.2, 1e-3, 0.05, 0.05]];
 
-/// The tables of the stage: the parameters, their profiles, the threshold's bracket, by eye against
-/// fitted on trials held out, the errors trial by trial, and the parameters' covariance.
-struct Identification {
-    estimates: Derived<PlantEstimate>,
-    profiles: Derived<PlantProfile>,
-    threshold: Derived<ThresholdBracket>,
-    held_out: Derived<HeldOutError>,
-    trials: Derived<PlantTrialError>,
-    covariances: Derived<PlantCovariance>,
-}
-
-impl Identification {
-    fn of(layout: &Layout) -> Self {
-        let folder = layout.derived();
-        Self {
-            estimates: Derived::within(&folder),
-            profiles: Derived::within(&folder),
-            threshold: Derived::within(&folder),
-            held_out: Derived::within(&folder),
-            trials: Derived::within(&folder),
-            covariances: Derived::within(&folder),
-        }
-    }
-}
-
-impl Inputs for Identification {
-    fn files(&self) -> Vec<PathBuf> {
-        let Self { estimates, profiles, threshold, held_out, trials, covariances } = self;
-        [
-            estimates.path(),
-            profiles.path(),
-            threshold.path(),
-            held_out.path(),
-            trials.path(),
-            covariances.path(),
-        ]
-        .map(Path::to_owned)
-        .to_vec()
-    }
-}
-
-/// The tables of the stage; empty where no trial can be replayed.
+/// The tables of the stage, empty where no trial can be replayed: the parameters, their profiles, the
+/// threshold's bracket, by eye against fitted on trials held out, the errors trial by trial, and the
+/// parameters' covariance.
 pub(crate) fn tables(data: &StudyData) -> Vec<PathBuf> {
-    match replayable(data).next() {
-        Some(_) => Identification::of(&data.layout).files(),
-        None => Vec::new(),
+    if replayable(data).next().is_none() {
+        return Vec::new();
     }
+    let names = [
+        PlantEstimate::NAME,
+        PlantProfile::NAME,
+        ThresholdBracket::NAME,
+        HeldOutError::NAME,
+        PlantTrialError::NAME,
+        PlantCovariance::NAME,
+    ];
+    names.map(|name| file_within(&data.layout.derived(), name)).to_vec()
 }
 
 /// The parameters.
 pub(crate) fn plant_of(layout: &Layout) -> PathBuf {
-    Identification::of(layout).estimates.path().to_owned()
+    file_within(&layout.derived(), PlantEstimate::NAME)
 }
 
 /// The parameters and their covariance, where a trial can be replayed.
 pub(crate) fn known_plant(data: &StudyData) -> Option<[PathBuf; 2]> {
-    let tables = Identification::of(&data.layout);
-    let files = [tables.estimates.path(), tables.covariances.path()].map(Path::to_owned);
-    replayable(data).next().map(|_| files)
+    let covariances = file_within(&data.layout.derived(), PlantCovariance::NAME);
+    replayable(data).next().map(|_| [plant_of(&data.layout), covariances])
 }
 
 /// Mass, damping and friction of both tables, as metrics take them; `None` where nothing was fitted
@@ -232,15 +200,39 @@ fn make(parameters: &OfTrials<Fit>, files: &Recordings, making: &Making) -> Resu
     problems.extend(more);
     let prepared: Vec<Prepared> = prepared.into_iter().flatten().collect();
     let threshold = zwidth_identify::threshold(&bracket, fit.let_go_n);
-    let results = identify_plant(&prepared, fit)?;
-    let mut tables = vec![
-        results.estimates,
-        Table::of_rows(&results.profiles)?,
-        Table::of_rows(threshold.as_slice())?,
-        Table::of_rows(&results.held_out)?,
-        Table::of_rows(&results.trials)?,
-        Table::of_rows(&results.covariances)?,
-    ];
+    let recordings: Vec<Recording> = prepared
+        .iter()
+        .map(|t| Recording { meta: &t.meta, observed: t.balance.measured_ns() })
+        .collect();
+    let task = Task { parameters: &fit.plant, starts: &fit.starts, level: fit.level };
+    let fitted = zwidth_identify::identify(
+        &recordings,
+        &task,
+        |i, points| {
+            let plants: Vec<Parameters> = points.iter().map(plant).collect();
+            prepared[i].balance.needed_ns(&plants).into_iter().map(Some).collect()
+        },
+        |i, point| prepared[i].judged.rmse_rad(&plant(point)),
+    );
+    let mut tables = match fitted {
+        Ok(fitted) => vec![
+            zwidth_identify::estimates_table(&fitted)?,
+            Table::of_rows(&zwidth_identify::profiles(&fitted.estimates))?,
+            Table::of_rows(&zwidth_identify::held_out(&fitted.trials))?,
+            Table::of_rows(&fitted.trials)?,
+            Table::of_rows(&zwidth_identify::covariances(&fitted))?,
+        ],
+        // No rows, and a note that says why.
+        Err(why @ IdentifyError::TooFew { .. }) => vec![
+            zwidth_identify::nothing_fitted(&why.to_string())?,
+            Table::of_rows::<PlantProfile>(&[])?,
+            Table::of_rows(&zwidth_identify::held_out(&[]))?,
+            Table::of_rows::<PlantTrialError>(&[])?,
+            Table::of_rows::<PlantCovariance>(&[])?,
+        ],
+        Err(error) => return Err(error.into()),
+    };
+    tables.push(Table::of_rows(threshold.as_slice())?);
     if let Some(all) = fit.of_trials {
         let note = format!(
             "Of {all} trials that a plant can be fitted to, those of participants evenly spread over \
@@ -249,8 +241,7 @@ fn make(parameters: &OfTrials<Fit>, files: &Recordings, making: &Making) -> Resu
         );
         tables = tables.into_iter().map(|table| table.with_note(note.clone())).collect();
     }
-    let written = tables.into_iter().try_fold(Written::begin(making, false), Written::table)?;
-    Ok(Made { problems, ..written.end()? })
+    Ok(Made { problems, ..write_named(tables, making, false)? })
 }
 
 /// A trial that can be fitted and replayed.
@@ -282,52 +273,6 @@ fn switching<'t>(trial: &'t Trial, rendering: &Rendering) -> Option<Switching<'t
         motor_v: samples.get(Signal::VoltageMotor)?,
         brake_v: samples.get(Signal::VoltageBrake)?,
     })
-}
-
-/// The results of a fit of the plant.
-struct Results {
-    /// The parameters, with notes.
-    estimates: Table,
-    profiles: Vec<PlantProfile>,
-    held_out: Vec<HeldOutError>,
-    trials: Vec<PlantTrialError>,
-    covariances: Vec<PlantCovariance>,
-}
-
-/// The plant that fits some trials best. If there is too little to fit, there are no rows and a note
-/// that says why.
-fn identify_plant(trials: &[Prepared], fit: &Fit) -> Result<Results, JobError> {
-    let recordings: Vec<Recording> = trials
-        .iter()
-        .map(|t| Recording { meta: &t.meta, observed: t.balance.measured_ns() })
-        .collect();
-    let task = Task { parameters: &fit.plant, starts: &fit.starts, level: fit.level };
-    let fitted = zwidth_identify::identify(
-        &recordings,
-        &task,
-        |i, points| {
-            let plants: Vec<Parameters> = points.iter().map(plant).collect();
-            trials[i].balance.needed_ns(&plants).into_iter().map(Some).collect()
-        },
-        |i, point| trials[i].judged.rmse_rad(&plant(point)),
-    );
-    match fitted {
-        Ok(fitted) => Ok(Results {
-            estimates: zwidth_identify::estimates_table(&fitted)?,
-            profiles: zwidth_identify::profiles(&fitted.estimates),
-            held_out: zwidth_identify::held_out(&fitted.trials),
-            covariances: zwidth_identify::covariances(&fitted),
-            trials: fitted.trials,
-        }),
-        Err(why @ IdentifyError::TooFew { .. }) => Ok(Results {
-            estimates: zwidth_identify::nothing_fitted(&why.to_string())?,
-            profiles: Vec::new(),
-            held_out: zwidth_identify::held_out(&[]),
-            covariances: Vec::new(),
-            trials: Vec::new(),
-        }),
-        Err(error) => Err(error.into()),
-    }
 }
 
 #[cfg(test)]

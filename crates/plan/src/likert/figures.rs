@@ -10,12 +10,19 @@ use zwidth_results::{AnswerTally, GivenAnswer};
 use zwidth_store::StudyData;
 use zwidth_study::{Environment, Question, Source};
 
-/// What a page depends on besides the answers.
+/// What a page of answers depends on besides tables.
 #[derive(Serialize)]
-struct Page {
-    about: About,
-    page: LikertPage,
-    sources: Vec<Source>,
+pub(crate) struct Page<P> {
+    pub(crate) about: About,
+    pub(crate) page: P,
+    pub(crate) sources: Vec<Source>,
+}
+
+impl<P> Page<P> {
+    fn of(data: &StudyData, page: P) -> Self {
+        let sources = data.sessions.iter().map(|s| s.record.source).collect();
+        Self { about: About::of(&data.study), page, sources }
+    }
 }
 
 pub(crate) fn all(data: &StudyData) -> Vec<Drawing> {
@@ -25,45 +32,35 @@ pub(crate) fn all(data: &StudyData) -> Vec<Drawing> {
     let items = (LIKERT_ITEMS, zwidth_figures::likert_items(&rated));
     let mut drawings = Vec::new();
     for (kind, pages) in [overview, items] {
-        for (number, page) in number_pages(pages.len()).into_iter().zip(pages) {
+        for (number, page) in numbered(pages) {
             let shown = data.answers.iter().filter(|answer| {
                 let question = data.study.question(&answer.question);
                 question.is_some_and(|q| page.shows(&answer.condition.environment, q))
             });
             let n = shown.count();
-            let sources = data.sessions.iter().map(|s| s.record.source).collect();
-            let page = Page { about: About::of(&data.study), page, sources };
+            let page = Page::of(data, page);
             drawings.push(Drawing::new(data, kind, number, page, answers.clone(), draw).of(n));
         }
     }
-    let pages = zwidth_figures::ratings_pages(&rated);
-    for (number, page) in number_pages(pages.len()).into_iter().zip(pages) {
+    for (number, page) in numbered(zwidth_figures::ratings_pages(&rated)) {
         let tables = (tally.clone(), answers.clone());
         let shown =
             data.answers.iter().filter(|a| page.shows(&a.condition.environment, &a.question));
         let n = shown.count();
-        let sources = data.sessions.iter().map(|s| s.record.source).collect();
-        let rated = Rated { about: About::of(&data.study), page, sources };
-        drawings.push(Drawing::new(data, RATINGS, number, rated, tables, draw_rated).of(n));
+        let page = Page::of(data, page);
+        drawings.push(Drawing::new(data, RATINGS, number, page, tables, draw_rated).of(n));
     }
     drawings
 }
 
-/// The numbers of pages, from 1 on; a single page has no number.
-pub(crate) fn number_pages(pages: usize) -> Vec<Option<String>> {
-    (1..=pages).map(|number| (pages > 1).then(|| number.to_string())).collect()
-}
-
-/// What a page of answers on scales of many points depends on besides the tables.
-#[derive(Serialize)]
-struct Rated {
-    about: About,
-    page: RatingsPage,
-    sources: Vec<Source>,
+/// Pages with their numbers, from 1 on; a single page has no number.
+pub(crate) fn numbered<P>(pages: Vec<P>) -> impl Iterator<Item = (Option<String>, P)> {
+    let several = pages.len() > 1;
+    (1..).map(move |number: usize| several.then(|| number.to_string())).zip(pages)
 }
 
 fn draw_rated(
-    Rated { about, page, sources }: &Rated,
+    Page { about, page, sources }: &Page<RatingsPage>,
     (tally, answers): &(Derived<AnswerTally>, Derived<GivenAnswer>),
 ) -> Figured {
     let tally = tally.read()?;
@@ -86,7 +83,9 @@ pub(crate) fn list_rated(data: &StudyData) -> Vec<(&Environment, Vec<&Question>)
     rated
 }
 
-fn draw(page: &Page, answers: &Derived<GivenAnswer>) -> Figured {
-    let Page { about, page, sources } = page;
+fn draw(
+    Page { about, page, sources }: &Page<LikertPage>,
+    answers: &Derived<GivenAnswer>,
+) -> Figured {
     Ok((zwidth_figures::likert(about, page, &read_counting(answers)?, sources), Vec::new()))
 }

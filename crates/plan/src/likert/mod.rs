@@ -3,19 +3,16 @@
 
 pub(crate) mod figures;
 
-use crate::shared::handle::{Derived, Written};
+use crate::shared::handle::{Derived, write_named};
+use crate::shared::trials::origins;
 use serde::Serialize;
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::path::PathBuf;
 use zwidth_likert::{Blinding, Guess, Scheme};
 use zwidth_results::{AnswerTally, BlindingIndex, GivenAnswer};
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, Stage};
 use zwidth_store::{Answer, LeftOutAnswer, StudyData};
-use zwidth_study::{
-    AnswerValue, EnvironmentId, Kind, ModeId, ParticipantId, Question, SessionId, Status, Study,
-    TrialMeta,
-};
+use zwidth_study::{AnswerValue, Kind, ModeId, ParticipantId, SessionId, Status, Study, TrialMeta};
 use zwidth_tables::TableError;
 
 const STAGE: Stage = Stage { name: "likert", version: zwidth_likert::VERSION };
@@ -84,9 +81,14 @@ fn guesses(data: &StudyData) -> Option<Blinding> {
             Some(((&log.record.participant, &log.record.session), log.study.as_deref()?))
         })
         .collect();
+    // Whether the trial's study asks the question for the mode after trials of its environment.
     let is_guessed = |meta: &TrialMeta| {
         let study = studies.get(&(&meta.participant, &meta.session)).copied();
-        has_question(study.unwrap_or(&data.study), &meta.environment, question)
+        let study = study.unwrap_or(&data.study);
+        study.environment(&meta.environment).is_some_and(|e| {
+            let mut asked = e.questions().filter(|id| **id == question.id);
+            asked.any(|id| study.question(id).is_some_and(|own| !own.is_rating()))
+        })
     };
     // By participant, session and trial. Trials first, so that an answer replaces their `None`.
     let mut answers: BTreeMap<(ParticipantId, SessionId, u32), (ModeId, Option<AnswerValue>)> =
@@ -121,14 +123,6 @@ fn guesses(data: &StudyData) -> Option<Blinding> {
     is_answered.then_some(Blinding { modes, guesses, sealed, level })
 }
 
-/// Whether a study asks the question for the mode after an environment's trials.
-fn has_question(study: &Study, environment: &EnvironmentId, question: &Question) -> bool {
-    study.environment(environment).is_some_and(|e| {
-        e.questions()
-            .any(|id| *id == question.id && study.question(id).is_some_and(|own| !own.is_rating()))
-    })
-}
-
 pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
     let Some(long) = long(data) else { return Vec::new() };
     let parameters = TallyParameters {
@@ -138,28 +132,24 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
         blinding: guesses(data),
     };
     let outputs = [tally(data).files(), long.files(), blinding(data).files()].concat();
-    // Files an answer can stand in: trials, session records, event logs. No inputs: the job is made
-    // again when an answer changes, and not when anything else in these files does.
-    let trials = data.trials.iter().map(|t| t.path.clone());
-    let logs =
-        data.sessions.iter().flat_map(|s| [&s.path, &s.events_path]).map(|p| p.as_path().into());
-    let origins: Vec<Arc<Path>> = trials.chain(logs).collect();
-    vec![Job::new(STAGE, "likert tallies", parameters, (), outputs, make).told_by(origins)]
+    // Where answers stand. No inputs: the job is made again when an answer changes, and not when anything
+    // else in these files does.
+    vec![Job::new(STAGE, "likert tallies", parameters, (), outputs, make).told_by(origins(data))]
 }
 
 fn make(parameters: &TallyParameters, (): &(), making: &Making) -> Result<Made, JobError> {
     let TallyParameters { scheme, answers, left_out, blinding } = parameters;
-    // Answers of simulated sessions are marked where they are printed.
-    let mut written = Written::begin(making, false);
+    let mut tables = Vec::new();
     if answers.iter().any(|answer| scheme.rates(answer)) {
         let rows = zwidth_likert::tally(answers, scheme)?;
-        written = written.table(zwidth_likert::tally_table(&rows, scheme)?)?;
+        tables.push(zwidth_likert::tally_table(&rows, scheme)?);
     }
     let rows = zwidth_likert::long(answers, left_out);
-    written = written.table(zwidth_likert::long_table(&rows, scheme)?)?;
+    tables.push(zwidth_likert::long_table(&rows, scheme)?);
     if let Some(blinding) = blinding {
         let rows = zwidth_likert::blinding(blinding)?;
-        written = written.table(zwidth_likert::blinding_table(&rows, blinding)?)?;
+        tables.push(zwidth_likert::blinding_table(&rows, blinding)?);
     }
-    written.end()
+    // Answers of simulated sessions are marked where they are printed.
+    write_named(tables, making, false)
 }

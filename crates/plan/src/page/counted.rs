@@ -4,6 +4,7 @@ use crate::metrics;
 use crate::page::summary;
 use crate::shared::handle::Derived;
 use crate::shared::making::{derived, write_tables};
+use crate::shared::trials::origins;
 use serde::Serialize;
 use std::collections::BTreeSet;
 use zwidth_results::{CountedTrial, NoteKind, TrialRemark};
@@ -37,17 +38,10 @@ pub(crate) fn job(data: &StudyData, findings: &Findings) -> Job {
             || [LOST, DOUBTS].iter().any(|key| trial.said.file.contains_key(*key)),
     });
     let rows: Vec<Row> = rows.collect();
-    // Where the rows come from. No inputs: of all that these files hold, only the rows matter.
-    let logs = data.sessions.iter().flat_map(|s| [&s.path, &s.events_path]);
-    let origins: Vec<_> = data
-        .trials
-        .iter()
-        .map(|trial| trial.path.clone())
-        .chain(logs.map(|path| path.as_path().into()))
-        .collect();
     let output = derived(&data.layout, "trials.parquet");
+    // Where the rows come from is no input: of all that these files hold, only the rows matter.
     Job::new(STAGE, "trials", rows, metrics::remarks(data), vec![output], make)
-        .told_by(origins)
+        .told_by(origins(data))
         .tolerant()
 }
 

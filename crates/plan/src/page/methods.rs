@@ -1,7 +1,7 @@
 //! What the methods in words describe: what was recorded, and which stages a run has for it.
 
 use crate::page::people::participants;
-use crate::page::preregistered::of_plan;
+use crate::page::preregistered::preregistered;
 use crate::{compare, identify, likert, replay};
 use std::collections::BTreeMap;
 use zwidth_report::Recorded;
@@ -35,9 +35,12 @@ pub fn recorded(data: &StudyData) -> Recorded {
     let imported = data.trials.iter().filter_map(|trial| trial.said.file.get("made_by_import"));
     let made_by_import =
         imported.flat_map(|columns| columns.split("; ")).map(str::to_owned).collect();
+    let compared = compare::compared(data);
+    let plan = preregistered(data, &compared);
+    let participants = participants(data);
     let bounded = data.study.compare.bounds.keys().map(ToString::to_string);
     let metrics =
-        bounded.chain([data.study.compare.primary.to_string()]).chain(compare::compared(data));
+        bounded.chain([data.study.compare.primary.to_string()]).chain(compared.iter().cloned());
     let words = metrics.filter_map(|name| {
         let words = zwidth_metrics::in_words(&name)?.to_owned();
         Some((name, words))
@@ -45,17 +48,17 @@ pub fn recorded(data: &StudyData) -> Recorded {
     Recorded {
         words: words.collect(),
         made_by_import,
-        participants: participants(data),
+        participants,
         sessions: sessions.len(),
         trials: trials.len(),
         sweeps: data.sweeps.len(),
         sources,
-        compared: compare::compared(data),
+        compared,
         answers: likert::tally(data).is_some(),
         guesses: likert::blinding(data).is_some(),
         // Without the lever's length the table of replays has nothing but reasons why not.
         replayed: replay::of_study(data).is_some() && data.study.device.lever_m.is_some(),
         identified: identify::known_plant(data).is_some(),
-        plan: of_plan(data, &compare::compared(data)),
+        plan: plan.map(|plan| plan.sentences(participants)).unwrap_or_default(),
     }
 }

@@ -10,7 +10,7 @@ pub(crate) mod summary;
 use crate::figures::drawing::Drawing;
 use crate::replay::courses;
 use crate::replay::runs;
-use crate::shared::conditions::{Repeats, sessions};
+use crate::shared::conditions::{Repeats, Session, sessions};
 use crate::shared::handle::Derived;
 use crate::shared::making::read_shared;
 use crate::shared::trials::{OfTrials, Recordings, files as trial_files, read_drawn};
@@ -26,11 +26,11 @@ use zwidth_report::{
 use zwidth_results::{CourseSample, CourseSeries, GivenAnswer, PlantRun, TrialEvent};
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, ORIGIN, Output, Stage, WriteLong};
 use zwidth_store::{Findings, Layout, Signal, StudyData, Trial};
-use zwidth_study::{EnvironmentId, ModeId};
+use zwidth_study::{Environment, EnvironmentId, ModeId};
 use zwidth_tables::Table;
 
 /// Its version is raised when the page would be written differently from the same data.
-const STAGE: Stage = Stage { name: "page", version: 22 };
+const STAGE: Stage = Stage { name: "page", version: 23 };
 
 /// The job that makes the page itself.
 pub const JOB: &str = "page";
@@ -66,10 +66,7 @@ pub(crate) fn jobs(data: &StudyData, findings: &Findings, figures: &[Drawing]) -
     let mut jobs = Vec::new();
     for session in sessions(data) {
         for environment in &data.study.environments {
-            let courses = courses::file(data, &session, environment);
-            let conditions =
-                data.study.modes.iter().filter_map(|mode| session.repeats(environment, mode));
-            jobs.extend(conditions.map(|repeats| condition_job(data, &repeats, courses.clone())));
+            jobs.extend(samples_job(data, &session, environment));
         }
     }
     jobs.extend(sliders_job(data));
@@ -142,73 +139,89 @@ fn with_origin(script: String, making: &Making) -> String {
     script + &origin.unwrap_or_default()
 }
 
-/// What the script of a condition depends on besides files.
+/// What the scripts of an environment's conditions depend on besides files.
+#[derive(Serialize)]
+struct Conditions {
+    conditions: Vec<OfTrials<Condition>>,
+}
+
 #[derive(Serialize)]
 struct Condition {
     key: String,
     mode: ModeId,
 }
 
-/// The files of one condition.
+/// The files of the conditions of one environment in a session.
 struct Files {
-    trials: Recordings,
-    /// The events in them and in the other trials of their session.
+    /// Of each condition its trials, and its means in the order of [`Alignment::ALL`].
+    conditions: Vec<(Recordings, Vec<PathBuf>)>,
+    /// The events in all trials of the session.
     events: Derived<TrialEvent>,
-    averages: Vec<PathBuf>,
     /// The models' runs of a typical trial of each mode, where one could be replayed.
     courses: Option<Derived<CourseSample>>,
 }
 
 impl Inputs for Files {
     fn files(&self) -> Vec<PathBuf> {
-        [self.trials.files(), self.averages.clone(), self.events.files(), self.courses.files()]
-            .concat()
+        [self.conditions.files(), self.events.files(), self.courses.files()].concat()
     }
 }
 
-fn condition_job(
-    data: &StudyData,
-    repeats: &Repeats,
-    courses: Option<Derived<CourseSample>>,
-) -> Job {
-    let files = Files {
-        trials: trial_files(&repeats.trials),
-        events: metrics::events_of(&data.layout, &repeats.trials[0].meta),
-        averages: Alignment::ALL.map(|a| average::aligned(&data.layout, repeats, a)).to_vec(),
-        courses,
-    };
-    let condition = Condition { key: repeats.key.clone(), mode: repeats.mode.id.clone() };
-    let parameters = OfTrials::new(condition, &repeats.trials);
-    let output = vec![data.layout.reports().join(format!("report-data/{}.js", repeats.key))];
-    let name = format!("samples {}", repeats.who);
-    Job::new(STAGE, name, parameters, files, output, make_condition).tolerant()
+/// The scripts of an environment's conditions, one for each: made together, because events and
+/// models' runs are in one table for all of them.
+fn samples_job(data: &StudyData, session: &Session, environment: &Environment) -> Option<Job> {
+    let modes = data.study.modes.iter();
+    let all: Vec<Repeats> = modes.filter_map(|mode| session.repeats(environment, mode)).collect();
+    let events = metrics::events_of(&data.layout, &all.first()?.trials[0].meta);
+    let mut conditions = Vec::new();
+    let mut files = Vec::new();
+    let mut outputs = Vec::new();
+    for repeats in &all {
+        let means = Alignment::ALL.map(|a| average::aligned(&data.layout, repeats, a)).to_vec();
+        files.push((trial_files(&repeats.trials), means));
+        let condition = Condition { key: repeats.key.clone(), mode: repeats.mode.id.clone() };
+        conditions.push(OfTrials::new(condition, &repeats.trials));
+        outputs.push(data.layout.reports().join(format!("report-data/{}.js", repeats.key)));
+    }
+    let courses = courses::file(data, session, environment);
+    let files = Files { conditions: files, events, courses };
+    let name = format!("samples {} {}", session.who(), environment.id);
+    let parameters = Conditions { conditions };
+    Some(Job::new(STAGE, name, parameters, files, outputs, make_samples).tolerant())
 }
 
-fn make_condition(
-    parameters: &OfTrials<Condition>,
+fn make_samples(
+    Conditions { conditions }: &Conditions,
     files: &Files,
     making: &Making,
 ) -> Result<Made, JobError> {
-    let OfTrials { stage: Condition { key, mode }, trials: labels } = parameters;
-    let (trials, problems) = read_drawn(&files.trials, labels, SIGNALS.into_iter())?;
     let events = files.events.read_if_made()?.unwrap_or_default();
-    let courses: Vec<Course> = trials.iter().map(|drawn| course(drawn, &events)).collect();
-    let mut means = Vec::new();
-    // The files stand in the order of `Alignment::ALL`.
-    for (name, file) in ["onset", "landmarks"].into_iter().zip(&files.averages) {
-        if file.exists() {
-            let table = Table::from_parquet(file)?;
-            means.extend((table.height() > 0).then(|| (name, mean_columns(&table))));
-        }
-    }
     let samples = files.courses.as_ref().map(Derived::read_if_made).transpose()?.flatten();
-    let mut replays = replays(&samples.unwrap_or_default(), mode);
-    for (_, number, columns) in &mut replays {
-        in_time_of(&trials, *number, columns);
+    let samples = samples.unwrap_or_default();
+    let mut scripts = Vec::new();
+    let mut problems = Vec::new();
+    // One after the other: of long trials no more are in memory than those of one condition.
+    for (condition, (recordings, averages)) in conditions.iter().zip(&files.conditions) {
+        let OfTrials { stage: Condition { key, mode }, trials: labels } = condition;
+        let (trials, unread) = read_drawn(recordings, labels, SIGNALS.into_iter())?;
+        problems.extend(unread);
+        let courses: Vec<Course> = trials.iter().map(|drawn| course(drawn, &events)).collect();
+        let mut means = Vec::new();
+        // The files stand in the order of `Alignment::ALL`.
+        for (name, file) in ["onset", "landmarks"].into_iter().zip(averages) {
+            if file.exists() {
+                let table = Table::columns_from_parquet(file, &MEANS.map(|(_, column)| column))?;
+                means.extend((table.height() > 0).then(|| (name, mean_columns(&table))));
+            }
+        }
+        let mut replays = replays(&samples, mode);
+        for (_, number, columns) in &mut replays {
+            in_time_of(&trials, *number, columns);
+        }
+        let script = condition_script(key, &courses, &means, &replays)?;
+        scripts.push(with_origin(script, making).into_bytes());
     }
-    let script = condition_script(key, &courses, &means, &replays)?;
-    let text = with_origin(script, making);
-    Ok(Made { problems, ..Made::of(vec![text.into_bytes()]) })
+    Ok(Made { problems, ..Made::of(scripts) })
 }
 
 /// A trial's samples and events for the page.
@@ -227,17 +240,20 @@ fn course((trial, recorded): &(Trial, usize), events: &[TrialEvent]) -> Course {
     }
 }
 
+/// The page's names of means, and their columns.
+const MEANS: [(&str, &str); 6] = [
+    ("t_s", "t_s"),
+    ("theta_rad", "theta_mean_rad"),
+    ("theta_dot_rad_s", "theta_dot_mean_rad_s"),
+    ("force_ex_n", "force_ex_mean_n"),
+    ("torque_ex_nm", "torque_ex_mean_nm"),
+    ("force_cmd_n", "force_cmd_mean_n"),
+];
+
 /// The columns of a table of means by the page's names.
 fn mean_columns(table: &Table) -> Columns {
     let mut columns = Columns::new();
-    for (name, column) in [
-        ("t_s", "t_s"),
-        ("theta_rad", "theta_mean_rad"),
-        ("theta_dot_rad_s", "theta_dot_mean_rad_s"),
-        ("force_ex_n", "force_ex_mean_n"),
-        ("torque_ex_nm", "torque_ex_mean_nm"),
-        ("force_cmd_n", "force_cmd_mean_n"),
-    ] {
+    for (name, column) in MEANS {
         // A signal that was not recorded has no column. Not a number stands for null.
         if let Ok(values) = table.floats(column) {
             columns.push((name, values.iter().map(|value| value.unwrap_or(f64::NAN)).collect()));

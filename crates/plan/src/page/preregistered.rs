@@ -1,6 +1,6 @@
 //! The plan that lies beside a study's data, and whether study, data and analysis are as planned.
 
-use crate::page::people::participants;
+use crate::page::people;
 use serde::Serialize;
 use serde_json::{Value, json};
 use std::io::ErrorKind;
@@ -32,10 +32,8 @@ pub fn analysis(study: &Study) -> Value {
     })
 }
 
-/// The largest plan that is read, bytes.
+/// The largest plan and the largest study.toml that are read, bytes.
 const MOST_BYTES: u64 = 1 << 20;
-/// The largest study.toml that is read, bytes.
-const MOST_STUDY: u64 = 1 << 20;
 
 /// A plan as its file has it.
 #[derive(Serialize)]
@@ -126,13 +124,8 @@ fn checked(bytes: &[u8], study: &str) -> Result<Value, String> {
     Ok(content)
 }
 
-/// What the study's plan says of study, data and analysis, a sentence each; nothing without a plan.
-/// `compared` are the metrics that are.
-pub(crate) fn of_plan(data: &StudyData, compared: &[String]) -> Vec<String> {
-    preregistered(data, compared).map(|plan| plan.sentences(participants(data))).unwrap_or_default()
-}
-
-/// What the study's plan says of study, data and analysis; `None` without a plan.
+/// What the study's plan says of study, data and analysis; `None` without a plan. `compared` are the
+/// metrics that are.
 pub(crate) fn preregistered(data: &StudyData, compared: &[String]) -> Option<Preregistered> {
     let Plan { blake3, content } = match read_plan(&data.layout)? {
         Ok(plan) => plan,
@@ -146,14 +139,35 @@ pub(crate) fn preregistered(data: &StudyData, compared: &[String]) -> Option<Pre
     let planned = content["study_toml"].as_str().and_then(|toml| Study::from_toml(toml).ok());
     let of_analysis = of_analysis(&content["analysis"], &analysis(&data.study));
     let mut deviations: Vec<String> = match &of_analysis {
-        Some(changes) => changes.iter().map(in_words).collect(),
+        Some(changes) => changes.iter().map(|change| change.in_words.clone()).collect(),
         None => vec![NO_PLAN.to_owned()],
     };
     let of_analysis = of_analysis.unwrap_or_default();
     deviations.extend(of_study_toml(&content, planned.as_ref(), data, &of_analysis));
-    deviations.extend(of_metric(&content, data, compared));
-    deviations.extend(of_participants(participants, data));
-    deviations.extend(of_trials(data));
+    // The power was computed for one metric, and there must be one to make claims of.
+    let primary = data.study.compare.primary.as_str();
+    if let Some(planned) = content["metric"].as_str().filter(|metric| *metric != primary) {
+        deviations.push(format!(
+            "the power was computed for {planned}, and the primary metric is {primary}"
+        ));
+    }
+    let is_compared = compared.iter().any(|metric| metric == primary);
+    if data.counting().next().is_some() && !is_compared {
+        deviations.push(format!("the primary metric, {primary}, could not be compared"));
+    }
+    // Fewer participants than planned may still come.
+    let took_part = people::participants(data) as u64;
+    if let Some(planned) = participants.filter(|planned| took_part > *planned) {
+        deviations
+            .push(format!("{planned} participants were planned, and {took_part} have trials"));
+    }
+    // A plan foresees no trials that a person takes out of the analysis.
+    let trials = data.trials.iter().filter(|trial| trial.meta.kind == Kind::Trial);
+    match trials.filter(|trial| trial.excluded.is_some()).count() {
+        0 => {}
+        1 => deviations.push("1 trial was excluded by hand".to_owned()),
+        n => deviations.push(format!("{n} trials were excluded by hand")),
+    }
     // A plan of an earlier version has no study of its own: its sessions are held against today's.
     deviations.extend(of_sessions(planned.as_ref().unwrap_or(&data.study), data));
     let mut remarks = Vec::new();
@@ -168,12 +182,7 @@ pub(crate) fn preregistered(data: &StudyData, compared: &[String]) -> Option<Pre
 /// Something that is otherwise than planned.
 struct Deviation {
     key: String,
-    then: String,
-    now: String,
-}
-
-fn in_words(Deviation { key, then, now }: &Deviation) -> String {
-    format!("{key} was {then}, is {now}")
+    in_words: String,
 }
 
 /// What of the analysis is otherwise than planned; `None` where there is no plan of one.
@@ -183,8 +192,8 @@ fn of_analysis(planned: &Value, actual: &Value) -> Option<Vec<Deviation>> {
     for (key, now) in actual.as_object().into_iter().flatten() {
         let then = planned.get(key).unwrap_or(&Value::Null);
         if then != now {
-            let (key, then, now) = (key.clone(), then.to_string(), now.to_string());
-            deviations.push(Deviation { key, then, now });
+            let in_words = format!("{key} was {then}, is {now}");
+            deviations.push(Deviation { key: key.clone(), in_words });
         }
     }
     Some(deviations)
@@ -198,7 +207,7 @@ fn of_study_toml(
     data: &StudyData,
     listed: &[Deviation],
 ) -> Vec<String> {
-    let Ok(now) = read_regular(&data.layout.study_toml(), MOST_STUDY) else {
+    let Ok(now) = read_regular(&data.layout.study_toml(), MOST_BYTES) else {
         return vec!["study.toml cannot be read".to_owned()];
     };
     if content["study_blake3"].as_str() == Some(&*hex_blake3(&now)) {
@@ -226,39 +235,6 @@ fn is_listed(change: &StudyChange, listed: &[Deviation]) -> bool {
         return false;
     };
     listed.iter().any(|deviation| deviation.key == name)
-}
-
-/// The metric: the power was computed for one, and there must be one to make claims of.
-fn of_metric(content: &Value, data: &StudyData, compared: &[String]) -> Vec<String> {
-    let primary = data.study.compare.primary.as_str();
-    let planned = content["metric"].as_str().filter(|metric| *metric != primary);
-    let other = planned.map(|planned| {
-        format!("the power was computed for {planned}, and the primary metric is {primary}")
-    });
-    let has_trials = data.counting().next().is_some();
-    let is_compared = compared.iter().any(|metric| metric == primary);
-    let missing = (has_trials && !is_compared)
-        .then(|| format!("the primary metric, {primary}, could not be compared"));
-    other.into_iter().chain(missing).collect()
-}
-
-/// More participants than planned. Fewer may still come.
-fn of_participants(planned: Option<u64>, data: &StudyData) -> Option<String> {
-    let planned = planned?;
-    let took_part = participants(data) as u64;
-    (took_part > planned)
-        .then(|| format!("{planned} participants were planned, and {took_part} have trials"))
-}
-
-/// Trials that a person took out of the analysis: a plan foresees none.
-fn of_trials(data: &StudyData) -> Option<String> {
-    let trials = data.trials.iter().filter(|trial| trial.meta.kind == Kind::Trial);
-    let excluded = trials.filter(|trial| trial.excluded.is_some()).count();
-    match excluded {
-        0 => None,
-        1 => Some("1 trial was excluded by hand".to_owned()),
-        n => Some(format!("{n} trials were excluded by hand")),
-    }
 }
 
 /// Sessions that were recorded in another way than planned. An imported session has neither a study
@@ -295,10 +271,7 @@ fn of_sessions(planned: &Study, data: &StudyData) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn study() -> Study {
-        zwidth_testing::study()
-    }
+    use zwidth_testing::study;
 
     #[test]
     fn the_analysis_that_was_planned_deviates_in_nothing_and_another_says_in_what() {
@@ -308,21 +281,17 @@ mod tests {
         other.compare.alpha = 0.01;
         other.design.repeats = 5;
         let found = of_analysis(&planned, &analysis(&other)).unwrap();
-        let found: Vec<String> = found.iter().map(in_words).collect();
+        let found: Vec<&str> = found.iter().map(|change| change.in_words.as_str()).collect();
         assert_eq!(found, ["alpha was 0.05, is 0.01", "repeats was 6, is 5"]);
+        assert!(of_analysis(&json!("no plan"), &planned).is_none());
     }
 
-    #[test]
-    fn a_file_that_is_no_plan_is_called_none() {
-        assert!(of_analysis(&json!("no plan"), &analysis(&study())).is_none());
-    }
-
-    /// A plan for a study.toml, as its file has it.
-    fn plan(study_toml: &str) -> String {
+    /// A plan for a study.toml, with the hash of one, as its file has it.
+    fn plan(study_toml: &str, hashed: &str) -> String {
         plan_text(&json!({
             "study": "s",
             "study_toml": study_toml,
-            "study_blake3": hex_blake3(study_toml.as_bytes()),
+            "study_blake3": hex_blake3(hashed.as_bytes()),
             "analysis": analysis(&study()),
             "power": 0.1 + 0.2,
         }))
@@ -331,7 +300,7 @@ mod tests {
 
     #[test]
     fn a_plan_fits_its_own_hash_until_anything_in_it_is_changed() {
-        let text = plan("title = \"\"");
+        let text = plan("title = \"\"", "title = \"\"");
         let check = |text: &str| checked(text.as_bytes(), "s").map(drop);
         assert_eq!(check(&text), Ok(()));
         let edits = [
@@ -357,14 +326,8 @@ mod tests {
 
     #[test]
     fn a_plan_whose_study_toml_was_exchanged_is_not_whole_even_with_a_new_hash() {
-        let study_toml = "title = \"\"";
-        let exchanged = plan_text(&json!({
-            "study": "s",
-            "study_toml": "title = \"x\"",
-            "study_blake3": hex_blake3(study_toml.as_bytes()),
-            "analysis": analysis(&study()),
-        }));
-        let fault = checked(exchanged.unwrap().as_bytes(), "s").unwrap_err();
+        let exchanged = plan("title = \"x\"", "title = \"\"");
+        let fault = checked(exchanged.as_bytes(), "s").unwrap_err();
         assert!(fault.contains("its own hash"), "{fault}");
     }
 }

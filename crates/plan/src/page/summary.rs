@@ -12,15 +12,15 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use zwidth_figures::Caption;
 use zwidth_report::{
-    ComparedMetric, Finding, Gallery, Made as Listed, Remark, Shown, Summary, Told, TrialNames,
-    changes, findings, laddered, learned, summary_markdown, survey, traded, uneven_ranges,
+    ComparedMetric, Finding, Gallery, Made as Listed, Remark, Shown, Summary, TrialNames, changes,
+    findings, laddered, learned, summary_markdown, survey, traded, uneven_ranges,
 };
 use zwidth_results::{
     AnswerTally, Compared, JudgedStatement, LadderChoice, Learning, Mean, MetricNote,
-    ModeDifference, RedrawnDifference, SessionChange, TradeChoice, TrialRemark,
+    ModeDifference, RedrawnDifference, Row, SessionChange, TradeChoice, TrialRemark,
 };
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, ORIGIN, Stage, strip_root};
-use zwidth_store::{Findings, Signal, StoreError, StudyData, TrialEntry};
+use zwidth_store::{Findings, Signal, StoreError, StudyData};
 use zwidth_study::{Kind, Scene, Setup};
 use zwidth_tables::{About, Format, Measured, NoteKind, Table, TableError};
 
@@ -80,26 +80,24 @@ pub(crate) struct Files {
 
 impl Inputs for Files {
     fn files(&self) -> Vec<PathBuf> {
-        let Self { metrics, tally, statements, trade, ladder, .. } = self;
-        let numbers =
-            [metrics.files(), tally.files(), statements.files(), trade.files(), ladder.files()]
-                .concat();
-        let mut compared = Vec::new();
+        let mut files = [self.noted.as_slice(), &self.figures, &self.tables].concat();
+        files.extend([self.remarks.files(), self.metrics.files(), self.tally.files()].concat());
+        files.extend([self.statements.files(), self.trade.files(), self.ladder.files()].concat());
         if let Some(comparison) = &self.compared {
-            let Comparison {
-                metrics, means, contrasts, sessions, learning, redrawn, notes, ..
-            } = comparison;
-            compared =
-                [metrics.files(), means.files(), contrasts.files(), redrawn.files()].concat();
-            compared.extend([learning.files(), notes.files()].concat());
+            let names = [
+                Compared::NAME,
+                Mean::NAME,
+                ModeDifference::NAME,
+                RedrawnDifference::NAME,
+                Learning::NAME,
+                MetricNote::NAME,
+            ];
+            files.extend(names.map(|name| comparison.file(name)));
             if self.has_session_changes {
-                compared.extend(sessions.files());
+                files.push(comparison.file(SessionChange::NAME));
             }
         }
-        let remarks = self.remarks.files();
-        [&self.noted, &remarks, &self.figures, &self.tables, &numbers, &compared]
-            .map(Clone::clone)
-            .concat()
+        files
     }
 }
 
@@ -212,7 +210,20 @@ pub(crate) fn gather(page: &Page, files: &Files, making: &Making) -> Result<Gath
         sentences.extend(changes(&page.planned, primary, sessions));
     }
     summary.shown = list_findings(page, files, metrics.as_ref(), sentences, &summary)?;
-    (summary.statements, summary.judged) = list_statements(page, files, &summary)?;
+    if let Some(statements) = files.statements.as_ref().filter(|table| table.path().exists()) {
+        let (rows, notes) = statements.read_with_notes()?;
+        let (counts, mut judged) = zwidth_report::told(&rows, &notes);
+        for statement in &mut judged {
+            if !is_listed(&summary, &statement.path) {
+                statement.path = page.gallery.table(&Shown::Statements);
+            }
+        }
+        // A study that measured nothing of the thesis is of another kind.
+        if !judged.is_empty() {
+            summary.statements = counts;
+            summary.judged = judged;
+        }
+    }
     summary.runs = list_runs(page, files, &summary)?;
     summary.left_out.extend(missing);
     summary.left_out.extend(no_tables.into_iter().map(|file| could_not_be_made(file)));
@@ -267,29 +278,6 @@ fn list_runs(page: &Page, files: &Files, summary: &Summary) -> Result<Vec<Listed
     Ok(listed.collect())
 }
 
-/// How the thesis' statements stand, and the judged ones with what shows them.
-fn list_statements(
-    page: &Page,
-    files: &Files,
-    summary: &Summary,
-) -> Result<(String, Vec<Told>), TableError> {
-    let Some(statements) = files.statements.as_ref().filter(|table| table.path().exists()) else {
-        return Ok(Default::default());
-    };
-    let (rows, notes) = statements.read_with_notes()?;
-    let (counts, mut judged) = zwidth_report::told(&rows, &notes);
-    // A study that measured nothing of the thesis is of another kind.
-    if judged.is_empty() {
-        return Ok(Default::default());
-    }
-    for statement in &mut judged {
-        if !is_listed(summary, &statement.path) {
-            statement.path = page.gallery.table(&Shown::Statements);
-        }
-    }
-    Ok((counts, judged))
-}
-
 /// Whether a figure or table was made, and so is in the summary's lists.
 fn is_listed(summary: &Summary, path: &str) -> bool {
     summary.figures.iter().chain(&summary.tables).any(|listed| listed.path == path)
@@ -309,17 +297,17 @@ pub(crate) struct ReadComparison {
 
 impl ReadComparison {
     fn of(files: &Files) -> Result<Self, TableError> {
-        let tables = files.compared.as_ref().filter(|tables| tables.metrics.path().exists());
+        let tables = files.compared.as_ref().filter(|all| all.file(Compared::NAME).exists());
         let Some(tables) = tables else { return Ok(Self::default()) };
-        let sessions = if files.has_session_changes { tables.sessions.read()? } else { Vec::new() };
+        let sessions = if files.has_session_changes { tables.table().read()? } else { Vec::new() };
         Ok(Self {
-            metrics: tables.metrics.read()?,
-            means: tables.means.read()?,
-            contrasts: tables.contrasts.read()?,
+            metrics: tables.table().read()?,
+            means: tables.table().read()?,
+            contrasts: tables.table().read()?,
             sessions,
-            learning: tables.learning.read_if_made()?.unwrap_or_default(),
-            redrawn: tables.redrawn.read_if_made()?.unwrap_or_default(),
-            notes: tables.notes.read()?,
+            learning: tables.table().read_if_made()?.unwrap_or_default(),
+            redrawn: tables.table().read_if_made()?.unwrap_or_default(),
+            notes: tables.table().read()?,
         })
     }
 
@@ -360,7 +348,26 @@ fn facts(data: &StudyData, findings: &Findings) -> Summary {
         };
         limits.push(limit.to_owned());
     }
-    limits.extend(not_recorded(&counting));
+    // What figures and metrics must do without, because some trial was recorded without it.
+    let force = [Signal::ForceEx, Signal::TorqueEx];
+    let needed: [(&str, &[Signal], &str); 3] = [
+        (
+            "angle",
+            &[Signal::Theta],
+            "there is no panel of θ, no force against θ, and no metric of either",
+        ),
+        ("velocity", &[Signal::ThetaDot], "there is no onset, and so no average over time"),
+        ("force and no torque", &force, "there is no force panel"),
+    ];
+    for (what, signals, so) in needed {
+        let without =
+            counting.iter().filter(|t| !signals.iter().any(|s| t.said.signals.contains(s)));
+        let n = without.count();
+        let all = counting.len();
+        if n > 0 {
+            limits.push(format!("No {what} was recorded in {n} of {all} trials: for them {so}."));
+        }
+    }
     Summary {
         title: data.study.title.clone(),
         device: data.study.device.name.clone(),
@@ -431,32 +438,6 @@ fn remark(data: &StudyData, finding: &StoreError) -> Remark {
         what: format!("{path}{column}{row}"),
         why: strip_root(data.layout.root(), &finding.what),
     }
-}
-
-/// What figures and metrics must do without, because some trial was recorded without it.
-fn not_recorded(counting: &[&TrialEntry]) -> Vec<String> {
-    let force = [Signal::ForceEx, Signal::TorqueEx];
-    let needed: [(&str, &[Signal], &str); 3] = [
-        (
-            "angle",
-            &[Signal::Theta],
-            "there is no panel of θ, no force against θ, and no metric of either",
-        ),
-        ("velocity", &[Signal::ThetaDot], "there is no onset, and so no average over time"),
-        ("force and no torque", &force, "there is no force panel"),
-    ];
-    let mut sentences = Vec::new();
-    for (what, signals, so) in needed {
-        let without =
-            counting.iter().filter(|t| !signals.iter().any(|s| t.said.signals.contains(s)));
-        let n = without.count();
-        let all = counting.len();
-        if n > 0 {
-            sentences
-                .push(format!("No {what} was recorded in {n} of {all} trials: for them {so}."));
-        }
-    }
-    sentences
 }
 
 /// The remarks on trials, session by session.

@@ -11,7 +11,7 @@ use crate::{identify, replay};
 use serde::Serialize;
 use std::path::PathBuf;
 use zwidth_replay::{Parameters, Rendering};
-use zwidth_results::CourseSample;
+use zwidth_results::{CourseSample, ModelPlant};
 use zwidth_runner::{Inputs as _, Job, JobError, Made, Making};
 use zwidth_store::{Signal, StudyData, Trial};
 use zwidth_study::{Environment, ModeId};
@@ -24,7 +24,7 @@ pub(crate) fn file(
     environment: &Environment,
 ) -> Option<Derived<CourseSample>> {
     let is_any = session.of(environment).iter().any(|t| is_replayable(data, t));
-    let key = [session.ids().as_slice(), &[environment.id.to_string()]].concat().join(".");
+    let key = session.ids_with(environment).join(".");
     is_any.then(|| Derived::at(derived(&data.layout, format!("courses/{key}.parquet"))))
 }
 
@@ -51,7 +51,7 @@ pub(crate) fn typical_inputs(
     let mut replays = Vec::new();
     for mode in &data.study.modes {
         let Some(repeats) = session.repeats(environment, mode) else { continue };
-        replays.push(replay::of_condition(&data.layout, &repeats));
+        replays.push(replay::of_condition(&data.layout, &repeats, ModelPlant::ByEye));
         if let Some(first) = repeats.trials.first() {
             modes.push((mode.id.clone(), rendering(data, &first.meta, environment, mode)));
         }
@@ -69,9 +69,8 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
             let Some(output) = file(data, &session, environment) else { continue };
             let (parameters, inputs) = typical_inputs(data, &session, environment);
             let name = format!("courses {} {}", session.who(), environment.id);
-            let part = format!("{}.{}", session.ids().join("."), environment.id);
             let job = Job::new(STAGE, name, parameters, inputs, output.files(), make);
-            jobs.push(job.of_part(part));
+            jobs.push(job.of_part(session.ids_with(environment).join(".")));
         }
     }
     jobs

@@ -23,8 +23,7 @@ pub(crate) fn of(data: &StudyData, session: &Session) -> Vec<Drawing> {
     let mut drawings = Vec::new();
     for environment in &data.study.environments {
         let Some(courses) = courses::file(data, session, environment) else { continue };
-        let [participant, session_id] = session.ids();
-        let subject = [participant, session_id, environment.id.to_string()];
+        let subject = session.ids_with(environment);
         let about = About::of(&data.study);
         let environment = environment.clone();
         let against = Against { about, environment, who: session.who() };

@@ -14,33 +14,29 @@ use crate::ladder::{self, Auto};
 use crate::replay::replayable::{rendering, replayable};
 use crate::shared::conditions::{Repeats, repeats};
 use crate::shared::handle::Derived;
-use crate::shared::making::{derived, join_sessions, read_shared, split, write_tables};
-use crate::shared::trials::{OfTrials, Recordings, TrialLabel, files, name, read_all};
+use crate::shared::making::{derived, join_sessions, read_shared, write_tables};
+use crate::shared::trials::{OfTrials, Recordings, TrialLabel, files, read_and_make};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::path::PathBuf;
 use zwidth_replay::{Parameters, Rendering, TrialReplay};
 use zwidth_results::{Causality, HeldOutModel, ModelPlant, ReplayedPeak, ReplayedTrial};
 use zwidth_runner::{Job, JobError, Made, Making, Stage};
-use zwidth_store::{Layout, Signal, StudyData, Trial};
+use zwidth_store::{Layout, StudyData, Trial};
 use zwidth_study::{Analysis, Scene};
 use zwidth_tables::{Table, TableError};
 
 pub(crate) const STAGE: Stage = Stage { name: "replay", version: zwidth_replay::VERSION };
 
-/// The replays of a condition, `replay/P01.S01.spring.hybrid.parquet`.
-pub(crate) fn of_condition(layout: &Layout, repeats: &Repeats) -> PathBuf {
-    derived(layout, format!("replay/{}.parquet", repeats.key))
-}
-
-/// Those of the fitted model, `replay/P01.S01.spring.hybrid.fitted.parquet`.
-fn fitted_of_condition(layout: &Layout, repeats: &Repeats) -> PathBuf {
-    derived(layout, format!("replay/{}.fitted.parquet", repeats.key))
-}
-
-/// Those of the model that the ladder chose, `replay/P01.S01.spring.hybrid.auto.parquet`.
-fn auto_of_condition(layout: &Layout, repeats: &Repeats) -> PathBuf {
-    derived(layout, format!("replay/{}.auto.parquet", repeats.key))
+/// The replays of a condition by a model: `replay/P01.S01.spring.hybrid.parquet` by eye,
+/// `….hybrid.fitted.parquet` and `….hybrid.auto.parquet`.
+pub(crate) fn of_condition(layout: &Layout, repeats: &Repeats, model: ModelPlant) -> PathBuf {
+    let suffix = match model {
+        ModelPlant::ByEye => "",
+        ModelPlant::Fitted => ".fitted",
+        ModelPlant::Auto => ".auto",
+    };
+    derived(layout, format!("replay/{}{suffix}.parquet", repeats.key))
 }
 
 /// The replays, and their agreement, if anything was rendered.
@@ -91,24 +87,22 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
     let mut jobs = Vec::new();
     // Model by model: those by eye wait for no other job, and are planned first.
     for repeats in &conditions {
-        let output = vec![of_condition(&data.layout, repeats)];
+        let output = vec![of_condition(&data.layout, repeats, ModelPlant::ByEye)];
         let name = format!("replay {}", repeats.who);
         let files = files(&repeats.trials);
         let job = Job::new(STAGE, name, modelled(repeats), files, output, make_by_eye);
         jobs.push(job.of_part(&repeats.key));
     }
-    if let Some(plant) = identify::tables(data).first() {
-        for repeats in &conditions {
-            let output = vec![fitted_of_condition(&data.layout, repeats)];
-            let name = format!("replay {} fitted", repeats.who);
-            let inputs = (files(&repeats.trials), plant.clone());
-            let job = Job::new(STAGE, name, modelled(repeats), inputs, output, make_fitted);
-            jobs.push(job.of_part(&repeats.key));
-        }
+    for repeats in &conditions {
+        let output = vec![of_condition(&data.layout, repeats, ModelPlant::Fitted)];
+        let name = format!("replay {} fitted", repeats.who);
+        let inputs = (files(&repeats.trials), identify::plant_of(&data.layout));
+        let job = Job::new(STAGE, name, modelled(repeats), inputs, output, make_fitted);
+        jobs.push(job.of_part(&repeats.key));
     }
     for repeats in &conditions {
         let Some(models) = ladder::of_replay(data, repeats) else { continue };
-        let output = vec![auto_of_condition(&data.layout, repeats)];
+        let output = vec![of_condition(&data.layout, repeats, ModelPlant::Auto)];
         let name = format!("replay {} auto", repeats.who);
         let inputs = (files(&repeats.trials), models);
         let OfTrials { trials, stage: modelled } = modelled(repeats);
@@ -120,21 +114,29 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
     for session in conditions.chunk_by(Repeats::is_of_session_of) {
         let mut tables = Vec::new();
         for repeats in session {
-            tables.push(of_condition(&data.layout, repeats));
-            if identify::known_plant(data).is_some() {
-                tables.push(fitted_of_condition(&data.layout, repeats));
-            }
-            if ladder::of_replay(data, repeats).is_some() {
-                tables.push(auto_of_condition(&data.layout, repeats));
-            }
+            let table = |model| of_condition(&data.layout, repeats, model);
+            tables.extend([ModelPlant::ByEye, ModelPlant::Fitted].map(table));
+            tables.extend(ladder::of_replay(data, repeats).map(|_| table(ModelPlant::Auto)));
         }
         sessions.push(tables);
     }
     let whole = vec![replays.clone()];
-    jobs.push(Job::new(STAGE, "replay of the study", (), sessions, whole, make_study));
+    jobs.push(Job::new(
+        STAGE,
+        "replay of the study",
+        (),
+        sessions,
+        whole,
+        |(), sessions, making| Ok(join_sessions(sessions, join_tables, making)),
+    ));
     let (name, replays) = ("agreement of model and recordings", Derived::at(replays));
     let level = analysis.confidence;
-    jobs.push(Job::new(STAGE, name, level, replays, vec![agreement], make_agreement));
+    let outputs = vec![agreement];
+    jobs.push(Job::new(STAGE, name, level, replays, outputs, |level, replays, making| {
+        let replays: Vec<ReplayedPeak> = replays.read_own_columns()?;
+        let rows = zwidth_replay::agreement(&replays, *level)?;
+        write_tables(&[zwidth_replay::agreement_table(&rows, &replays)?], making, Vec::new())
+    }));
     jobs
 }
 
@@ -148,7 +150,7 @@ fn make_by_eye(
         let plant = &modelled.plant;
         Ok(zwidth_replay::replay(trial, rendering, analysis, ModelPlant::ByEye, plant)?)
     })?;
-    write_tables(&[Table::of_rows(&zwidth_replay::rows(&rows))?], making, problems)
+    write_tables(&[Table::of_rows(&rows)?], making, problems)
 }
 
 /// Without rows if nothing was fitted. The job by eye reports trials that cannot be replayed.
@@ -164,7 +166,7 @@ fn make_fitted(
             Ok(zwidth_replay::replay(trial, rendering, analysis, ModelPlant::Fitted, &plant)?)
         })?;
     }
-    write_tables(&[Table::of_rows(&zwidth_replay::rows(&rows))?], making, Vec::new())
+    write_tables(&[Table::of_rows(&rows)?], making, Vec::new())
 }
 
 /// By the model that the ladder chose. The job by eye reports trials that cannot be replayed.
@@ -178,7 +180,7 @@ fn make_auto(
     let (rows, _) = replay_all(modelled, labels, files, &|trial, rendering, analysis| {
         auto.replay(trial, rendering, analysis, &models)
     })?;
-    write_tables(&[Table::of_rows(&zwidth_replay::rows(&rows))?], making, Vec::new())
+    write_tables(&[Table::of_rows(&rows)?], making, Vec::new())
 }
 
 /// A model of a trial.
@@ -192,20 +194,10 @@ fn replay_all(
     files: &Recordings,
     model: Model,
 ) -> Result<(Vec<TrialReplay>, Vec<String>), JobError> {
-    let (trials, mut problems) = read_all(files, labels, Signal::all())?;
     let rendering = modelled.rendering.as_ref().ok_or("there is no trial")?;
-    let rows = trials.par_iter().map(|trial| {
-        let rows = model(trial, rendering, &modelled.analysis);
-        rows.map_err(|e| format!("{}: {e}", name(&trial.meta)))
-    });
-    let (rows, more) = split(rows.collect());
-    problems.extend(more);
+    let (rows, problems) =
+        read_and_make(files, labels, |trial| model(trial, rendering, &modelled.analysis))?;
     Ok((rows.concat(), problems))
-}
-
-/// The replays of all sessions in one table.
-fn make_study(_: &(), sessions: &Vec<Vec<PathBuf>>, making: &Making) -> Result<Made, JobError> {
-    Ok(join_sessions(sessions, join_tables, making))
 }
 
 /// The replays of a session in one table.
@@ -221,15 +213,4 @@ pub(crate) fn join_rows(tables: &[PathBuf]) -> Result<Vec<ReplayedTrial>, TableE
     let rows = tables.par_iter().map(|path| Derived::<ReplayedTrial>::at(path.clone()).read());
     let rows = rows.collect::<Result<Vec<_>, _>>()?;
     Ok(zwidth_replay::in_order(rows.into_iter().flatten().collect()))
-}
-
-fn make_agreement(
-    level: &f64,
-    replays: &Derived<ReplayedPeak>,
-    making: &Making,
-) -> Result<Made, JobError> {
-    let replays = replays.read_own_columns()?;
-    let rows = zwidth_replay::agreement(&replays, *level)?;
-    let table = zwidth_replay::agreement_table(&rows, &replays)?;
-    write_tables(&[table], making, Vec::new())
 }

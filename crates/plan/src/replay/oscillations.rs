@@ -3,12 +3,10 @@
 
 use crate::identify;
 use crate::replay::replayable::rendering;
-use crate::shared::making::split;
-use crate::shared::trials::{files, label_trials, name, read_all};
-use rayon::prelude::*;
+use crate::shared::trials::{files, label_trials, read_and_make};
 use zwidth_replay::{Oscillation, Parameters};
 use zwidth_runner::JobError;
-use zwidth_store::{Signal, StudyData, TrialEntry};
+use zwidth_store::{StudyData, TrialEntry};
 use zwidth_study::TrialMeta;
 use zwidth_tables::Table;
 
@@ -40,20 +38,17 @@ pub fn oscillations(
     let plant = fitted.unwrap_or(Parameters::BY_EYE);
     let entries: Vec<&TrialEntry> = data.counting().filter(|t| wanted(&t.meta)).collect();
     let labels = label_trials(&entries);
-    let (trials, mut problems) = read_all(&files(&entries), &labels, Signal::all())?;
-    let oscillations = trials.par_iter().map(|trial| {
+    let (trials, problems) = read_and_make(&files(&entries), &labels, |trial| {
         progress();
         let (Some(environment), Some(mode)) =
             (data.study.environment(&trial.meta.environment), data.study.mode(&trial.meta.mode))
         else {
-            return Err(format!("{}: its condition is not in study.toml", name(&trial.meta)));
+            return Err("its condition is not in study.toml".to_owned());
         };
         let rendering = rendering(data, &trial.meta, environment, mode);
         zwidth_replay::oscillation(trial, &data.study, &rendering, &plant)
             .map(|oscillation| (trial.meta.clone(), oscillation))
-            .map_err(|error| format!("{}: {error}", name(&trial.meta)))
-    });
-    let (trials, more) = split(oscillations.collect());
-    problems.extend(more);
+            .map_err(|error| error.to_string())
+    })?;
     Ok(Oscillations { trials, is_fitted: fitted.is_some(), problems })
 }

@@ -28,8 +28,7 @@ pub(crate) fn turned(data: &StudyData) -> Option<(Session<'_>, Vec<Turned<'_>>)>
         let turned: Vec<Turned> = environments
             .filter(|environment| courses::file(data, &session, environment).is_some())
             .map(|environment| {
-                let [participant, session] = session.ids();
-                let key = format!("{participant}.{session}.{}", environment.id);
+                let key = session.ids_with(environment).join(".");
                 let file = Derived::at(derived(&data.layout, format!("runs/{key}.parquet")));
                 Turned { environment, file }
             })

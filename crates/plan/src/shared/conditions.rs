@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use zwidth_store::{StudyData, TrialEntry};
-use zwidth_study::{Calibration, Environment, Mode, ParticipantId, SessionId, TrialMeta};
+use zwidth_study::{Calibration, Environment, Mode, ParticipantId, SessionId, Source, TrialMeta};
 
 /// One session's trials that count.
 pub(crate) struct Session<'a> {
@@ -40,6 +40,12 @@ impl<'a> Session<'a> {
     /// `P01`, `S01`: ids have no dots, so names made from them cannot collide.
     pub(crate) fn ids(&self) -> [String; 2] {
         [self.participant.to_string(), self.session.to_string()]
+    }
+
+    /// The same with an environment's: `P01`, `S01`, `spring`.
+    pub(crate) fn ids_with(&self, environment: &Environment) -> [String; 3] {
+        let [participant, session] = self.ids();
+        [participant, session, environment.id.to_string()]
     }
 
     /// The trials of one environment.
@@ -122,6 +128,12 @@ pub(crate) fn is_any(data: &StudyData) -> bool {
     data.counting().any(|TrialEntry { meta, .. }| {
         data.study.environment(&meta.environment).is_some() && data.study.mode(&meta.mode).is_some()
     })
+}
+
+/// Where the trials that count come from, each source once.
+pub(crate) fn trial_sources(data: &StudyData) -> Vec<Source> {
+    let sources: BTreeSet<Source> = data.counting().map(|trial| trial.meta.source).collect();
+    sources.into_iter().collect()
 }
 
 /// The calibration in force in a trial's session.

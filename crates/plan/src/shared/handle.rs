@@ -7,6 +7,11 @@ use zwidth_runner::{Inputs, JobError, Made, Making};
 use zwidth_study::MetricId;
 use zwidth_tables::{Table, TableError};
 
+/// The file in a folder of a table of that name.
+pub(crate) fn file_within(folder: &Path, name: &str) -> PathBuf {
+    folder.join(format!("{name}.parquet"))
+}
+
 /// A derived table of rows `R`.
 pub(crate) struct Derived<R> {
     path: PathBuf,
@@ -24,7 +29,7 @@ impl<R> Clone for Derived<R> {
 impl<R: Row> Derived<R> {
     /// The table in a folder that is named as its rows are.
     pub(crate) fn within(folder: &Path) -> Self {
-        Self { path: folder.join(format!("{}.parquet", R::NAME)), rows: PhantomData }
+        Self::at(file_within(folder, R::NAME))
     }
 
     /// The table at a path of its own, for a subject.
@@ -106,42 +111,25 @@ impl<R: 'static> Inputs for Derived<R> {
     }
 }
 
-/// The tables that a job makes; each goes to the output that bears its name.
-pub(crate) struct Written<'m> {
-    making: &'m Making<'m>,
+/// The result of a job that makes these tables: each goes to the output that bears its name. Tables of
+/// simulated data are marked.
+pub(crate) fn write_named(
+    tables: Vec<Table>,
+    making: &Making,
     simulated: bool,
-    /// The bytes of each output, in the order of the job's outputs.
-    files: Vec<Option<Vec<u8>>>,
-}
-
-impl<'m> Written<'m> {
-    /// No table yet. Tables of simulated data are marked.
-    pub(crate) fn begin(making: &'m Making<'m>, simulated: bool) -> Self {
-        Self { making, simulated, files: vec![None; making.outputs.len()] }
-    }
-
-    /// With the table of some rows.
-    pub(crate) fn rows<R: Row>(self, rows: &[R]) -> Result<Self, JobError> {
-        self.table(Table::of_rows(rows)?)
-    }
-
-    /// With a table that has notes, or the name of a subject.
-    pub(crate) fn table(mut self, table: Table) -> Result<Self, JobError> {
-        let outputs = self.making.outputs;
-        let place = outputs
+) -> Result<Made, JobError> {
+    let mut files: Vec<Option<Vec<u8>>> = vec![None; making.outputs.len()];
+    for table in tables {
+        let place = making
+            .outputs
             .iter()
             .position(|path| path.file_stem().is_some_and(|stem| stem == table.name()))
             .ok_or_else(|| format!("the job has no output '{}'", table.name()))?;
-        let table = table.with_mark(self.simulated);
-        self.files[place] = Some(table.to_parquet(self.making.from, &outputs[place])?);
-        Ok(self)
+        let table = table.with_mark(simulated);
+        files[place] = Some(table.to_parquet(making.from, &making.outputs[place])?);
     }
-
-    /// All of them.
-    pub(crate) fn end(self) -> Result<Made, JobError> {
-        let all: Option<Vec<Vec<u8>>> = self.files.into_iter().collect();
-        Ok(Made::of(all.ok_or("a table of the job was not made")?))
-    }
+    let all: Option<Vec<Vec<u8>>> = files.into_iter().collect();
+    Ok(Made::of(all.ok_or("a table of the job was not made")?))
 }
 
 #[cfg(test)]
@@ -170,8 +158,12 @@ mod tests {
         let outputs = [orders.path().to_owned(), notes.path().to_owned()];
         let making =
             Making { from: &from, outputs: &outputs, root: folder.path(), trials: &trials };
-        let begun = Written::begin(&making, true).rows(&[note("a_n"), note("b_n")]).unwrap();
-        let made = begun.rows::<OrderTest>(&[]).unwrap().end().unwrap();
+        let noted = |metrics: &[&str]| -> Table {
+            let notes: Vec<_> = metrics.iter().map(|metric| note(metric)).collect();
+            Table::of_rows(&notes).unwrap()
+        };
+        let tables = vec![noted(&["a_n", "b_n"]), Table::of_rows::<OrderTest>(&[]).unwrap()];
+        let made = write_named(tables, &making, true).unwrap();
         for (output, path) in made.outputs.into_iter().zip(&outputs) {
             let Output::Whole(bytes) = output else { panic!("it is whole") };
             fs::write(path, bytes).unwrap();
@@ -181,7 +173,6 @@ mod tests {
         assert!(orders.read().unwrap().is_empty());
         let table = Table::from_parquet(notes.path()).unwrap();
         assert_eq!(table.notes(), [zwidth_tables::SYNTHETIC]);
-        let incomplete = Written::begin(&making, false).rows(&[note("a_n")]).unwrap().end();
-        assert!(incomplete.is_err());
+        assert!(write_named(vec![noted(&["a_n"])], &making, false).is_err(), "incomplete");
     }
 }

@@ -2,7 +2,7 @@
 //! measures.
 
 use zwidth_metrics::Parameters;
-use zwidth_store::{Samples, Trial};
+use zwidth_store::{Samples, Signal, Trial};
 use zwidth_study::{Measured, is_felt};
 use zwidth_tables::{Column, Values};
 
@@ -28,7 +28,13 @@ pub(crate) fn measured(trial: &Trial, parameters: &Parameters) -> Vec<Measured> 
     numbers
 }
 
-/// A trial of samples that a model made, with the identity of `like`.
-pub(crate) fn model_trial(samples: Samples, like: &Trial) -> Trial {
-    Trial { meta: like.meta.clone(), file: like.file.clone(), samples }
+/// The samples of a model's course: time, angle, velocity, the user's force, and that of the actuators.
+pub(crate) fn model_samples(columns: [&Vec<f64>; 5]) -> Samples {
+    let signals =
+        [Signal::Time, Signal::Theta, Signal::ThetaDot, Signal::ForceEx, Signal::ForceCmd];
+    let mut samples = Samples::default();
+    for (signal, column) in signals.into_iter().zip(columns) {
+        samples.set(signal, column.clone());
+    }
+    samples
 }

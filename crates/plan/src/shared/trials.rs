@@ -3,10 +3,11 @@
 use crate::shared::making::split;
 use rayon::prelude::*;
 use serde::Serialize;
+use std::fmt::Display;
 use std::path::Path;
 use std::sync::Arc;
 use zwidth_store::{
-    Lately, OpenTrial, Signal, StoreError, Trial, TrialEntry, read_thinned, read_trial,
+    Lately, OpenTrial, Signal, StoreError, StudyData, Trial, TrialEntry, read_thinned, read_trial,
 };
 use zwidth_study::{CURRENT_BRAKE, CURRENT_MOTOR, ChannelId, ModeId, REFERENCE, TrialMeta};
 
@@ -61,6 +62,13 @@ pub(crate) fn files(trials: &[&TrialEntry]) -> Recordings {
     trials.iter().map(|t| t.path.clone()).collect()
 }
 
+/// The files that say what was recorded: trials, and the records and events of sessions.
+pub(crate) fn origins(data: &StudyData) -> Vec<Arc<Path>> {
+    let logs = data.sessions.iter().flat_map(|s| [&s.path, &s.events_path]);
+    let trials = data.trials.iter().map(|trial| trial.path.clone());
+    trials.chain(logs.map(|path| path.as_path().into())).collect()
+}
+
 /// What could be made of trials, and in words what is wrong with the files of the others.
 pub(crate) type WithProblems<T> = (Vec<T>, Vec<String>);
 
@@ -95,6 +103,25 @@ pub(crate) fn read_all(
         Ok(trial)
     });
     readable(read.collect())
+}
+
+/// What `make` makes of each trial with all its signals, side by side; trials that cannot be read or
+/// are refused are left out and reported.
+///
+/// # Errors
+/// A file that the system does not give.
+pub(crate) fn read_and_make<T: Send, E: Display>(
+    files: &[Arc<Path>],
+    labels: &[TrialLabel],
+    make: impl Fn(&Trial) -> Result<T, E> + Sync,
+) -> Result<WithProblems<T>, StoreError> {
+    let (trials, mut problems) = read_all(files, labels, Signal::all())?;
+    let results = trials
+        .par_iter()
+        .map(|trial| make(trial).map_err(|error| format!("{}: {error}", name(&trial.meta))));
+    let (good, refused) = split(results.collect());
+    problems.extend(refused);
+    Ok((good, problems))
 }
 
 /// Trials with more samples than this are drawn with fewer: paper and screens have a few thousand

@@ -117,34 +117,24 @@ fn make(printing: &Printing, table: &Printed, making: &Making) -> Result<Made, J
     }
     // Formats for people are laid out from the whole table; the others can be of any length.
     if table.metric.is_none() && files.iter().all(|(format, _)| format.is_for_programs()) {
+        let simulated = printing.simulated;
         let outputs = files.into_iter().map(|(format, path)| {
-            write_long(format, path, printing.simulated, &table.file, making)
+            let path = path.to_owned();
+            let input = table.file.clone();
+            let from = making.from.clone();
+            // Written after the job's function has returned: it may borrow nothing of it.
+            Output::Long(Box::new(move |out| {
+                let parts = Table::parts(&input)?.map(|part| Ok(part?.with_mark(simulated)));
+                match format {
+                    Format::Parquet => Table::write_parts::<TableError>(parts, &from, &path, out)?,
+                    _ => write_csv(parts, out)?,
+                }
+                Ok(())
+            }))
         });
         return Ok(Made { outputs: outputs.collect(), ..Made::default() });
     }
     Ok(Made::of(write(&table.read()?, &files, &printing.wording, making.from)?))
-}
-
-/// A file of a table that may be of any length.
-fn write_long(
-    format: Format,
-    path: &Path,
-    simulated: bool,
-    input: &Path,
-    making: &Making,
-) -> Output {
-    let path = path.to_owned();
-    let input = input.to_owned();
-    let from = making.from.clone();
-    // Written after the job's function has returned: it may borrow nothing of it.
-    Output::Long(Box::new(move |out| {
-        let parts = Table::parts(&input)?.map(|part| Ok(part?.with_mark(simulated)));
-        match format {
-            Format::Parquet => Table::write_parts::<TableError>(parts, &from, &path, out)?,
-            _ => write_csv(parts, out)?,
-        }
-        Ok(())
-    }))
 }
 
 /// The bytes of a printed table's files. For people the table of conditions has the modes beside

@@ -5,7 +5,7 @@
 use crate::change::{Change, first_change};
 use crate::hashes::{Hashes, show_path};
 use crate::plan::needs;
-use crate::provenance::provenance;
+use crate::provenance::{origin, provenance};
 use crate::record::Record;
 use crate::records::Kept;
 use crate::{Job, Made, Making, Output, Provenance, Records, Results, strip_root};
@@ -20,8 +20,8 @@ mod options;
 mod unplanned;
 
 pub use options::{Options, wanted};
-use options::{keep_seen, records_before, save};
-use unplanned::{orphans, outputs, remove_unplanned, take_unplanned};
+use options::{records_before, save};
+use unplanned::{orphans, outputs, remove_unplanned};
 
 /// How a job ended.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -100,7 +100,7 @@ pub fn run(
     // A first estimate: to save records takes about as long as it took to read them.
     let saved = Mutex::new((Instant::now(), begun.elapsed()));
     let run = Run { jobs, before, results, options, done, hashes, trials, planned, board, saved };
-    let ready = run.board().waiting_for_none();
+    let ready = run.board().begin(|waits| waits == 0);
     rayon::scope(|scope| run.spawn(scope, ready));
     // What is left needs each other in a circle, or a job that does, and fails when it finds an input
     // missing.
@@ -121,7 +121,10 @@ pub fn run(
     }
     remarks.extend(stayed);
     if options.only.is_none() && options.shard.is_none() && !options.dry_run {
-        unsaved |= take_unplanned(jobs, &mut records);
+        let names: HashSet<&str> = jobs.iter().map(|job| job.name.as_str()).collect();
+        let all = records.0.len();
+        records.0.retain(|name, _| names.contains(name.as_str()));
+        unsaved |= records.0.len() < all;
         // Of jobs that are gone all, of those that failed what they no longer make.
         let others = before.0.keys().filter(|name| !records.0.contains_key(*name));
         let others = others.filter_map(|name| before.get(name));
@@ -133,7 +136,14 @@ pub fn run(
             true => save(&records, results, options).map(drop),
             false => Ok(()),
         },
-        || keep_seen(results, options),
+        || {
+            let is_whole = !options.dry_run && options.shard.is_none();
+            if is_whole && options.seen.is_worth_writing() {
+                // Without it the next run reads more, and is as right.
+                let file = Seen::file(results.layout());
+                let _ = results.write_by(&file, |out| options.seen.write(out));
+            }
+        },
     );
     saved?;
     // Of a large study that takes long, and nobody needs it to be over.
@@ -264,7 +274,8 @@ impl<'j> Board<'j> {
         now
     }
 
-    /// Jobs that may run once this one has ended.
+    /// Jobs that may run once this one has ended: of those that read much the next, and those that
+    /// waited for this one alone, from now on begun.
     fn after(&mut self, i: usize) -> Vec<usize> {
         self.at_work.remove(&i);
         let mut next = Vec::new();
@@ -272,13 +283,18 @@ impl<'j> Board<'j> {
             self.large_runs = false;
             next.extend(self.held.pop_front().filter(|_| self.disk.is_none()));
         }
-        next.extend(self.free(i));
+        if self.disk.is_none() {
+            for reader in self.readers[i].clone() {
+                self.waits[reader] = self.waits[reader].and_then(|n| n.checked_sub(1));
+                if self.waits[reader] == Some(0) {
+                    self.waits[reader] = None;
+                    // Only now are its inputs as long as they will be.
+                    self.large[reader] = reads_much(&self.jobs[reader], self.seen);
+                    next.push(reader);
+                }
+            }
+        }
         self.admit(next)
-    }
-
-    /// Jobs that wait for nothing, from now on begun.
-    fn waiting_for_none(&mut self) -> Vec<usize> {
-        self.begin(|waits| waits == 0)
     }
 
     /// Begins the jobs that wait for such a number of others, and returns those that may run now.
@@ -290,34 +306,6 @@ impl<'j> Board<'j> {
             }
         }
         self.admit(begun)
-    }
-
-    /// The first of a job's inputs that could not be made.
-    fn first_failed(&self, job: &Job) -> Option<PathBuf> {
-        if self.failed.is_empty() {
-            return None;
-        }
-        job.inputs().into_iter().find(|input| self.failed.contains(input))
-    }
-
-    /// Jobs that waited for this one alone, from now on begun.
-    fn free(&mut self, i: usize) -> Vec<usize> {
-        if self.disk.is_some() {
-            return Vec::new();
-        }
-        let mut freed: Vec<usize> = Vec::new();
-        for reader in self.readers[i].clone() {
-            self.waits[reader] = match self.waits[reader] {
-                Some(1) => {
-                    freed.push(reader);
-                    None
-                }
-                waits => waits.map(|n| n - 1),
-            };
-        }
-        // Only now are their inputs as long as they will be.
-        freed.iter().for_each(|i| self.large[*i] = reads_much(&self.jobs[*i], self.seen));
-        freed
     }
 }
 
@@ -363,32 +351,28 @@ impl<'j> Run<'j> {
             // instead of 9.
             let is_small = !board.large[i];
             board.ready.insert((is_small, i));
-            self.spawn_one(scope);
+            scope.spawn(move |scope| {
+                let Some(i) = self.board().next() else { return };
+                let begun = Instant::now();
+                let mut result = self.run_job(&self.jobs[i]);
+                if let Ok(ended) = &mut result {
+                    ended.report.took = begun.elapsed();
+                    // Before the board is locked: whoever listens may take long.
+                    (self.done)(&ended.report);
+                }
+                let mut board = self.board();
+                match result {
+                    Ok(ended) => self.note(&mut board, i, ended),
+                    Err(error) => _ = board.disk.get_or_insert(error),
+                }
+                let next = board.after(i);
+                drop(board);
+                self.spawn(scope, next);
+                if let Err(error) = self.save_when_due() {
+                    self.board().disk.get_or_insert(error);
+                }
+            });
         }
-    }
-
-    fn spawn_one<'s>(&'s self, scope: &rayon::Scope<'s>) {
-        scope.spawn(move |scope| {
-            let Some(i) = self.board().next() else { return };
-            let begun = Instant::now();
-            let mut result = self.run_job(&self.jobs[i]);
-            if let Ok(ended) = &mut result {
-                ended.report.took = begun.elapsed();
-                // Before the board is locked: whoever listens may take long.
-                (self.done)(&ended.report);
-            }
-            let mut board = self.board();
-            match result {
-                Ok(ended) => self.note(&mut board, i, ended),
-                Err(error) => _ = board.disk.get_or_insert(error),
-            }
-            let next = board.after(i);
-            drop(board);
-            self.spawn(scope, next);
-            if let Err(error) = self.save_when_due() {
-                self.board().disk.get_or_insert(error);
-            }
-        });
     }
 
     /// Remembers how a job ended.
@@ -403,8 +387,11 @@ impl<'j> Run<'j> {
             (JobEnd::Failed(_) | JobEnd::Blocked(_), _) => {
                 board.unsaved |= board.records.0.remove(&job.name).is_some();
                 board.failed.extend(&job.outputs);
-                let stayed = self.withdraw(job);
-                board.stayed.extend(stayed);
+                // What it made before must not pass for current.
+                for path in job.outputs.iter().filter(|_| !self.options.dry_run) {
+                    self.hashes.set(path, "");
+                    board.stayed.extend(self.results.remove(path).err());
+                }
             }
             _ => {}
         }
@@ -449,7 +436,12 @@ impl<'j> Run<'j> {
         };
         let root = self.results.root();
         let before = self.before.get(&job.name);
-        let failed = self.board().first_failed(job);
+        // The first of its inputs that could not be made. Most runs have none: then they are not listed.
+        let failed = {
+            let board = self.board();
+            let inputs = if board.failed.is_empty() { Vec::new() } else { job.inputs() };
+            inputs.into_iter().find(|input| board.failed.contains(input))
+        };
         if let Some(input) = failed.filter(|_| !job.tolerant) {
             let why = format!("it needs {}, which could not be made", show_path(root, &input));
             return Ok(ended(JobEnd::Blocked(why)));
@@ -474,7 +466,8 @@ impl<'j> Run<'j> {
             self.hashes.forget(&job.outputs);
             return Ok(ended(JobEnd::Made(why)));
         }
-        let mut record = now.with_origin(&job.name);
+        let mut record = now;
+        record.origin = origin(&job.name, &record);
         let from = match self.options.without_origin {
             true => Provenance::new(),
             false => provenance(&job.name, &record),
@@ -503,20 +496,6 @@ impl<'j> Run<'j> {
             ended.stayed = remove_unplanned(&self.planned, &before, self.results);
         }
         Ok(ended)
-    }
-
-    /// Removes what a failed job made before, which must not pass for current, and says what could not
-    /// be removed.
-    fn withdraw(&self, job: &Job) -> Vec<StoreError> {
-        if self.options.dry_run {
-            return Vec::new();
-        }
-        let mut stayed = Vec::new();
-        for path in &job.outputs {
-            self.hashes.set(path, "");
-            stayed.extend(self.results.remove(path).err());
-        }
-        stayed
     }
 }
 

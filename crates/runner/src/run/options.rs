@@ -3,8 +3,8 @@
 use super::unplanned::{outputs, remove_unplanned};
 use crate::hashes::{Hashes, HashesRead};
 use crate::manifest::Manifest;
-use crate::plan::named;
-use crate::shard::share;
+use crate::plan::with_needs;
+use crate::shard::{ready, up_to_date};
 use crate::{Job, Records, Results, Shard};
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -36,15 +36,18 @@ pub struct Options {
 /// # Errors
 /// A link on the way to the study's records, which a shard needs.
 pub fn wanted(jobs: &[Job], results: &Results, options: &Options) -> Result<Vec<bool>, StoreError> {
-    let Some(shard) = options.shard else { return Ok(named(jobs, options.only.as_deref())) };
+    let Some(shard) = options.shard else {
+        return Ok(match &options.only {
+            Some(name) => with_needs(jobs, |job| job.is_called(name)),
+            None => vec![true; jobs.len()],
+        });
+    };
     let (records, _) = Records::read(results)?;
-    Ok(share(
-        jobs,
-        shard,
-        results.root(),
-        &records,
-        &Hashes::seen(&options.known, options.seen.clone()),
-    ))
+    let hashes = Hashes::seen(&options.known, options.seen.clone());
+    let takes = |job: &Job| shard.takes(job);
+    let up_to_date = up_to_date(jobs, takes, results.root(), &records, &hashes);
+    let ready = ready(jobs, |job| shard.takes(job).then_some(shard), &up_to_date);
+    Ok(ready.iter().map(Option::is_some).collect())
 }
 
 /// The records that a run begins with, and what is wrong with them. A shard adds those of its own
@@ -93,12 +96,4 @@ pub(super) fn save(
     let Some(shard) = options.shard else { return records.write(results) };
     Manifest::new(results.layout(), shard, records.clone()).write(results)?;
     Ok(records.clone())
-}
-
-/// Writes down what files were.
-pub(super) fn keep_seen(results: &Results, options: &Options) {
-    if !options.dry_run && options.shard.is_none() && options.seen.is_worth_writing() {
-        // Without it the next run reads more, and is as right.
-        let _ = results.write_by(&Seen::file(results.layout()), |out| options.seen.write(out));
-    }
 }

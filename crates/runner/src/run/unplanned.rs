@@ -3,19 +3,11 @@
 
 use crate::provenance::origins;
 use crate::record::Record;
-use crate::{Job, Records, Results};
+use crate::{Job, Results};
 use rayon::prelude::*;
 use std::collections::HashSet;
 use std::path::PathBuf;
 use zwidth_store::{MOST_BYTES, StoreError};
-
-/// Removes the records of jobs that are no longer planned, and says whether there were any.
-pub(super) fn take_unplanned(jobs: &[Job], records: &mut Records) -> bool {
-    let names: HashSet<&str> = jobs.iter().map(|j| j.name.as_str()).collect();
-    let before = records.0.len();
-    records.0.retain(|name, _| names.contains(name.as_str()));
-    records.0.len() < before
-}
 
 /// The outputs of jobs.
 pub(super) fn outputs(jobs: &[Job]) -> HashSet<&PathBuf> {

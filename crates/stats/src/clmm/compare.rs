@@ -2,14 +2,14 @@
 
 use super::fit::{fit, highest, settled};
 use super::likelihood::Integral;
-use super::model::{Model, Ratings, Terms};
+use super::model::{Model, Terms};
 use super::profile::{End, ProfileInterval, bound_at_limit, profile_interval};
 use super::ratio::{RatioTest, referred, test_columns};
 use super::resample::{Bootstrap, bootstrap};
 use crate::answers::{Answers, Column, DIRECTION_ROUNDING};
 use crate::error::check_level;
 use crate::student_t::critical_value;
-use crate::tested::Unestimable;
+use crate::tested::{Unestimable, at_least};
 use std::collections::BTreeSet;
 
 /// Below this many participants no approximation is relied on: a bootstrap decides.
@@ -118,9 +118,7 @@ pub fn compare_modes(
     // The searches take long, and the level is needed after them.
     check_level(level)?;
     let modes = levels(study.modes);
-    if modes.len() < 2 {
-        return Err(Unestimable::TooFew { units: "modes", found: modes.len(), needed: 2 });
-    }
+    at_least("modes", modes.len(), 2)?;
     let model = &coded(study, study.modes, [modes[0], modes[1]])?;
     let participants = model.participants();
     let integral = match participants {
@@ -209,7 +207,7 @@ fn coded(study: &ModeStudy, labels: &[usize], pair: [usize; 2]) -> Result<Model,
     columns.extend(sessions.iter().cloned());
     let answers = Answers::new(study.answers, study.points, &columns)?;
     let Some(direction) = answers.separated_along()? else {
-        return Model::unscreened(&ratings(study, &columns), answers, terms(study));
+        return Model::unscreened(study.participants, study.modes, answers, terms(study));
     };
     let (modes, rest) = direction.split_at(order.len() - 1);
     let largest = modes.iter().fold(0.0_f64, |most, step| most.max(step.abs()));
@@ -244,21 +242,9 @@ fn coded(study: &ModeStudy, labels: &[usize], pair: [usize; 2]) -> Result<Model,
     held.resize(held.len() + sessions.len(), None);
     columns.extend(sessions);
     let answers = Answers { columns, ..answers };
-    let columns = answers.columns.clone();
-    let mut model = Model::unscreened(&ratings(study, &columns), answers, terms(study))?;
+    let mut model = Model::unscreened(study.participants, study.modes, answers, terms(study))?;
     model.held = held;
     Ok(model)
-}
-
-/// The study's answers with the columns of a model.
-fn ratings<'a>(study: &ModeStudy<'a>, columns: &'a [Column]) -> Ratings<'a> {
-    Ratings {
-        answers: study.answers,
-        points: study.points,
-        columns,
-        participants: study.participants,
-        modes: study.modes,
-    }
 }
 
 /// Participant and participant × mode; participant alone where nobody answered twice in a mode, so

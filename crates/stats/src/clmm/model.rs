@@ -3,7 +3,7 @@
 use crate::answers::{Answers, Column};
 use crate::error::same_length;
 use crate::logistic::by_threshold;
-use crate::tested::Unestimable;
+use crate::tested::{Unestimable, at_least};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
@@ -75,26 +75,21 @@ impl Model {
             same_length("a column", ratings.answers.len(), labels.len())?;
         }
         answers.screen()?;
-        Self::unscreened(ratings, answers, terms)
+        Self::unscreened(ratings.participants, ratings.modes, answers, terms)
     }
 
     /// [`Model::new`] for answers that may be separated along columns whose coefficients are then
     /// held.
     pub(super) fn unscreened(
-        ratings: &Ratings,
+        participants: &[usize],
+        modes: &[usize],
         answers: Answers,
         terms: Terms,
     ) -> Result<Self, Unestimable> {
-        let places = places(ratings.participants, ratings.modes);
-        let modes = ratings.modes.iter().collect::<BTreeSet<_>>().len();
+        let places = places(participants, modes);
+        let modes = modes.iter().collect::<BTreeSet<_>>().len();
         let model = Self::of(answers, places, terms, modes);
-        if model.participants.len() < 2 {
-            return Err(Unestimable::TooFew {
-                units: "participants",
-                found: model.participants.len(),
-                needed: 2,
-            });
-        }
+        at_least("participants", model.participants.len(), 2)?;
         // With one mode each, both effects would be one: nothing tells their SDs apart.
         let alone = model.participants.iter().all(|cells| cells.groups.len() == 1);
         if alone && terms == Terms::ParticipantAndMode {

@@ -3,9 +3,8 @@
 use super::design::Design;
 use crate::error::{StatsError, all_finite, same_length};
 use crate::f_distribution::upper_p;
-use crate::interval::t_interval;
-use crate::student_t::two_sided_p;
 use crate::tested::{FTest, Tested, Unestimable};
+use crate::welch::tested;
 
 use zwidth_numerics::dense::{Matrix, dot};
 
@@ -61,17 +60,9 @@ pub(super) fn t_test(
     df: f64,
     level: f64,
 ) -> Result<Tested, Unestimable> {
-    let interval = t_interval(estimate, variance.sqrt(), df, level)?;
-    let statistic = estimate / interval.std_error;
-    Ok(Tested {
-        estimate,
-        std_error: interval.std_error,
-        ci_low: interval.ci_low,
-        ci_high: interval.ci_high,
-        statistic,
-        df,
-        p_value: two_sided_p(statistic, df)?,
-    })
+    let std_error = variance.sqrt();
+    all_finite(&[estimate, std_error])?;
+    Ok(tested(estimate, std_error, df, level)?)
 }
 
 /// The F test of a statistic.

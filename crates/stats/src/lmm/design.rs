@@ -9,7 +9,7 @@
 //! large mean costs no digits; the random columns are divided by their root mean squares.
 
 use super::model::{Model, RandomTerm};
-use crate::tested::Unestimable;
+use crate::tested::{Unestimable, at_least};
 use std::collections::BTreeMap;
 use zwidth_numerics::dense::{Matrix, add_scaled, dot};
 
@@ -88,10 +88,7 @@ struct Orthonormal {
 pub(super) fn reduce(model: &Model) -> Result<Design, Unestimable> {
     model.check()?;
     let rows = model.response.len();
-    if rows <= model.fixed.len() {
-        let needed = model.fixed.len() + 1;
-        return Err(Unestimable::TooFew { units: "rows", found: rows, needed });
-    }
+    at_least("rows", rows, model.fixed.len() + 1)?;
     let fixed = orthonormalise(model)?;
     let rss = dot(&fixed.residuals, &fixed.residuals);
     if rss <= NO_RESIDUAL * dot(&model.response, &model.response) {
@@ -192,8 +189,28 @@ fn patterns(model: &Model, fixed: &Orthonormal, scales: &[Vec<f64>]) -> Vec<Patt
     model.group.iter().enumerate().for_each(|(row, g)| members.entry(*g).or_default().push(row));
     let mut patterns: Vec<Pattern> = Vec::new();
     let mut places: BTreeMap<Vec<Vec<u64>>, usize> = BTreeMap::new();
-    for rows in members.values() {
-        let mut rows = rows_of_group(model, fixed, scales, rows);
+    for members in members.values() {
+        // The rows of one group, levels numbered within it.
+        let numbered = model.random.iter().map(|term| {
+            let mut levels: Vec<usize> = members.iter().map(|row| term.level[*row]).collect();
+            levels.sort_unstable();
+            levels.dedup();
+            let number = |row: &usize| levels.partition_point(|l| *l < term.level[*row]);
+            members.iter().map(number).collect()
+        });
+        let numbered: Vec<Vec<usize>> = numbered.collect();
+        let rows = members.iter().enumerate().map(|(place, row)| {
+            let z = model.random.iter().zip(scales).map(|(term, scales)| {
+                term.columns.iter().zip(scales).map(|(c, scale)| c[*row] / scale + 0.0).collect()
+            });
+            Row {
+                level: numbered.iter().map(|levels| levels[place]).collect(),
+                z: z.collect(),
+                x: fixed.q.iter().map(|column| column[*row]).collect(),
+                y: fixed.residuals[*row],
+            }
+        });
+        let mut rows: Vec<Row> = rows.collect();
         // Participants who did the same trials in another order share a design.
         rows.sort_by_cached_key(Row::key);
         let key = rows.iter().map(Row::key).collect();
@@ -201,42 +218,20 @@ fn patterns(model: &Model, fixed: &Orthonormal, scales: &[Vec<f64>]) -> Vec<Patt
             patterns.push(empty_pattern(model, &rows));
             patterns.len() - 1
         });
-        add_group(&mut patterns[at], &rows);
+        let pattern = &mut patterns[at];
+        let size = pattern.zty.len();
+        let mut zty = vec![0.0; size];
+        for row in &rows {
+            add_scaled(&mut zty, row.y, &z_row(&pattern.blocks, row, size));
+            add_scaled(&mut pattern.xty, row.y, &row.x);
+            pattern.yty += row.y * row.y;
+        }
+        add_scaled(&mut pattern.zty, 1.0, &zty);
+        pattern.zty_ytz.add_outer(1.0, &zty, &zty);
+        pattern.groups += 1.0;
+        pattern.each.push(zty);
     }
     patterns
-}
-
-/// The rows of one group, levels numbered within it.
-fn rows_of_group(
-    model: &Model,
-    fixed: &Orthonormal,
-    scales: &[Vec<f64>],
-    rows: &[usize],
-) -> Vec<Row> {
-    let numbered: Vec<Vec<usize>> = model
-        .random
-        .iter()
-        .map(|term| {
-            let mut levels: Vec<usize> = rows.iter().map(|row| term.level[*row]).collect();
-            levels.sort_unstable();
-            levels.dedup();
-            rows.iter().map(|row| levels.partition_point(|l| *l < term.level[*row])).collect()
-        })
-        .collect();
-    let numbered_rows = rows.iter().enumerate().map(|(place, row)| Row {
-        level: numbered.iter().map(|levels| levels[place]).collect(),
-        z: model
-            .random
-            .iter()
-            .zip(scales)
-            .map(|(term, scales)| {
-                term.columns.iter().zip(scales).map(|(c, scale)| c[*row] / scale + 0.0).collect()
-            })
-            .collect(),
-        x: fixed.q.iter().map(|column| column[*row]).collect(),
-        y: fixed.residuals[*row],
-    });
-    numbered_rows.collect()
 }
 
 /// The pattern of a group with `rows`, without any response.
@@ -271,21 +266,6 @@ fn empty_pattern(model: &Model, rows: &[Row]) -> Pattern {
         pattern.xtx.add_outer(1.0, &row.x, &row.x);
     }
     pattern
-}
-
-/// Adds the response of a group with `rows` to its pattern.
-fn add_group(pattern: &mut Pattern, rows: &[Row]) {
-    let size = pattern.zty.len();
-    let mut zty = vec![0.0; size];
-    for row in rows {
-        add_scaled(&mut zty, row.y, &z_row(&pattern.blocks, row, size));
-        add_scaled(&mut pattern.xty, row.y, &row.x);
-        pattern.yty += row.y * row.y;
-    }
-    add_scaled(&mut pattern.zty, 1.0, &zty);
-    pattern.zty_ytz.add_outer(1.0, &zty, &zty);
-    pattern.groups += 1.0;
-    pattern.each.push(zty);
 }
 
 /// One row of Z: the term's columns at the block of its level.

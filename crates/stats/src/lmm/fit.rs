@@ -1,6 +1,6 @@
 //! A fitted linear mixed model and the tests of its coefficients.
 
-use super::contrast::contrasts;
+use super::contrast::{contrasts, sandwich};
 use super::design::{Design, reduce};
 use super::information::check_identified;
 use super::kenward_roger::{Adjusted, adjust};
@@ -9,7 +9,7 @@ use super::profile::{Profile, factors, profile};
 use super::satterthwaite::{Approximated, approximate};
 use super::search::{Optimum, search};
 use crate::error::StatsError;
-use crate::tested::{FTest, Tested, Unestimable};
+use crate::tested::{FTest, Tested, Unestimable, at_least};
 use zwidth_numerics::dense::{Matrix, dot};
 
 /// The criterion that is maximised.
@@ -80,9 +80,7 @@ pub struct Fit {
 /// digit; no optimum found.
 pub fn fit(model: &Model, criterion: Criterion) -> Result<Fit, Unestimable> {
     let design = reduce(model)?;
-    if design.groups < 2 {
-        return Err(Unestimable::TooFew { units: "participants", found: design.groups, needed: 2 });
-    }
+    at_least("participants", design.groups, 2)?;
     // With all variances 0, V is the identity, and the test does not depend on the response.
     let zero = vec![0.0; design.entries.len()];
     let at_zero = evaluate(&design, false, &zero)?;
@@ -101,10 +99,7 @@ fn fit_design(
         search(&design, reml)?;
     let at = evaluate(&design, reml, &theta)?;
     let along = design.r_inverse.times_vector(&at.gamma);
-    let covariance = {
-        let r = &design.r_inverse;
-        r.times(&at.a_inverse.times(&r.transpose()))
-    };
+    let covariance = sandwich(&design.r_inverse, &at.a_inverse);
     Ok(Fit {
         criterion,
         deviance,
@@ -152,13 +147,13 @@ impl Fit {
     ///
     /// # Errors
     /// REML finds no optimum where this fit was by maximum likelihood.
-    pub fn kenward_roger(&self) -> Result<KenwardRoger, Unestimable> {
+    pub fn kenward_roger(&self) -> Result<Tests, Unestimable> {
         let reml = match self.criterion {
             Criterion::Reml => self.clone(),
             Criterion::Ml => fit_design(self.design.clone(), Criterion::Reml, self.names.clone())?,
         };
         let at = evaluate(&reml.design, true, &reml.theta)?;
-        Ok(KenwardRoger { adjusted: adjust(&reml.design, &at)?, fit: reml })
+        Ok(Tests { covariance: Covariance::Adjusted(adjust(&reml.design, &at)?), fit: reml })
     }
 
     /// Tests of coefficients with Satterthwaite's degrees of freedom, as in lmerTest. They trust a
@@ -167,73 +162,55 @@ impl Fit {
     ///
     /// # Errors
     /// The criterion has no finite value at the optimum.
-    pub fn satterthwaite(&self) -> Result<Satterthwaite, Unestimable> {
+    pub fn satterthwaite(&self) -> Result<Tests, Unestimable> {
         let reml = self.criterion == Criterion::Reml;
         let at = evaluate(&self.design, reml, &self.theta)?;
         let approximated = approximate(&self.design, reml, &self.theta, &at);
-        Ok(Satterthwaite { approximated, fit: self.clone() })
+        Ok(Tests { covariance: Covariance::Approximated(approximated), fit: self.clone() })
     }
 }
 
-/// Kenward–Roger tests of one fit.
+/// Tests of one fit's coefficients.
 #[derive(Debug, Clone)]
-pub struct KenwardRoger {
-    adjusted: Adjusted,
+pub struct Tests {
+    covariance: Covariance,
     fit: Fit,
 }
 
-impl KenwardRoger {
+/// The coefficients' covariance, with what its degrees of freedom are made of.
+#[derive(Debug, Clone)]
+enum Covariance {
+    /// Kenward & Roger's.
+    Adjusted(Adjusted),
+    /// Satterthwaite's.
+    Approximated(Approximated),
+}
+
+impl Tests {
     /// The test of Σ weightⱼ βⱼ = 0, with its interval at `level`.
     ///
     /// # Errors
     /// Not one weight per coefficient, all weights zero, `level` outside (0, 1).
     pub fn test(&self, weights: &[f64], level: f64) -> Result<Tested, Unestimable> {
         let contrast = contrasts(&self.fit.design, &self.fit.coefficients, &[weights])?;
-        self.adjusted.t(&contrast, level)
+        match &self.covariance {
+            Covariance::Adjusted(adjusted) => adjusted.t(&contrast, level),
+            Covariance::Approximated(approximated) => approximated.t(&contrast, level),
+        }
     }
 
-    /// The scaled F test that all of several contrasts are zero.
+    /// The F test that all of several contrasts are zero; scaled after Kenward & Roger.
     ///
     /// # Errors
     /// Not one weight per coefficient, contrasts that depend on each other, none.
     pub fn test_all(&self, contrast_weights: &[&[f64]]) -> Result<FTest, Unestimable> {
-        at_least_one(contrast_weights)?;
+        if contrast_weights.is_empty() {
+            return Err(StatsError::DegreesOfFreedom { df: 0.0 }.into());
+        }
         let all = contrasts(&self.fit.design, &self.fit.coefficients, contrast_weights)?;
-        self.adjusted.f(&all)
+        match &self.covariance {
+            Covariance::Adjusted(adjusted) => adjusted.f(&all),
+            Covariance::Approximated(approximated) => approximated.f(&all),
+        }
     }
-}
-
-/// Satterthwaite tests of one fit.
-#[derive(Debug, Clone)]
-pub struct Satterthwaite {
-    approximated: Approximated,
-    fit: Fit,
-}
-
-impl Satterthwaite {
-    /// The test of Σ weightⱼ βⱼ = 0, with its interval at `level`.
-    ///
-    /// # Errors
-    /// As [`KenwardRoger::test`].
-    pub fn test(&self, weights: &[f64], level: f64) -> Result<Tested, Unestimable> {
-        let contrast = contrasts(&self.fit.design, &self.fit.coefficients, &[weights])?;
-        self.approximated.t(&contrast, level)
-    }
-
-    /// The F test that all of several contrasts are zero.
-    ///
-    /// # Errors
-    /// As [`KenwardRoger::test_all`].
-    pub fn test_all(&self, contrast_weights: &[&[f64]]) -> Result<FTest, Unestimable> {
-        at_least_one(contrast_weights)?;
-        let all = contrasts(&self.fit.design, &self.fit.coefficients, contrast_weights)?;
-        self.approximated.f(&all)
-    }
-}
-
-fn at_least_one(weights: &[&[f64]]) -> Result<(), StatsError> {
-    if weights.is_empty() {
-        return Err(StatsError::DegreesOfFreedom { df: 0.0 });
-    }
-    Ok(())
 }

@@ -28,5 +28,6 @@ mod search;
 mod tests;
 pub mod trials;
 
-pub use fit::{Criterion, Fit, KenwardRoger, Satterthwaite, TermCovariance, fit};
-pub use model::{Column, Model, RandomTerm};
+pub use crate::answers::Column;
+pub use fit::{Criterion, Fit, TermCovariance, Tests, fit};
+pub use model::{Model, RandomTerm};

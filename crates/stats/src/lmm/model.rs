@@ -1,15 +1,7 @@
 //! The parts of a linear mixed model.
 
+use crate::answers::Column;
 use crate::error::{StatsError, all_finite, same_length};
-
-/// A column of a design with its name.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Column {
-    /// Its name in messages.
-    pub name: String,
-    /// One value per row.
-    pub values: Vec<f64>,
-}
 
 /// A random term: each level of it within a group draws one vector of effects, one effect per
 /// column, with a covariance matrix of its own. `(Days|Subject)` is the columns 1 and Days with one

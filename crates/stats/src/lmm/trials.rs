@@ -7,10 +7,12 @@
 //! many as the design can separate: repeats of one person are not people, and neither are sessions.
 
 use super::fit::{Criterion, Fit, fit};
-use super::model::{Column, Model, RandomTerm};
+use super::model::{Model, RandomTerm};
+use crate::answers::Column;
 use crate::error::same_length;
-use crate::tested::Unestimable;
+use crate::tested::{Unestimable, at_least};
 use std::collections::{BTreeMap, BTreeSet};
+use zwidth_study::worded;
 
 /// Trials as columns of a tidy table. Participants, sessions and modes are any numbers.
 #[derive(Debug, Clone, Copy)]
@@ -25,28 +27,17 @@ pub struct Trials<'a> {
     pub value: &'a [f64],
 }
 
-/// A random term of a study, beside the residual.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Term {
-    /// A participant's own level.
-    Participant,
-    /// A participant's own effect of a mode.
-    ParticipantMode,
-    /// A participant's own level in a session.
-    ParticipantSession,
-    /// A participant's own effect of a mode in a session.
-    ParticipantSessionMode,
-}
-
-impl Term {
-    /// Its name, as in a table.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Participant => "participant",
-            Self::ParticipantMode => "participant × mode",
-            Self::ParticipantSession => "participant × session",
-            Self::ParticipantSessionMode => "participant × session × mode",
-        }
+worded! {
+    /// A random term of a study, beside the residual.
+    Term {
+        /// A participant's own level.
+        Participant = "participant",
+        /// A participant's own effect of a mode.
+        ParticipantMode = "participant × mode",
+        /// A participant's own level in a session.
+        ParticipantSession = "participant × session",
+        /// A participant's own effect of a mode in a session.
+        ParticipantSessionMode = "participant × session × mode",
     }
 }
 
@@ -86,9 +77,7 @@ pub fn fit_trials(trials: Trials<'_>) -> Result<TrialFit, Unestimable> {
     same_length("the sessions", rows, trials.session.len())?;
     same_length("the modes", rows, trials.mode.len())?;
     let people: BTreeSet<usize> = trials.participant.iter().copied().collect();
-    if people.len() < 2 {
-        return Err(Unestimable::TooFew { units: "participants", found: people.len(), needed: 2 });
-    }
+    at_least("participants", people.len(), 2)?;
     let cells: BTreeSet<(usize, usize)> =
         trials.session.iter().copied().zip(trials.mode.iter().copied()).collect();
     let cells: Vec<(usize, usize)> = cells.into_iter().collect();
@@ -151,7 +140,7 @@ fn model(trials: Trials<'_>, cells: &[(usize, usize)], structure: &[Term]) -> Mo
         Column { name: format!("session {session}, mode {mode}"), values: values.collect() }
     });
     let random =
-        structure.iter().map(|term| RandomTerm::intercept(term.name(), level(trials, *term)));
+        structure.iter().map(|term| RandomTerm::intercept(term.as_str(), level(trials, *term)));
     Model {
         response: trials.value.to_vec(),
         fixed: fixed.collect(),
@@ -190,9 +179,7 @@ impl TrialFit {
     /// No session has the mode.
     pub fn mean(&self, mode: usize) -> Result<Vec<f64>, Unestimable> {
         let sessions = self.cells.iter().filter(|(_, m)| *m == mode).count();
-        if sessions == 0 {
-            return Err(Unestimable::TooFew { units: "trials of the mode", found: 0, needed: 1 });
-        }
+        at_least("trials of the mode", sessions, 1)?;
         let share = 1.0 / sessions as f64;
         Ok(self.cells.iter().map(|(_, m)| if *m == mode { share } else { 0.0 }).collect())
     }

@@ -14,6 +14,7 @@ use crate::bootstrap::stream;
 use crate::error::{StatsError, all_finite, same_length};
 use crate::null::{Null, SAME, Sampling};
 use crate::paired::difference;
+use crate::tested::{at_least, not_constant};
 use rand_chacha::rand_core::Rng;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -82,9 +83,7 @@ impl Trials {
         modes: usize,
     ) -> Result<Trials, Unestimable> {
         all_finite(values)?;
-        if values.is_empty() {
-            return Err(Unestimable::TooFew { units: "trials", found: 0, needed: 1 });
-        }
+        at_least("trials", values.len(), 1)?;
         same_length("the list of blocks", values.len(), block.len())?;
         check_order(actual, values.len(), modes)?;
         let mut blocks: BTreeMap<usize, (f64, f64)> = BTreeMap::new();
@@ -127,30 +126,17 @@ impl Trials {
         Ok(Trials { together, actual, ..*self })
     }
 
-    /// p = (1 + orders at least as extreme) / (1 + orders drawn), where `redraw` gives the modes of
-    /// the trials in the order that the design draws for a seed.
+    /// p = (1 + orders at least as extreme) / (1 + orders drawn) for each of several statistics,
+    /// where `redraw` gives the modes of the trials in the order that the design draws for a seed.
+    /// Each order is drawn once for all of them.
     ///
     /// Orders are drawn on as many threads as there are and counted: one seed of `sampling`, one p
     /// value. Statistics that differ by less than 1e-9 of the largest possible count as equal. An
     /// order that leaves one of the tested modes without a value counts as extreme, which can only
     /// make p larger.
     ///
-    /// # Errors
-    /// A mode without a trial in the actual order; trials of one value only; an order with another
-    /// number of trials or with an unknown mode.
-    pub fn against_drawn(
-        &self,
-        statistic: Statistic,
-        sampling: Sampling,
-        redraw: impl Fn(u64) -> Vec<usize> + Sync,
-    ) -> Result<Randomised, Unestimable> {
-        let observed = self.observed(statistic)?;
-        let drawn = self.measure_drawn(&[statistic], sampling, redraw)?.concat();
-        Ok(self.sampled(statistic, observed, drawn))
-    }
-
-    /// [`Trials::against_drawn`] for each of several statistics, with each order drawn once for all
-    /// of them.
+    /// There is no p of a mode without a trial in the actual order; of trials of one value only; of
+    /// an order with another number of trials or with an unknown mode.
     pub fn each_against_drawn(
         &self,
         statistics: &[Statistic],
@@ -161,7 +147,12 @@ impl Trials {
             statistics.iter().map(|statistic| self.observed(*statistic)).collect();
         // Drawing takes long, and without an observed statistic it is for nothing.
         let draws = if observed.iter().any(Result::is_ok) { sampling.draws } else { 0 };
-        let drawn = self.measure_drawn(statistics, Sampling { draws, ..sampling }, redraw);
+        let measured = (0..draws as u64).into_par_iter().map(|number| {
+            let order = redraw(stream(sampling.seed, number).next_u64());
+            check_order(&order, self.together.len(), self.modes)?;
+            Ok(statistics.iter().map(|statistic| self.measure(*statistic, &order)).collect())
+        });
+        let drawn: Result<Vec<Vec<f64>>, StatsError> = measured.collect();
         let tests = observed.into_iter().enumerate().map(|(place, observed)| {
             let observed = observed?;
             let drawn = drawn.as_ref().map_err(Clone::clone)?;
@@ -169,21 +160,6 @@ impl Trials {
             Ok(self.sampled(statistics[place], observed, drawn))
         });
         tests.collect()
-    }
-
-    /// The statistics of each order drawn.
-    fn measure_drawn(
-        &self,
-        statistics: &[Statistic],
-        sampling: Sampling,
-        redraw: impl Fn(u64) -> Vec<usize> + Sync,
-    ) -> Result<Vec<Vec<f64>>, StatsError> {
-        let measured = (0..sampling.draws as u64).into_par_iter().map(|number| {
-            let order = redraw(stream(sampling.seed, number).next_u64());
-            check_order(&order, self.together.len(), self.modes)?;
-            Ok(statistics.iter().map(|statistic| self.measure(*statistic, &order)).collect())
-        });
-        measured.collect()
     }
 
     /// The test by the statistics of orders drawn. The actual order counts among them, so that p is
@@ -206,7 +182,7 @@ impl Trials {
     /// draw, each as often as it is likely; the actual one is among them.
     ///
     /// # Errors
-    /// As [`Trials::against_drawn`]; `orders` without the actual one.
+    /// Where [`Trials::each_against_drawn`] has no p; `orders` without the actual one.
     pub fn against_all(
         &self,
         statistic: Statistic,
@@ -229,19 +205,6 @@ impl Trials {
         })
     }
 
-    /// Those of `orders` in which every trial of a mode other than `a` and `b` has its actual mode:
-    /// what a test of this one pair may shuffle when the other modes may differ from it.
-    pub fn that_move_only(&self, a: usize, b: usize, orders: &[Vec<usize>]) -> Vec<Vec<usize>> {
-        let of_pair = orders.iter().filter(|order| {
-            order.len() == self.actual.len()
-                && order
-                    .iter()
-                    .zip(&self.actual)
-                    .all(|(x, y)| x == y || [a, b].contains(x) && [a, b].contains(y))
-        });
-        of_pair.cloned().collect()
-    }
-
     /// The statistic of the actual order.
     fn observed(&self, statistic: Statistic) -> Result<f64, Unestimable> {
         let tested: Vec<usize> = match statistic {
@@ -251,9 +214,7 @@ impl Trials {
         if tested.iter().any(|mode| !self.actual.contains(mode)) {
             return Err(Unestimable::TooFew { units: "trials of a mode", found: 0, needed: 1 });
         }
-        if self.squares <= 0.0 {
-            return Err(Unestimable::Constant { units: "trials of each participant" });
-        }
+        not_constant("trials of each participant", self.squares <= 0.0)?;
         Ok(self.measure(statistic, &self.actual))
     }
 

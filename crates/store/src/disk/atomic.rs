@@ -6,7 +6,7 @@
 use crate::StoreError;
 use crate::disk::content::Content;
 use crate::disk::held::{Held, hold};
-use crate::disk::regular::{open_as, open_content, read_regular};
+use crate::disk::regular::{open_content, open_or_create, read_regular};
 use crate::disk::stamp::Stamp;
 use std::fs::{self, File};
 use std::io::{self, Write as _};
@@ -220,12 +220,7 @@ fn create_private(path: &Path) -> io::Result<()> {
 /// # Errors
 /// What the system says; anything but a regular file at `path`.
 pub fn append_to(path: &Path) -> io::Result<File> {
-    match File::options().append(true).create_new(true).open(path) {
-        Err(e) if e.kind() == io::ErrorKind::AlreadyExists => {
-            open_as(File::options().append(true), path)
-        }
-        created => created,
-    }
+    open_or_create(File::options().append(true), path)
 }
 
 fn entry(kind: fs::FileType) -> Entry {
@@ -418,11 +413,8 @@ mod tests {
             assert!(error.remedy.contains("free some space"), "{error}");
             let found = fs::read(&path).unwrap();
             assert!(found == b"old content" || found == b"the new content", "fault {fault}");
-            assert_eq!(
-                fs::read_dir(path.parent().unwrap()).unwrap().count(),
-                1,
-                "litter after {fault}"
-            );
+            let files = fs::read_dir(path.parent().unwrap()).unwrap().count();
+            assert_eq!(files, 1, "litter after {fault}");
         }
     }
 

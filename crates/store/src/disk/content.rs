@@ -17,32 +17,23 @@ const HASHED_AT_ONCE: usize = 1 << 20;
 
 /// The content of a file.
 #[derive(Debug, Clone)]
-pub struct Content(Kept);
-
-#[derive(Debug, Clone)]
-enum Kept {
-    Memory(Bytes),
-    Disk {
-        file: Arc<Mutex<File>>,
-        length: u64,
-    },
-    /// The end of a file is in memory.
-    End {
-        end: Bytes,
-        file: Arc<Mutex<File>>,
-        length: u64,
-    },
+pub struct Content {
+    /// What of it is in memory: all, its end, or nothing.
+    end: Bytes,
+    /// Where the bytes before that are.
+    file: Option<Arc<Mutex<File>>>,
+    length: u64,
 }
 
 impl Content {
     /// Bytes that were already read.
     pub fn of(bytes: Vec<u8>) -> Self {
-        Self(Kept::Memory(Bytes::from(bytes)))
+        Self { length: bytes.len() as u64, end: Bytes::from(bytes), file: None }
     }
 
     /// An open file of `length` bytes, none of them read yet.
     pub(crate) fn on_disk(file: File, length: u64) -> Self {
-        Self(Kept::Disk { file: Arc::new(Mutex::new(file)), length })
+        Self { end: Bytes::new(), file: Some(Arc::new(Mutex::new(file))), length }
     }
 
     /// The same with its end read: it contains the footer of a trial.
@@ -50,18 +41,12 @@ impl Content {
         let content = Self::on_disk(file, length);
         let end = length.min(END);
         let end = content.range(length - end, usize::try_from(end).unwrap_or(0))?;
-        Ok(match content.0 {
-            Kept::Disk { file, length } => Self(Kept::End { end, file, length }),
-            kept => Self(kept),
-        })
+        Ok(Self { end, ..content })
     }
 
     /// The number of bytes.
     pub fn length(&self) -> u64 {
-        match &self.0 {
-            Kept::Memory(bytes) => bytes.len() as u64,
-            Kept::Disk { length, .. } | Kept::End { length, .. } => *length,
-        }
+        self.length
     }
 
     /// The bytes from `from` on, `length` of them.
@@ -69,32 +54,23 @@ impl Content {
     /// # Errors
     /// There are fewer, or they cannot be read.
     pub fn range(&self, from: u64, length: usize) -> io::Result<Bytes> {
-        let within = from.checked_add(length as u64).is_some_and(|to| to <= self.length());
+        let within = from.checked_add(length as u64).is_some_and(|to| to <= self.length);
         if !within {
             return Err(io::ErrorKind::UnexpectedEof.into());
         }
-        match &self.0 {
-            Kept::Memory(bytes) => {
-                let from = usize::try_from(from).map_err(|_| io::ErrorKind::UnexpectedEof)?;
-                Ok(bytes.slice(from..from + length))
-            }
-            Kept::End { end, length: all, .. } if from >= *all - end.len() as u64 => {
-                let before = *all - end.len() as u64;
-                let from =
-                    usize::try_from(from - before).map_err(|_| io::ErrorKind::UnexpectedEof)?;
-                Ok(end.slice(from..from + length))
-            }
-            Kept::Disk { file, .. } | Kept::End { file, .. } => {
-                // Its length was looked at: what is claimed beyond it takes no memory.
-                let mut bytes = room(length)?;
-                bytes.resize(length, 0);
-                // A panic elsewhere leaves the file at any place, and it is sought anew here.
-                let mut file = file.lock().unwrap_or_else(PoisonError::into_inner);
-                file.seek(SeekFrom::Start(from))?;
-                file.read_exact(&mut bytes)?;
-                Ok(Bytes::from(bytes))
-            }
-        }
+        let before = self.length - self.end.len() as u64;
+        let Some(file) = self.file.as_ref().filter(|_| from < before) else {
+            let from = usize::try_from(from - before).map_err(|_| io::ErrorKind::UnexpectedEof)?;
+            return Ok(self.end.slice(from..from + length));
+        };
+        // Its length was looked at: what is claimed beyond it takes no memory.
+        let mut bytes = room(length)?;
+        bytes.resize(length, 0);
+        // A panic elsewhere leaves the file at any place, and it is sought anew here.
+        let mut file = file.lock().unwrap_or_else(PoisonError::into_inner);
+        file.seek(SeekFrom::Start(from))?;
+        file.read_exact(&mut bytes)?;
+        Ok(Bytes::from(bytes))
     }
 
     /// BLAKE3 of all, hexadecimal.

@@ -61,12 +61,15 @@ impl Layout {
         self.raw().join("sessions")
     }
 
+    /// The folder of one session's trials.
+    pub(crate) fn trials_of(&self, participant: &ParticipantId, session: &SessionId) -> PathBuf {
+        let folder = self.trials().join(format!("participant={participant}"));
+        folder.join(format!("session={session}"))
+    }
+
     /// One trial's file.
     pub fn trial(&self, participant: &ParticipantId, session: &SessionId, trial: u32) -> PathBuf {
-        self.trials()
-            .join(format!("participant={participant}"))
-            .join(format!("session={session}"))
-            .join(format!("trial-{trial:03}.parquet"))
+        self.trials_of(participant, session).join(format!("trial-{trial:03}.parquet"))
     }
 
     /// One sweep's file.

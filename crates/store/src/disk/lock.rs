@@ -5,7 +5,7 @@
 //! nobody holds it; if it still names an owner, that owner did not end in order.
 
 use crate::disk::atomic::create_folders;
-use crate::disk::regular::open_as;
+use crate::disk::regular::open_or_create;
 use crate::{Layout, RealFiles, StoreError};
 use std::fs::{File, TryLockError};
 use std::io::{self, Read as _, Seek as _, Write as _};
@@ -66,13 +66,7 @@ pub fn owner(command: &str, utc: &str) -> String {
 /// do: what a link or a second name leads to would be emptied.
 fn open(path: &Path) -> io::Result<File> {
     create_folders(&RealFiles, crate::disk::atomic::folder_of(path))?;
-    let created = File::options().read(true).write(true).create_new(true).open(path);
-    let file = match created {
-        Err(e) if e.kind() == io::ErrorKind::AlreadyExists => {
-            open_as(File::options().read(true).write(true), path)?
-        }
-        created => created?,
-    };
+    let file = open_or_create(File::options().read(true).write(true), path)?;
     let metadata = file.metadata()?;
     #[cfg(unix)]
     let has_second_name = std::os::unix::fs::MetadataExt::nlink(&metadata) > 1;
@@ -133,10 +127,8 @@ mod tests {
         for make in [&as_link as &dyn Fn(&Path) -> io::Result<()>, &as_name] {
             make(&layout.lock()).unwrap();
             let error = StudyLock::take(&layout, "me").unwrap_err();
-            assert!(
-                error.path == layout.lock() && error.remedy.contains("put the file itself"),
-                "{error}"
-            );
+            assert_eq!(error.path, layout.lock());
+            assert!(error.remedy.contains("put the file itself"), "{error}");
             assert_eq!(std::fs::read(layout.study_toml()).unwrap(), text);
             std::fs::remove_file(layout.lock()).unwrap();
         }

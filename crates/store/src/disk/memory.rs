@@ -52,6 +52,7 @@ pub struct Memory(Arc<Mutex<State>>);
 struct State {
     /// Steps taken since the start.
     steps: u64,
+    reads: usize,
     /// The step at which something fails, and how.
     fault: Option<(u64, Fault)>,
     /// Whether that step was tried, or anything after it.
@@ -83,6 +84,15 @@ struct Hidden {
 enum Node {
     Folder,
     File(usize),
+}
+
+impl Node {
+    fn entry(&self) -> Entry {
+        match self {
+            Self::Folder => Entry::Folder,
+            Self::File(_) => Entry::File,
+        }
+    }
 }
 
 #[derive(Debug, Clone, Default)]
@@ -129,18 +139,18 @@ impl Memory {
     /// Every file below a folder, with its content.
     pub fn below(&self, folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
         let state = self.state();
-        let files = state.live.iter().filter_map(|(path, node)| match node {
-            Node::File(number) if path.starts_with(folder) => {
-                Some((path.clone(), state.contents[*number].live.clone()))
-            }
-            _ => None,
-        });
-        files.collect()
+        let files = state.files().filter(|(path, _)| path.starts_with(folder));
+        files.map(|(path, content)| (path.clone(), content.live.clone())).collect()
     }
 
     /// Steps taken so far.
     pub fn steps(&self) -> u64 {
         self.state().steps
+    }
+
+    /// How often a file was read.
+    pub fn reads(&self) -> usize {
+        self.state().reads
     }
 
     /// Has something fail `steps` steps from now.
@@ -165,14 +175,10 @@ impl Memory {
     /// The files that hold something else than was written to them.
     pub fn damaged(&self) -> Vec<PathBuf> {
         let state = self.state();
-        let files = state.live.iter().filter_map(|(path, node)| match node {
-            Node::File(number) => {
-                let Content { live, meant, .. } = &state.contents[*number];
-                meant.as_ref().filter(|meant| *meant != live).map(|_| path.clone())
-            }
-            Node::Folder => None,
-        });
-        files.collect()
+        let is_damaged =
+            |content: &Content| content.meant.as_ref().is_some_and(|meant| *meant != content.live);
+        let files = state.files().filter(|(_, content)| is_damaged(content));
+        files.map(|(path, _)| path.clone()).collect()
     }
 
     /// What was written to a file, whatever it now holds.
@@ -215,6 +221,14 @@ impl State {
                 Ok(())
             }
         }
+    }
+
+    /// Every file, with its content.
+    fn files(&self) -> impl Iterator<Item = (&PathBuf, &Content)> {
+        self.live.iter().filter_map(|(path, node)| match node {
+            Node::File(number) => Some((path, &self.contents[*number])),
+            Node::Folder => None,
+        })
     }
 
     /// Whether anything can be looked at: not by a process that has ended.
@@ -385,10 +399,7 @@ fn ended() -> io::Error {
 
 impl Files for Memory {
     fn kind(&self, path: &Path) -> Option<Entry> {
-        Some(match self.state().live.get(path)? {
-            Node::Folder => Entry::Folder,
-            Node::File(_) => Entry::File,
-        })
+        self.state().live.get(path).map(Node::entry)
     }
 
     fn list(&self, folder: &Path) -> io::Result<Vec<(PathBuf, Entry)>> {
@@ -400,15 +411,12 @@ impl Files for Memory {
         let inside =
             state.live.range(folder.to_owned()..).take_while(|(path, _)| path.starts_with(folder));
         let inside = inside.filter(|(path, _)| path.parent() == Some(folder));
-        let entries = inside.map(|(path, node)| match node {
-            Node::Folder => (path.clone(), Entry::Folder),
-            Node::File(_) => (path.clone(), Entry::File),
-        });
-        Ok(entries.collect())
+        Ok(inside.map(|(path, node)| (path.clone(), node.entry())).collect())
     }
 
     fn read(&self, path: &Path, most: u64) -> io::Result<Vec<u8>> {
-        let state = self.state();
+        let mut state = self.state();
+        state.reads += 1;
         let bytes = &state.contents[state.file(path)?].live;
         if bytes.len() as u64 > most {
             return Err(io::Error::from(ErrorKind::FileTooLarge));

@@ -52,11 +52,10 @@ pub fn read_port(layout: &Layout) -> Result<Option<String>, StoreError> {
         Err(e) => return Err(StoreError::io(&path, "read the port", &e)),
     };
     if !is_of_this_user_alone(&file).map_err(|e| StoreError::io(&path, "read the port", &e))? {
-        return Err(StoreError::new(
-            &path,
-            "belongs to another user, or others can read or write it, so it may lead to a program of theirs",
-            "remove it, and start the session and the participant's screen as the same user",
-        ));
+        let what = "belongs to another user, or others can read or write it, so it may lead to a program of theirs";
+        let remedy =
+            "remove it, and start the session and the participant's screen as the same user";
+        return Err(StoreError::new(&path, what, remedy));
     }
     let mut text = Vec::new();
     file.take(MOST_TEXT)

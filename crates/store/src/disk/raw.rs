@@ -22,11 +22,7 @@ enum May {
 /// The right to write below `raw/<study>`.
 pub struct Raw<'a> {
     files: &'a dyn Files,
-    root: PathBuf,
-    raw: PathBuf,
-    journals: PathBuf,
-    /// The list of a change of several files, which goes when that is made.
-    list: PathBuf,
+    layout: Layout,
     vault: Option<PathBuf>,
     may: May,
     /// The file that was given its name last: it is taken away again where its name cannot be
@@ -36,11 +32,7 @@ pub struct Raw<'a> {
 
 impl<'a> Raw<'a> {
     fn of(files: &'a dyn Files, layout: &Layout, may: May) -> Self {
-        let root = layout.root().to_owned();
-        let raw = layout.raw();
-        let journals = layout.journals();
-        let list = layout.unfinished();
-        Self { files, root, raw, journals, list, vault: None, may, newest: Mutex::new(None) }
+        Self { files, layout: layout.clone(), vault: None, may, newest: Mutex::new(None) }
     }
 
     /// For a new study: nobody can hold its lock yet.
@@ -70,7 +62,8 @@ impl<'a> Raw<'a> {
     fn layer_for(&self, path: &Path) -> io::Result<&'a dyn Files> {
         let vault = self.vault.as_deref().filter(|vault| path.starts_with(vault));
         // From the root on: raw/ and the study's folder may be links too.
-        let top = if path.starts_with(&self.raw) { Some(self.root.as_path()) } else { vault };
+        let is_raw = path.starts_with(self.layout.raw());
+        let top = if is_raw { Some(self.layout.root()) } else { vault };
         // Nothing below `top` may lead up again. `top` itself is the user's to spell: `../data`.
         let top = top
             .filter(|top| {
@@ -90,7 +83,7 @@ impl<'a> Raw<'a> {
     /// The same for a folder that is created: those above raw/ and the vault have to be made as
     /// well, and nothing is recorded in them.
     fn layer_for_folder(&self, path: &Path) -> io::Result<&'a dyn Files> {
-        let is_above = self.raw.starts_with(path)
+        let is_above = self.layout.raw().starts_with(path)
             || self.vault.as_deref().is_some_and(|vault| vault.starts_with(path));
         if is_above { Ok(self.files) } else { self.layer_for(path) }
     }
@@ -101,7 +94,7 @@ impl<'a> Raw<'a> {
         let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
         let session = name.strip_suffix(".study.toml").filter(|session| !session.is_empty());
         let record = session.map(|session| path.with_file_name(format!("{session}.json")));
-        let in_sessions = path.parent() == Some(self.raw.join("sessions").as_path());
+        let in_sessions = path.parent() == Some(self.layout.sessions().as_path());
         in_sessions && record.is_some_and(|record| self.files.kind(&record).is_none())
     }
 
@@ -190,14 +183,15 @@ impl Files for Raw<'_> {
 
     fn remove(&self, path: &Path) -> io::Result<()> {
         let own = is_unfinished(path)
-            || path.starts_with(&self.journals)
-            || path == self.list
+            || path.starts_with(self.layout.journals())
+            // The list of a change of several files goes when that is made.
+            || path == self.layout.unfinished()
             || self.newest().as_deref() == Some(path);
         self.layer_for_removal(path, own)?.remove(path)
     }
 
     fn remove_folder(&self, path: &Path) -> io::Result<()> {
-        self.layer_for_removal(path, path == self.journals)?.remove_folder(path)
+        self.layer_for_removal(path, path == self.layout.journals())?.remove_folder(path)
     }
 }
 

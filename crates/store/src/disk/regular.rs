@@ -89,7 +89,7 @@ pub(crate) fn as_text(path: &Path, bytes: Vec<u8>) -> Result<String, StoreError>
 
 /// Opens a regular file with `options`, which must not create or truncate it: what stands there is
 /// looked at first.
-pub(crate) fn open_as(options: &mut OpenOptions, path: &Path) -> io::Result<File> {
+fn open_as(options: &mut OpenOptions, path: &Path) -> io::Result<File> {
     refuse(path, &path.symlink_metadata()?)?;
     #[cfg(unix)]
     {
@@ -101,6 +101,14 @@ pub(crate) fn open_as(options: &mut OpenOptions, path: &Path) -> io::Result<File
     // What was opened may be another than what was looked at.
     refuse(path, &file.metadata()?)?;
     Ok(file)
+}
+
+/// The same, and creates the file if there is none.
+pub(crate) fn open_or_create(options: &mut OpenOptions, path: &Path) -> io::Result<File> {
+    match options.clone().create_new(true).open(path) {
+        Err(e) if e.kind() == io::ErrorKind::AlreadyExists => open_as(options, path),
+        created => created,
+    }
 }
 
 /// Refuses anything but a regular file.

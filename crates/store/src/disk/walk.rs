@@ -1,7 +1,7 @@
 //! What is below a folder of the data: files, and things that zwidth did not make.
 
 use crate::disk::atomic::is_unfinished;
-use crate::{Entry, Files, Layout, StoreError};
+use crate::{Entry, Files, StoreError};
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -42,18 +42,14 @@ pub(crate) fn below(files: &dyn Files, folder: &Path) -> Result<Below, StoreErro
 
 /// The finding that something is neither file nor folder.
 pub(crate) fn strange(path: &Path, kind: Entry) -> StoreError {
-    match kind {
-        Entry::Link => StoreError::new(
-            path,
+    let (what, remedy) = match kind {
+        Entry::Link => (
             "it is a link, which is not followed",
             "put the file or folder itself here; if the data lie on another disk, name it with --root",
         ),
-        _ => StoreError::new(
-            path,
-            "it is a pipe, socket or device",
-            "move it elsewhere; only files belong here",
-        ),
-    }
+        _ => ("it is a pipe, socket or device", "move it elsewhere; only files belong here"),
+    };
+    StoreError::new(path, what, remedy)
 }
 
 /// Whether a name is hidden: an unfinished write, or the lock.
@@ -77,11 +73,6 @@ pub(crate) fn parquet_below(files: &dyn Files, folder: &Path) -> Result<Vec<Path
     let mut paths = files_below(files, folder)?;
     paths.retain(|path| path.extension().is_some_and(|e| e == "parquet"));
     Ok(paths)
-}
-
-/// The left-overs of unfinished writes below `raw/<study>`, at any depth.
-pub(crate) fn unfinished(files: &dyn Files, layout: &Layout) -> Vec<PathBuf> {
-    unfinished_below(files, &layout.raw())
 }
 
 /// The left-overs of unfinished writes below a folder, at any depth; linked folders are not

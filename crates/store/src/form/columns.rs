@@ -86,11 +86,8 @@ impl Columns for Samples {
     }
 
     fn ragged(&self) -> Option<(String, usize)> {
-        let signals = Signal::all().filter_map(|s| Some((s.name(), self.get(s)?)));
-        let all = signals.chain(self.channels().map(|(id, values)| (id.as_str(), values)));
-        let mut lengths = all.map(|(name, values)| (name, values.len()));
-        let other = lengths.find(|(_, length)| *length != self.rows())?;
-        Some((other.0.to_owned(), other.1))
+        let (name, _, values) = self.named().find(|(.., values)| values.len() != self.rows())?;
+        Some((name.to_owned(), values.len()))
     }
 }
 

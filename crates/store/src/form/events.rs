@@ -3,7 +3,7 @@
 
 use crate::disk::atomic::{create_folders, folder_of};
 use crate::disk::regular::{as_text, text};
-use crate::form::head::{head_bytes, head_of, standing, write_head};
+use crate::form::head::{check_head, head_bytes, head_of, write_head};
 use crate::form::json::from_json;
 use crate::{Append, Files, RealFiles, StoreError, hex_blake3};
 use serde::{Deserialize, Serialize};
@@ -76,8 +76,8 @@ pub fn append_events<'a>(
     events: &[Event],
 ) -> Result<(), StoreError> {
     let lines = NewLines::of(files, path, entered.into(), events)?;
-    lines.append(files)?;
-    lines.count(files);
+    write_lines(files, path, &lines.text)?;
+    count_lines(files, path, &lines.digests);
     Ok(())
 }
 
@@ -92,7 +92,7 @@ pub(crate) struct NewLines<'a> {
     /// Lines of the log before.
     pub(crate) lines_before: usize,
     /// The digests of all lines, the new ones included.
-    digests: Vec<String>,
+    pub(crate) digests: Vec<String>,
 }
 
 impl<'a> NewLines<'a> {
@@ -106,23 +106,10 @@ impl<'a> NewLines<'a> {
     ) -> Result<Self, StoreError> {
         let before = finished_text(files, path)?;
         let mut digests = digests_of(path, &before)?;
-        standing(files, path, &digests)?;
+        check_head(files, path, &digests)?;
         let lines_before = digests.len();
         let text = chained(path, &mut digests, entered, events)?;
         Ok(Self { path, text, bytes_before: before.len() as u64, lines_before, digests })
-    }
-
-    /// Adds the lines; the log is given open, so that they can be taken back.
-    ///
-    /// # Errors
-    /// Those of [`write_lines`].
-    pub(crate) fn append(&self, files: &dyn Files) -> Result<Box<dyn Append>, StoreError> {
-        write_lines(files, self.path, &self.text)
-    }
-
-    /// Counts the lines, as [`count_lines`] does.
-    pub(crate) fn count(&self, files: &dyn Files) {
-        count_lines(files, self.path, &self.digests);
     }
 }
 
@@ -164,19 +151,15 @@ pub(crate) fn chained(
     let mut text = String::new();
     for event in events {
         let previous = digests.last().map(String::as_str).unwrap_or_default();
-        let blake3 = digest(previous, entered, event).map_err(|e| unwritable(path, &e))?;
+        let blake3 = digest(previous, entered, event).map_err(|e| StoreError::defect(path, &e))?;
         let utc = entered.utc.to_owned();
         let by = entered.by.cloned();
         let line = Line { utc, by, event: event.clone(), blake3: blake3.clone() };
-        text += &serde_json::to_string(&line).map_err(|e| unwritable(path, &e))?;
+        text += &serde_json::to_string(&line).map_err(|e| StoreError::defect(path, &e))?;
         text.push('\n');
         digests.push(blake3);
     }
     Ok(text)
-}
-
-fn unwritable(path: &Path, error: &serde_json::Error) -> StoreError {
-    StoreError::new(path, error.to_string(), "this is a defect of zwidth, please report it")
 }
 
 /// A new log of these events and its head, as files to write in this order.
@@ -194,27 +177,19 @@ pub fn new_log(
     Ok(std::iter::once((path.to_owned(), text.into_bytes())).chain(head).collect())
 }
 
-/// The lines of a log to which more can be appended. A missing log has no lines.
+/// The text of a log to which lines can be appended. A missing log has none.
 ///
 /// # Errors
-/// A line in doubt, or a last one that is not finished.
-pub(crate) fn finished_lines(files: &dyn Files, path: &Path) -> Result<Vec<Line>, StoreError> {
-    lines_of(path, &finished_text(files, path)?)
-}
-
-/// The text of a log that ends with a whole line. A missing log has none.
+/// A last line that is not finished.
 pub(crate) fn finished_text(files: &dyn Files, path: &Path) -> Result<String, StoreError> {
     if files.kind(path).is_none() {
         return Ok(String::new());
     }
     let text = text(files, path, MOST_LOG)?;
     if !text.is_empty() && !text.ends_with('\n') {
+        let what = "the last line is not finished: it has no line feed";
         let remedy = "run `zwidth recover`, which brings the end of the log in order";
-        return Err(StoreError::new(
-            path,
-            "the last line is not finished: it has no line feed",
-            remedy,
-        ));
+        return Err(StoreError::new(path, what, remedy));
     }
     Ok(text)
 }
@@ -252,7 +227,7 @@ pub(crate) fn read_events_to(
     let lines = lines_of(path, &text)?;
     let (digests, events): (Vec<_>, Vec<_>) =
         lines.into_iter().map(|l| (l.blake3, l.event)).unzip();
-    standing(files, path, &digests)?;
+    check_head(files, path, &digests)?;
     Ok(events)
 }
 
@@ -284,36 +259,34 @@ fn unreadable(path: &Path, row: usize, what: String) -> StoreError {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Done;
-    use crate::keep::mend_log::mend_head;
-    use crate::keep::mend_log::mend_log;
-    use crate::{Fault, Memory, Survives};
+    use crate::keep::mend_log::{mend_head, mend_log};
+    use crate::{Done, Fault, Memory, Survives};
     use std::fs;
 
     const UTC: &str = "2026-01-01T00:00:00Z";
 
-    fn log(folder: &Path) -> std::path::PathBuf {
-        let path = folder.join("P01_S01.events.jsonl");
+    fn log() -> (tempfile::TempDir, PathBuf) {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("P01_S01.events.jsonl");
         let excluded = Event::Excluded { trial: 2, reason: "the phone rang".into() };
         append_events(&RealFiles, &path, UTC, &[Event::Superseded { trial: 1, by: 7 }, excluded])
             .unwrap();
         let note = Event::Note { trial: None, text: "the end".into() };
         append_events(&RealFiles, &path, UTC, &[note]).unwrap();
-        path
+        (folder, path)
     }
 
     #[test]
     fn events_come_back_in_order() {
-        let folder = tempfile::tempdir().unwrap();
-        let events = read_events(&log(folder.path())).unwrap();
+        let (_folder, path) = log();
+        let events = read_events(&path).unwrap();
         assert_eq!(events.len(), 3);
         assert!(matches!(events[2], Event::Note { .. }));
     }
 
     #[test]
     fn who_had_a_line_written_is_part_of_what_its_checksum_keeps() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = log(folder.path());
+        let (_folder, path) = log();
         let by = ExperimenterId::new("E1").unwrap();
         let entered = Entered { utc: UTC, by: Some(&by) };
         let answer = Event::Note { trial: Some(1), text: "once more".into() };
@@ -330,8 +303,7 @@ mod tests {
     /// The time of a line is kept as it was written, and nothing is computed with it.
     #[test]
     fn a_line_of_any_time_is_read() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = log(folder.path());
+        let (_folder, path) = log();
         let note = Event::Note { trial: None, text: "a moment".into() };
         let times = [
             "0001-01-01T00:00:00Z",
@@ -351,8 +323,7 @@ mod tests {
 
     #[test]
     fn a_changed_a_missing_and_a_cut_line_are_noticed() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = log(folder.path());
+        let (_folder, path) = log();
         let text = fs::read_to_string(&path).unwrap();
         let second_missing =
             text.lines().enumerate().filter(|(i, _)| *i != 1).map(|(_, l)| l).collect::<Vec<_>>();
@@ -368,8 +339,7 @@ mod tests {
 
     #[test]
     fn nothing_is_appended_to_a_line_without_its_end() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = log(folder.path());
+        let (_folder, path) = log();
         let text = fs::read_to_string(&path).unwrap();
         fs::write(&path, text.trim_end()).unwrap();
         let error = append_events(&RealFiles, &path, UTC, &[]).unwrap_err();
@@ -381,8 +351,7 @@ mod tests {
     #[test]
     fn a_log_that_lost_whole_lines_or_is_gone_or_another_is_noticed_and_nothing_is_appended_to_it()
     {
-        let folder = tempfile::tempdir().unwrap();
-        let path = log(folder.path());
+        let (folder, path) = log();
         let text = fs::read_to_string(&path).unwrap();
         let lines: Vec<&str> = text.split_inclusive('\n').collect();
         let other = folder.path().join("other/P01_S01.events.jsonl");
@@ -407,16 +376,15 @@ mod tests {
 
     #[test]
     fn a_head_that_a_kill_left_behind_is_no_finding_and_is_brought_in_order() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = log(folder.path());
-        let head = fs::read(crate::form::head::head_of(&path)).unwrap();
+        let (_folder, path) = log();
+        let head = fs::read(head_of(&path)).unwrap();
         append_events(&RealFiles, &path, UTC, &[Event::Note { trial: None, text: "more".into() }])
             .unwrap();
-        let newer = fs::read(crate::form::head::head_of(&path)).unwrap();
-        fs::write(crate::form::head::head_of(&path), &head).unwrap();
+        let newer = fs::read(head_of(&path)).unwrap();
+        fs::write(head_of(&path), &head).unwrap();
         assert_eq!(read_events(&path).unwrap().len(), 4);
         assert_eq!(mend_head(&RealFiles, &path), Ok(true));
-        assert_eq!(fs::read(crate::form::head::head_of(&path)).unwrap(), newer);
+        assert_eq!(fs::read(head_of(&path)).unwrap(), newer);
         assert_eq!(mend_head(&RealFiles, &path), Ok(false));
     }
 

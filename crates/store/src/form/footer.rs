@@ -1,16 +1,17 @@
 //! The footer of a trial's file, read strictly.
 
 use crate::disk::regular::open_end;
+use crate::disk::stamp::Stamp;
 use crate::form::json::from_json;
 use crate::form::opened::{DAMAGED, ParquetFile, opened_before, version};
-use crate::form::seen::{Begun, Seen, Signals};
+use crate::form::seen::{Seen, Signals};
 use crate::form::write::{CHANNELS, DIGEST, FOOTER_DIGEST, VERSION};
 use crate::{Files, MOST_RECORDING, RealFiles, Signal, StoreError, TrialFile};
 use std::collections::BTreeMap;
 use std::path::Path;
+use std::str::FromStr;
 use zwidth_study::{
-    AnswerScale, Channel, Kind, MOST_CHANNELS, ParticipantId, SessionId, Source, Status, TrialForm,
-    TrialMeta,
+    AnswerScale, Channel, IdError, Kind, MOST_CHANNELS, Source, Status, TrialForm, TrialMeta,
 };
 
 /// What a trial file says about itself, without its samples.
@@ -51,7 +52,7 @@ pub(crate) fn read_footer_seen(seen: &Seen, path: &Path) -> Result<TrialFooter, 
         let (footer, rows) = opened_before(path, &content)?;
         return footer_of(path, &footer, rows, blake3);
     }
-    let begun = Begun::now(path);
+    let begun = Stamp::settled(path);
     let footer = read_footer(path)?;
     seen.read(path, begun, &footer.blake3);
     Ok(footer)
@@ -67,7 +68,7 @@ fn footer_of(
     let recorded = recorded(footer);
     let signals = Signal::all().filter(|signal| recorded.has(Signals::of(&[*signal]))).collect();
     let meta = meta_from(path, footer, &form)?;
-    let file = rest_of(footer);
+    let file = rest_of(footer, &OF_TRIAL);
     Ok(TrialFooter { meta, file, form, signals, rows, blake3 })
 }
 
@@ -120,13 +121,8 @@ pub(crate) fn meta_from(
         text.parse().map_err(|_| bad_value(path, key, text))
     });
     Ok(TrialMeta {
-        participant: from_path(path, "participant").and_then(|t| {
-            ParticipantId::new(t)
-                .map_err(|e| StoreError::new(path, e.to_string(), "rename the folder"))
-        })?,
-        session: from_path(path, "session").and_then(|t| {
-            SessionId::new(t).map_err(|e| StoreError::new(path, e.to_string(), "rename the folder"))
-        })?,
+        participant: from_path(path, "participant")?,
+        session: from_path(path, "session")?,
         trial: trial?,
         repeat: repeat?,
         kind: Kind::from_word(kind).ok_or_else(|| bad_value(path, "kind", kind))?,
@@ -167,32 +163,33 @@ fn bad_value(path: &Path, key: &str, value: &str) -> StoreError {
 }
 
 /// The keys of a footer that hold the trial's metadata.
-const OF_TRIAL: [&str; 8] =
-    ["trial", "repeat", "kind", "status", "environment", "mode", "likert", "source"];
+pub(crate) const OF_TRIAL: [&str; 9] =
+    ["trial", "repeat", "kind", "status", "environment", "mode", "likert", "source", CHANNELS];
 
-/// The other entries of a footer.
-pub(crate) fn rest_of(footer: &BTreeMap<String, String>) -> TrialFile {
+/// The entries of a footer besides those of every file, and `own` ones.
+pub(crate) fn rest_of(footer: &BTreeMap<String, String>, own: &[&str]) -> TrialFile {
     let rest = footer.iter().filter(|(key, _)| {
         let key = key.as_str();
         !key.starts_with(DIGEST)
-            && ![VERSION, FOOTER_DIGEST, CHANNELS, "units"].contains(&key)
-            && !OF_TRIAL.contains(&key)
+            && ![VERSION, FOOTER_DIGEST, "units"].contains(&key)
+            && !own.contains(&key)
     });
     rest.map(|(key, value)| (key.clone(), value.clone())).collect()
 }
 
-/// The value of a Hive partition folder (`key=value`) in a path.
-pub(crate) fn from_path(path: &Path, key: &str) -> Result<String, StoreError> {
+/// The id in a Hive partition folder (`key=value`) of a path.
+pub(crate) fn from_path<T: FromStr<Err = IdError>>(
+    path: &Path,
+    key: &str,
+) -> Result<T, StoreError> {
     let prefix = format!("{key}=");
-    path.iter()
-        .filter_map(|part| part.to_str())
-        // The innermost counts: the data may themselves lie below such a folder.
-        .rev()
-        .find_map(|part| part.strip_prefix(&prefix).map(str::to_owned))
-        .ok_or_else(|| {
-            let what = format!("the path has no folder '{key}=…'");
-            StoreError::new(path, what, "move the file to where the layout wants it")
-        })
+    // The innermost counts: the data may themselves lie below such a folder.
+    let mut parts = path.iter().rev().filter_map(|part| part.to_str());
+    let id = parts.find_map(|part| part.strip_prefix(&prefix)).ok_or_else(|| {
+        let what = format!("the path has no folder '{key}=…'");
+        StoreError::new(path, what, "move the file to where the layout wants it")
+    })?;
+    id.parse().map_err(|e: IdError| StoreError::new(path, e.to_string(), "rename the folder"))
 }
 
 #[cfg(test)]
@@ -206,8 +203,7 @@ mod tests {
     /// Nothing of a file that was hashed before is read but its end.
     #[test]
     fn a_footer_that_was_read_before_says_the_same_without_the_columns_being_looked_at() {
-        let folder = tempfile::tempdir().unwrap();
-        let (_, path) = written(folder.path());
+        let (_folder, _, path) = written();
         let footer = read_footer(&path).unwrap();
         let bytes = std::fs::read(&path).unwrap();
         let changed = said_to_be(&bytes, CompressionCodec::BROTLI);

@@ -526,10 +526,7 @@ mod tests {
         let missing = [&bytes[..ends[1]], &bytes[ends[2]..]].concat();
         let decoded = decode(&missing);
         assert_eq!(decoded.frames, [&frames()[..1], &frames()[3..]].concat());
-        assert_eq!(
-            decoded.damaged,
-            ends[3] - ends[2],
-            "what followed the missing one has no digest before it"
-        );
+        // What followed the missing one has no digest before it.
+        assert_eq!(decoded.damaged, ends[3] - ends[2]);
     }
 }

@@ -23,15 +23,6 @@ pub(crate) struct Head {
     pub(crate) blake3: String,
 }
 
-/// Whether a log's head is up to date.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) enum Standing {
-    /// The head counts every line.
-    Even,
-    /// There is no head, or it counts fewer lines: the head is to be written anew.
-    Behind,
-}
-
 /// Where the head of a log lies.
 pub(crate) fn head_of(log: &Path) -> PathBuf {
     log.with_extension("head")
@@ -49,14 +40,8 @@ pub(crate) fn write_head(
 /// The bytes of the head of a log with these digests of its lines; an empty log has no head.
 pub(crate) fn head_bytes(log: &Path, digests: &[String]) -> Result<Option<Vec<u8>>, StoreError> {
     let Some(blake3) = digests.last().cloned() else { return Ok(None) };
-    let text = serde_json::to_string(&Head { lines: digests.len(), blake3 });
-    let text = text.map_err(|e| {
-        StoreError::new(
-            &head_of(log),
-            e.to_string(),
-            "this is a defect of zwidth, please report it",
-        )
-    })?;
+    let text = serde_json::to_string(&Head { lines: digests.len(), blake3 })
+        .map_err(|e| StoreError::defect(&head_of(log), &e))?;
     Ok(Some((text + "\n").into_bytes()))
 }
 
@@ -66,18 +51,19 @@ pub(crate) fn counted(files: &dyn Files, log: &Path) -> Option<usize> {
     Some(head.lines)
 }
 
-/// Holds a log, by the digests of its lines, against its head.
+/// Holds a log, by the digests of its lines, against its head. Whether the head is to be written
+/// anew: there is none, or it counts fewer lines.
 ///
 /// # Errors
 /// Lines that are gone, or another log than the head's; a head that cannot be read.
-pub(crate) fn standing(
+pub(crate) fn check_head(
     files: &dyn Files,
     log: &Path,
     digests: &[String],
-) -> Result<Standing, StoreError> {
+) -> Result<bool, StoreError> {
     let path = head_of(log);
     if files.kind(&path).is_none() {
-        return Ok(Standing::Behind);
+        return Ok(true);
     }
     let text = text(files, &path, MOST_HEAD)?;
     let remedy = "restore the log and its head from a copy";
@@ -95,5 +81,5 @@ pub(crate) fn standing(
         let what = "the log is not the one that its head belongs to: a line was changed, or the log was replaced";
         return Err(StoreError::new(log, what, remedy));
     }
-    Ok(if lines == head.lines { Standing::Even } else { Standing::Behind })
+    Ok(lines > head.lines)
 }

@@ -69,11 +69,8 @@ pub(crate) fn read_journal(files: &dyn Files, path: &Path) -> Result<Journaled, 
     }
     if !is_journal && read.header.is_none() {
         let what = "not a journal of this version";
-        return Err(StoreError::new(
-            path,
-            what,
-            "use the zwidth that wrote it, or move the file elsewhere",
-        ));
+        let remedy = "use the zwidth that wrote it, or move the file elsewhere";
+        return Err(StoreError::new(path, what, remedy));
     }
     Ok(read)
 }

@@ -120,24 +120,14 @@ mod tests {
 
     #[test]
     fn a_key_that_stands_twice_is_refused_at_any_depth_and_said_with_its_place() {
-        assert_eq!(
-            refused(r#"{"a": 1, "a": 1}"#),
-            r#"the key "a" stands twice at line 1 column 12"#
-        );
-        assert!(
-            refused("{\"a\": [{\"b\": {}},\n{\"c\": 1, \"d\": 2, \"c\": 3}]}")
-                .contains("\"c\" stands twice")
-        );
-        assert!(
-            refused(r#"{"a": 1, "\u0061": 2}"#).contains("\"a\" stands twice"),
-            "however it is written"
-        );
-        assert_eq!(
-            from_json::<Map>(r#"{"a": {"a": [1, -2.5, null, true, "x"]}, "b": {"a": 1}}"#)
-                .unwrap()
-                .len(),
-            2
-        );
+        let twice = refused(r#"{"a": 1, "a": 1}"#);
+        assert_eq!(twice, r#"the key "a" stands twice at line 1 column 12"#);
+        let deep = refused("{\"a\": [{\"b\": {}},\n{\"c\": 1, \"d\": 2, \"c\": 3}]}");
+        assert!(deep.contains("\"c\" stands twice"), "{deep}");
+        let escaped = refused(r#"{"a": 1, "\u0061": 2}"#);
+        assert!(escaped.contains("\"a\" stands twice"), "however it is written: {escaped}");
+        let apart = r#"{"a": {"a": [1, -2.5, null, true, "x"]}, "b": {"a": 1}}"#;
+        assert_eq!(from_json::<Map>(apart).unwrap().len(), 2);
     }
 
     #[test]

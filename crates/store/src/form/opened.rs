@@ -70,7 +70,7 @@ impl ParquetFile {
 
     fn of(path: &Path, content: io::Result<Content>) -> Result<Self, StoreError> {
         let content = content.map_err(|e| StoreError::io(path, "read", &e))?;
-        let Claimed { footer, schema, .. } = read_claims(path, &content)?;
+        let FooterClaims { entries: footer, schema, .. } = read_claims(path, &content)?;
         let metadata = guarded(path, DAMAGED, || parse_metadata(&content, &schema))?;
         check_size(path, &metadata, DAMAGED)?;
         let rows = usize::try_from(metadata.file_metadata().num_rows()).unwrap_or(0);
@@ -223,7 +223,7 @@ pub(crate) fn opened_before(
     path: &Path,
     content: &Content,
 ) -> Result<(BTreeMap<String, String>, usize), StoreError> {
-    let Claimed { footer, rows, .. } = read_claims(path, content)?;
+    let FooterClaims { entries: footer, rows, .. } = read_claims(path, content)?;
     version(path, &footer)?;
     check_digest(path, &footer)?;
     check_rows(path, rows)?;
@@ -234,23 +234,14 @@ fn check_rows(path: &Path, rows: usize) -> Result<(), StoreError> {
     if rows > 0 { Ok(()) } else { Err(StoreError::new(path, "the file has 0 rows", DAMAGED)) }
 }
 
-/// The contents of a file's footer.
-struct Claimed {
-    footer: BTreeMap<String, String>,
-    rows: usize,
-    /// The bytes that are its schema.
-    schema: Bytes,
-}
-
-fn read_claims(path: &Path, content: &Content) -> Result<Claimed, StoreError> {
+fn read_claims(path: &Path, content: &Content) -> Result<FooterClaims, StoreError> {
     if content.length() == 0 {
         return Err(StoreError::new(path, "the file is empty", DAMAGED));
     }
-    let claims = check_footer_in(content).map_err(|why| claim_error(path, why))?;
-    let FooterClaims { schema, rows, entries: mut footer } = claims;
+    let mut claims = check_footer_in(content).map_err(|why| claim_error(path, why))?;
     // The writer of Arrow adds it by itself; our digest is without it.
-    footer.remove(ARROW_SCHEMA_META_KEY);
-    Ok(Claimed { footer, rows: usize::try_from(rows).unwrap_or(0), schema })
+    claims.entries.remove(ARROW_SCHEMA_META_KEY);
+    Ok(claims)
 }
 
 fn check_digest(path: &Path, footer: &BTreeMap<String, String>) -> Result<(), StoreError> {

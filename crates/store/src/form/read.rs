@@ -2,7 +2,7 @@
 
 use crate::form::bounds::MOST_VALUES;
 use crate::form::columns::{Columns, Values};
-use crate::form::footer::{form_of, meta_from, recorded, rest_of};
+use crate::form::footer::{OF_TRIAL, form_of, meta_from, recorded, rest_of};
 use crate::form::opened::{ParquetFile, table_error};
 use crate::form::seen::Signals;
 use crate::form::trial::{check_column, check_time};
@@ -46,12 +46,14 @@ pub fn read_trial_and_channels(
     signals: impl IntoIterator<Item = Signal>,
     wanted: &[ChannelId],
 ) -> Result<Trial, StoreError> {
-    read_some(&RealFiles, path, with_time(signals), &|channel| wanted.contains(&channel.id))
+    let open = OpenColumns::open(&RealFiles, path)?;
+    open.read(&with_time(signals), &|channel| wanted.contains(&channel.id))
 }
 
 /// Reads a trial with all that its file has.
 pub(crate) fn read_whole_trial(files: &dyn Files, path: &Path) -> Result<Trial, StoreError> {
-    read_some(files, path, Signal::all().collect(), &|_| true)
+    let all: Vec<Signal> = Signal::all().collect();
+    OpenColumns::open(files, path)?.read(&all, &|_| true)
 }
 
 /// [`read_trial`] from any disk.
@@ -63,7 +65,7 @@ pub fn read_trial_from(
     path: &Path,
     signals: impl IntoIterator<Item = Signal>,
 ) -> Result<Trial, StoreError> {
-    read_some(files, path, with_time(signals), &|_| false)
+    OpenColumns::open(files, path)?.read(&with_time(signals), &|_| false)
 }
 
 /// These signals and time, each once and in order.
@@ -72,15 +74,6 @@ pub(crate) fn with_time(signals: impl IntoIterator<Item = Signal>) -> Vec<Signal
     wanted.sort();
     wanted.dedup();
     wanted
-}
-
-fn read_some(
-    files: &dyn Files,
-    path: &Path,
-    wanted: Vec<Signal>,
-    is_wanted: &dyn Fn(&Channel) -> bool,
-) -> Result<Trial, StoreError> {
-    OpenColumns::open(files, path)?.read(&wanted, is_wanted)
 }
 
 /// A trial's file, opened: its columns are read one by one.
@@ -120,7 +113,7 @@ impl OpenColumns {
     /// The trial's metadata and the file's other entries.
     pub(crate) fn meta_and_file(&self) -> Result<(TrialMeta, TrialFile), StoreError> {
         let meta = meta_from(&self.file.path, &self.file.footer, &self.form)?;
-        Ok((meta, rest_of(&self.file.footer)))
+        Ok((meta, rest_of(&self.file.footer, &OF_TRIAL)))
     }
 
     /// A trial in memory with these signals, and the channels that are wanted.
@@ -335,12 +328,7 @@ pub fn read_entries(path: &Path) -> Result<(BTreeMap<String, String>, usize), St
 
 /// Checks a column's presence, type and unit.
 pub(crate) fn check_field(path: &Path, columns: &SchemaRef, c: &Column) -> Result<(), StoreError> {
-    let expected = match c.storage {
-        Storage::F64 => DataType::Float64,
-        Storage::F32 => DataType::Float32,
-        Storage::U16 => DataType::UInt16,
-    };
-    check_described(path, columns, c.name, &expected, c.unit)
+    check_described(path, columns, c.name, &c.storage.data_type(), c.unit)
 }
 
 /// Checks that `schema` has a column of this name, with this type and unit.
@@ -371,12 +359,13 @@ pub(crate) fn check_described(
 pub(crate) mod tests {
     use super::*;
     use crate::form::write::FOOTER_DIGEST;
+    use crate::tests::crashes::meta;
     use crate::{RealFiles, trial_bytes, write_new};
     use parquet::file::metadata::{
         FileMetaData, KeyValue, ParquetMetaData, ParquetMetaDataReader, ParquetMetaDataWriter,
     };
     use std::path::PathBuf;
-    use zwidth_study::{Kind, ParticipantId, SessionId, Source, Status};
+    use zwidth_study::Source;
 
     /// That of a study with one question.
     pub(crate) fn form() -> TrialForm {
@@ -390,27 +379,18 @@ pub(crate) mod tests {
         samples.set(Signal::StateBits, t.iter().map(|t| f64::from(u8::from(*t > 1.0))).collect());
         samples.set(Signal::VoltageMotor, t.iter().map(|t| t * 0.1).collect());
         samples.set(Signal::Time, t);
-        let meta = TrialMeta {
-            participant: ParticipantId::new("P01").unwrap(),
-            session: SessionId::new("S01").unwrap(),
-            trial: 17,
-            repeat: 3,
-            kind: Kind::Trial,
-            status: Status::Complete,
-            environment: "spring".parse().unwrap(),
-            mode: "hybrid".parse().unwrap(),
-            likert: Some(4),
-            source: Source::Twin,
-        };
+        let meta = TrialMeta { repeat: 3, likert: Some(4), source: Source::Twin, ..meta(17) };
         let file = [("seed".to_owned(), "1".to_owned())].into();
         Trial { meta, file, samples }
     }
 
-    pub(crate) fn written(folder: &Path) -> (Trial, PathBuf) {
+    /// A trial and its file, which goes with its folder.
+    pub(crate) fn written() -> (tempfile::TempDir, Trial, PathBuf) {
+        let folder = tempfile::tempdir().unwrap();
         let trial = sample_trial();
-        let path = folder.join("participant=P01/session=S01/trial-017.parquet");
+        let path = folder.path().join("participant=P01/session=S01/trial-017.parquet");
         write_new(&RealFiles, &path, &trial_bytes(&trial, &form(), &path).unwrap()).unwrap();
-        (trial, path)
+        (folder, trial, path)
     }
 
     /// A file's bytes with other entries in its footer, which match their own digest.
@@ -445,8 +425,7 @@ pub(crate) mod tests {
 
     #[test]
     fn a_trial_comes_back_as_it_was_written() {
-        let folder = tempfile::tempdir().unwrap();
-        let (trial, path) = written(folder.path());
+        let (_folder, trial, path) = written();
         let again = read_trial(&path, Signal::all()).unwrap();
         assert_eq!(again.meta, trial.meta);
         assert_eq!(again.file, trial.file);
@@ -463,8 +442,7 @@ pub(crate) mod tests {
 
     #[test]
     fn a_footer_says_what_the_parquet_crate_finds_in_it() {
-        let folder = tempfile::tempdir().unwrap();
-        let (_, path) = written(folder.path());
+        let (_folder, _, path) = written();
         let file = bytes::Bytes::from(std::fs::read(&path).unwrap());
         let metadata = ParquetMetaDataReader::new().parse_and_finish(&file).unwrap();
         let entries = metadata.file_metadata().key_value_metadata().unwrap().iter();
@@ -477,8 +455,7 @@ pub(crate) mod tests {
 
     #[test]
     fn only_the_columns_asked_for_are_there() {
-        let folder = tempfile::tempdir().unwrap();
-        let (_, path) = written(folder.path());
+        let (_folder, _, path) = written();
         let trial = read_trial(&path, [Signal::Theta]).unwrap();
         assert!(trial.samples.get(Signal::Time).is_some());
         assert!(trial.samples.get(Signal::StateBits).is_none());
@@ -486,8 +463,7 @@ pub(crate) mod tests {
 
     #[test]
     fn a_file_cut_anywhere_is_refused() {
-        let folder = tempfile::tempdir().unwrap();
-        let (_, path) = written(folder.path());
+        let (_folder, _, path) = written();
         let bytes = std::fs::read(&path).unwrap();
         for cut in (0..bytes.len()).step_by(97) {
             std::fs::write(&path, &bytes[..cut]).unwrap();
@@ -498,8 +474,7 @@ pub(crate) mod tests {
 
     #[test]
     fn a_flipped_bit_gives_an_error_or_the_same_trial_never_another_one() {
-        let folder = tempfile::tempdir().unwrap();
-        let (_, path) = written(folder.path());
+        let (_folder, _, path) = written();
         let good = read_trial(&path, Signal::all()).unwrap();
         let bytes = std::fs::read(&path).unwrap();
         for i in (0..bytes.len()).step_by(3) {

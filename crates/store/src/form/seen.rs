@@ -31,15 +31,6 @@ const MOST_SEEN: u64 = 1 << 28;
 /// Files from which on their hashes are worth a file of their own.
 const WORTH_WRITING: usize = 2000;
 
-/// The state of a file before it was read, if any later change shows.
-pub(crate) struct Begun(Option<Stamp>);
-
-impl Begun {
-    pub(crate) fn now(path: &Path) -> Self {
-        Self(Stamp::settled(path))
-    }
-}
-
 /// BLAKE3 of a file's content: in a file hexadecimal, in memory not half of that.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "&str", into = "String")]
@@ -136,16 +127,17 @@ impl Seen {
             return Ok(hash);
         }
         // Before it is read: a change meanwhile shows only against how it was then.
-        let begun = Begun::now(path);
+        let begun = Stamp::settled(path);
         let hash = file_blake3(path)?;
         self.read(path, begun, &hash);
         Ok(hash)
     }
 
-    /// Remembers what was read of a file since `begun`, unless it changed meanwhile.
-    pub(crate) fn read(&self, path: &Path, begun: Begun, blake3: &str) {
+    /// Remembers what was read of a file, unless it changed since it was as `begun`, its state
+    /// before that if any later change shows.
+    pub(crate) fn read(&self, path: &Path, begun: Option<Stamp>, blake3: &str) {
         let Ok(blake3) = blake3.try_into() else { return };
-        if let Some(stamp) = begun.0.filter(|stamp| Stamp::at(path) == Some(*stamp)) {
+        if let Some(stamp) = begun.filter(|stamp| Stamp::at(path) == Some(*stamp)) {
             self.note(path, (stamp, blake3, Signals::default()));
         }
     }

@@ -42,11 +42,8 @@ pub(crate) fn record_from(path: &Path, text: &str) -> Result<SessionRecord, Stor
         let remedy = format!(
             "this software reads version {RECORD_VERSION}; use the one that wrote the session"
         );
-        return Err(StoreError::new(
-            path,
-            format!("schema version {schema_version} is unknown"),
-            remedy,
-        ));
+        let what = format!("schema version {schema_version} is unknown");
+        return Err(StoreError::new(path, what, remedy));
     }
     serde_json::from_str(text).map_err(|e| no_record(path, &e))
 }

@@ -1,6 +1,8 @@
 //! The per-sample columns of a trial file: one table, read by the writer, the reader, `verify` and
 //! `import` alike.
 
+use arrow::datatypes::DataType;
+
 /// A per-sample quantity of a trial. SI units; angles in radians.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Signal {
@@ -41,6 +43,17 @@ pub enum Storage {
     F32,
     /// 16-bit unsigned integer.
     U16,
+}
+
+impl Storage {
+    /// The type in Arrow.
+    pub(crate) fn data_type(self) -> DataType {
+        match self {
+            Self::F64 => DataType::Float64,
+            Self::F32 => DataType::Float32,
+            Self::U16 => DataType::UInt16,
+        }
+    }
 }
 
 /// One row of the schema: what the Arrow field says about itself.

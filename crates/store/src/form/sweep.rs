@@ -1,7 +1,7 @@
 //! Sweeps: what an actuator or sensor did while its command was varied.
 
 use crate::form::digest::column_digest;
-use crate::form::footer::{from_path, required};
+use crate::form::footer::{from_path, required, rest_of};
 use crate::form::opened::ParquetFile;
 use crate::form::read::check_described;
 use crate::form::values::floats;
@@ -69,6 +69,9 @@ const COMMAND: &str = "command";
 const RESPONSE: &str = "response";
 const TIME: &str = "t_s";
 const TIME_ABOUT: &str = "time since the sweep's start";
+/// The keys of a footer that hold what a sweep is.
+const OF_SWEEP: [&str; 7] =
+    ["actuator", "source", COMMAND, "command_unit", RESPONSE, "response_unit", "sweep"];
 
 /// The bytes of a sweep's file.
 ///
@@ -191,11 +194,8 @@ pub(crate) fn read_sweep_from(files: &dyn Files, path: &Path) -> Result<Sweep, S
     let batch = file.read(columns, &[TIME, COMMAND, RESPONSE])?;
     let [t_s, command_values, response_values] =
         [TIME, COMMAND, RESPONSE].map(|name| column_values(path, &batch, &file.footer, name));
-    let own_keys =
-        ["actuator", "source", "command", "command_unit", "response", "response_unit", "sweep"];
     Ok(Sweep {
-        actuator: ActuatorId::new(from_path(path, "actuator")?)
-            .map_err(|e| StoreError::new(path, e.to_string(), "rename the folder"))?,
+        actuator: from_path(path, "actuator")?,
         sweep: required(path, &file.footer, "sweep", REMEDY)?
             .parse()
             .map_err(|_| bad_key(path, "sweep"))?,
@@ -206,13 +206,7 @@ pub(crate) fn read_sweep_from(files: &dyn Files, path: &Path) -> Result<Sweep, S
         response_values: response_values?.ok_or_else(|| no_digest(path, RESPONSE))?,
         command,
         response,
-        file: file
-            .footer
-            .iter()
-            .filter(|(k, _)| !k.starts_with(DIGEST) && !own_keys.contains(&k.as_str()))
-            .filter(|(k, _)| !["schema_version", "footer_blake3", "units"].contains(&k.as_str()))
-            .map(|(k, v)| (k.clone(), v.clone()))
-            .collect(),
+        file: rest_of(&file.footer, &OF_SWEEP),
     })
 }
 

@@ -68,6 +68,12 @@ impl Samples {
         self.channels.insert(id, values);
     }
 
+    /// Its columns, by the names and the storage that they have in a file.
+    pub(crate) fn named(&self) -> impl Iterator<Item = (&str, Storage, &[f64])> {
+        let signals = COLUMNS.iter().filter_map(|c| Some((c.name, c.storage, self.get(c.signal)?)));
+        signals.chain(self.channels().map(|(id, values)| (id.as_str(), Storage::F64, values)))
+    }
+
     /// Number of samples.
     pub fn len(&self) -> usize {
         self.columns.iter().flatten().chain(self.channels.values()).map(Vec::len).max().unwrap_or(0)
@@ -87,19 +93,11 @@ impl Samples {
             return Err(StoreError::new(path, "the column is missing", remedy).column("t_s"));
         }
         if self.is_empty() {
-            return Err(StoreError::new(
-                path,
-                "there is no sample",
-                "record the trial again, or leave it out",
-            ));
+            let remedy = "record the trial again, or leave it out";
+            return Err(StoreError::new(path, "there is no sample", remedy));
         }
-        for (spec, column) in COLUMNS.iter().zip(&self.columns) {
-            if let Some(values) = column {
-                check_column(path, spec.name, spec.storage, values, self.len())?;
-            }
-        }
-        for (id, values) in &self.channels {
-            check_column(path, id.as_str(), Storage::F64, values, self.len())?;
+        for (name, storage, values) in self.named() {
+            check_column(path, name, storage, values, self.len())?;
         }
         check_time(path, self.get(Signal::Time).unwrap_or_default())
     }

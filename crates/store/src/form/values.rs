@@ -295,8 +295,7 @@ mod tests {
 
     #[test]
     fn what_is_put_together_from_streams_is_what_the_parquet_crate_reads() {
-        let folder = tempfile::tempdir().unwrap();
-        let (trial, path) = written(folder.path());
+        let (_folder, trial, path) = written();
         let file = ParquetFile::open_recording(&RealFiles, &path).unwrap();
         let columns = file.metadata.row_group(0).columns();
         let mut split = 0;
@@ -326,8 +325,7 @@ mod tests {
     fn however_the_pages_of_a_file_are_laid_its_values_are_the_same() {
         use Compression::{SNAPPY, UNCOMPRESSED, ZSTD};
         use WriterVersion::{PARQUET_1_0, PARQUET_2_0};
-        let folder = tempfile::tempdir().unwrap();
-        let (_, path) = written(folder.path());
+        let (_folder, _, path) = written();
         let (bytes, trial) =
             (std::fs::read(&path).unwrap(), read_trial(&path, Signal::all()).unwrap());
         let zstd = ZSTD(Default::default());

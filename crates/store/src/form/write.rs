@@ -14,7 +14,6 @@ use parquet::arrow::arrow_writer::ArrowWriterOptions;
 use parquet::arrow::{ARROW_SCHEMA_META_KEY, ArrowWriter, encode_arrow_schema};
 use parquet::errors::ParquetError;
 use parquet::file::metadata::KeyValue;
-use parquet::file::properties::WriterProperties;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -50,20 +49,10 @@ pub fn trial_bytes(trial: &Trial, form: &TrialForm, path: &Path) -> Result<Vec<u
     }
     let batch = trial_batch(&trial.meta, &trial.samples, form, path)?;
     let mut footer = footer(&trial.meta, &trial.file, form);
-    for c in &COLUMNS {
-        if let Some(values) = trial.samples.get(c.signal) {
-            let key = format!("{DIGEST}{}", c.name);
-            footer.insert(key, column_digest(values, c.storage));
-        }
+    for (name, storage, values) in trial.samples.named() {
+        footer.insert(format!("{DIGEST}{name}"), column_digest(values, storage));
     }
-    for (id, values) in trial.samples.channels() {
-        let key = format!("{DIGEST}{}", id.as_str());
-        footer.insert(key, column_digest(values, Storage::F64));
-    }
-    let entries = all_entries(&batch.schema(), footer);
-    let properties = recorded(&batch.schema(), entries, Some(GROUP_ROWS))
-        .map_err(|e| cannot_encode(path, &e))?;
-    write(&batch, properties, path)
+    write(&batch, footer, Some(GROUP_ROWS), path)
 }
 
 /// The rows of a trial, or some of them, as its file of this form has them.
@@ -91,10 +80,7 @@ pub fn write_parquet(
     footer: BTreeMap<String, String>,
     path: &Path,
 ) -> Result<Vec<u8>, StoreError> {
-    let entries = all_entries(&batch.schema(), footer);
-    let properties =
-        recorded(&batch.schema(), entries, None).map_err(|e| cannot_encode(path, &e))?;
-    write(batch, properties, path)
+    write(batch, footer, None, path)
 }
 
 /// The entries of a file's footer: the given ones, the units, and the digest of them all.
@@ -128,13 +114,17 @@ fn encoded(schema: &ArrowSchema) -> String {
     })
 }
 
+/// The bytes of a recording, whose row groups have so many rows at most.
 fn write(
     batch: &RecordBatch,
-    properties: WriterProperties,
+    footer: BTreeMap<String, String>,
+    group_rows: Option<usize>,
     path: &Path,
 ) -> Result<Vec<u8>, StoreError> {
     let bytes = (|| {
         let mut bytes = Vec::new();
+        let entries = all_entries(&batch.schema(), footer);
+        let properties = recorded(&batch.schema(), entries, group_rows)?;
         let options = ArrowWriterOptions::new().with_properties(properties);
         let options = options.with_skip_arrow_metadata(true); // it is there (`all_entries`)
         let mut writer = ArrowWriter::try_new_with_options(&mut bytes, batch.schema(), options)?;
@@ -146,11 +136,8 @@ fn write(
 }
 
 pub(crate) fn cannot_encode(path: &Path, e: &ParquetError) -> StoreError {
-    StoreError::new(
-        path,
-        format!("cannot encode: {e}"),
-        "this is a defect of zwidth; please report it",
-    )
+    let remedy = "this is a defect of zwidth; please report it";
+    StoreError::new(path, format!("cannot encode: {e}"), remedy)
 }
 
 /// An Arrow field that carries `unit` and `description`.
@@ -166,20 +153,11 @@ pub fn described(
         .with_metadata(metadata.map(|(k, v)| (k.to_owned(), v.to_owned())).into())
 }
 
-fn field(c: &Column) -> Field {
-    let data_type = match c.storage {
-        Storage::F64 => DataType::Float64,
-        Storage::F32 => DataType::Float32,
-        Storage::U16 => DataType::UInt16,
-    };
-    described(c.name, data_type, true, c.unit, c.description)
-}
-
 /// A signal as a column; null throughout where the recording lacks it.
 /// The storage types hold the values: floats are narrowed as the schema says, counts were checked.
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
 pub(crate) fn signal_column(c: &Column, samples: &Samples) -> (Field, ArrayRef) {
-    let field = field(c);
+    let field = described(c.name, c.storage.data_type(), true, c.unit, c.description);
     let array: ArrayRef = match (samples.get(c.signal), c.storage) {
         (None, _) => new_null_array(field.data_type(), samples.len()),
         (Some(v), Storage::F64) => Arc::new(Float64Array::from(v.to_vec())),
@@ -189,16 +167,11 @@ pub(crate) fn signal_column(c: &Column, samples: &Samples) -> (Field, ArrayRef) 
     (field, array)
 }
 
-/// The field of a study's own channel.
-pub(crate) fn channel_field(channel: &Channel) -> Field {
-    let Channel { id, unit, description } = channel;
-    described(id.as_str(), DataType::Float64, true, unit, description)
-}
-
 /// A study's own channel as a column; null throughout where the recording lacks it.
 fn channel_column(channel: &Channel, samples: &Samples) -> (Field, ArrayRef) {
-    let field = channel_field(channel);
-    let array: ArrayRef = match samples.channel(&channel.id) {
+    let Channel { id, unit, description } = channel;
+    let field = described(id.as_str(), DataType::Float64, true, unit, description);
+    let array: ArrayRef = match samples.channel(id) {
         None => new_null_array(field.data_type(), samples.len()),
         Some(values) => Arc::new(Float64Array::from(values.to_vec())),
     };

@@ -124,17 +124,17 @@ fn perhaps_alike(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tests::crashes::{UTC, folder_with_study};
+    use crate::tests::crashes::{UTC, folder_with_study, record, toml};
     use crate::{RealFiles, StudyData, lay_down, verify};
-    use zwidth_study::{SessionRecord, Source};
+    use zwidth_study::SessionRecord;
 
     fn lay(layout: &Layout, participant: &str, session: &str) -> Result<(), StoreError> {
-        let (participant, session) = (participant.parse().unwrap(), session.parse().unwrap());
-        let study_toml = std::fs::read(layout.study_toml()).unwrap();
-        let hash = crate::hex_blake3(&study_toml);
-        let record =
-            SessionRecord::new(participant, session, Source::Recorded, "tests", hash, Vec::new());
-        lay_down(&RealFiles, layout, UTC, &record, &study_toml)
+        let record = SessionRecord {
+            participant: participant.parse().unwrap(),
+            session: session.parse().unwrap(),
+            ..record(layout, Vec::new())
+        };
+        lay_down(&RealFiles, layout, UTC, &record, &toml(layout))
     }
 
     #[test]
@@ -151,11 +151,8 @@ mod tests {
             let error = lay(&layout, participant, session).unwrap_err();
             assert_eq!(error.what, words);
         }
-        assert_eq!(
-            std::fs::read_dir(layout.sessions()).unwrap().count(),
-            before,
-            "nothing was written"
-        );
+        let after = std::fs::read_dir(layout.sessions()).unwrap().count();
+        assert_eq!(after, before, "nothing was written");
         lay(&layout, "Q1", "Sb").unwrap();
         lay(&layout, "Q2", "sa").unwrap();
     }
@@ -178,10 +175,8 @@ mod tests {
         }
         let findings = verify(&layout);
         assert_eq!(findings.len(), 2, "{findings:?}");
-        assert!(
-            findings.iter().all(|f| f.what.contains("only by case: its trials are left out")),
-            "{findings:?}"
-        );
+        let words = "only by case: its trials are left out";
+        assert!(findings.iter().all(|f| f.what.contains(words)), "{findings:?}");
         assert_eq!(count(), before + 1, "Q2 counts as it did");
     }
 

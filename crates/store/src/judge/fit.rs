@@ -31,8 +31,5 @@ pub(crate) fn unfit(study: &Study, trial: &mut TrialEntry) -> Option<StoreError>
     };
     trial.excluded = Some(what.clone());
     let error = StoreError::new(&trial.path, format!("{what}: left out"), remedy);
-    Some(match column {
-        Some(column) => error.column(column),
-        None => error,
-    })
+    Some(StoreError { column: column.map(str::to_owned), ..error })
 }

@@ -2,6 +2,7 @@
 //! the trials of a session one after the other.
 
 use crate::disk::stamp::Stamp;
+use crate::form::columns::LONG;
 use crate::form::read::with_time;
 use crate::form::seen::{Seen, Signals};
 use crate::form::shown::Shown;
@@ -73,7 +74,7 @@ impl Lately {
             let shown = Shown::new(read.samples, read.device_s, signals, channels);
             return Ok(OpenTrial::of(read.meta, read.imported, shown));
         }
-        let (trial, device_s) = match OpenTrial::read(&self.seen, path, signals, channels)? {
+        let (trial, device_s) = match OpenTrial::read(&self.seen, path, signals, channels, LONG)? {
             Ok(Short { trial, device_s }) => (trial, device_s),
             Err(long) => return Ok(long),
         };
@@ -145,8 +146,7 @@ mod tests {
     #[test]
     #[cfg(unix)]
     fn a_trial_is_read_once_for_those_who_ask_for_no_more_and_shows_each_what_it_asked_for() {
-        let folder = tempfile::tempdir().unwrap();
-        let (trial, path) = written(folder.path());
+        let (_folder, trial, path) = written();
         let lately = Lately::default();
         let open = |signals: &[Signal]| lately.open_if(Stamp::at, &path, signals, &[]).unwrap();
         let first = open(&[Signal::Theta]);
@@ -185,8 +185,7 @@ mod tests {
     #[test]
     #[cfg(unix)]
     fn signals_that_matched_are_not_digested_again_until_their_bytes_are_others() {
-        let folder = tempfile::tempdir().unwrap();
-        let (trial, path) = written(folder.path());
+        let (_folder, trial, path) = written();
         let seen = with_a_wrong_digest(&path);
         // As if nothing was read lately.
         let open = |signals: &[Signal]| {
@@ -214,8 +213,7 @@ mod tests {
     #[test]
     #[cfg(unix)]
     fn what_was_read_whole_is_known_to_match_and_what_was_refused_is_not() {
-        let folder = tempfile::tempdir().unwrap();
-        let (_, path) = written(folder.path());
+        let (_folder, _, path) = written();
         let hash = hex_blake3(&std::fs::read(&path).unwrap());
         let seen = Arc::new(Seen::default());
         let lately = Lately::seeing(seen.clone());
@@ -241,8 +239,7 @@ mod tests {
     #[test]
     fn no_more_is_kept_than_fits() {
         let lately = Lately::default();
-        let folder = tempfile::tempdir().unwrap();
-        let (trial, path) = written(folder.path());
+        let (_folder, trial, path) = written();
         let Some(stamp) = Stamp::at(&path) else { return };
         let samples = Arc::new({
             let mut samples = Samples::default();
@@ -265,9 +262,7 @@ mod tests {
             });
         }
         let kept = lately.read.into_inner().unwrap();
-        assert_eq!(
-            kept.iter().map(|read| read.path.to_str().unwrap()).collect::<Vec<_>>(),
-            ["4", "3", "2"]
-        );
+        let names: Vec<_> = kept.iter().map(|read| read.path.to_str().unwrap()).collect();
+        assert_eq!(names, ["4", "3", "2"]);
     }
 }

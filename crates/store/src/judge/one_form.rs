@@ -64,13 +64,15 @@ fn words(form: &TrialForm) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tests::crashes::{UTC, folder_with_study, meta, protocol, rows, toml};
+    use crate::tests::crashes::{
+        FOUR, UTC, ended_as, folder_with_study, meta, protocol, rows, toml,
+    };
     use crate::{
-        Journal, Protocol, RealFiles, Signal, StudyData, TrialFile, read_channels, read_footer,
-        read_trial, verify,
+        Protocol, RealFiles, Signal, StudyData, TrialFile, read_channels, read_footer, read_trial,
+        verify,
     };
     use std::path::PathBuf;
-    use zwidth_study::{Extra, Given, Sample};
+    use zwidth_study::{Extra, Sample};
 
     const SKIN: &str = "[[channels]]\nid = \"skin_c\"\nunit = \"°C\"\ndescription = \"the skin\"\n";
 
@@ -82,14 +84,8 @@ mod tests {
 
     /// Records trial 1 of P01 S01 as a protocol says.
     fn recorded(layout: &Layout, protocol: &Protocol, rows: &[Sample]) -> PathBuf {
-        let mut journal =
-            Journal::create(&RealFiles, layout, &meta(1), &TrialFile::new(), protocol).unwrap();
-        journal.append(rows).unwrap();
-        journal.end().unwrap();
-        journal
-            .finish(&RealFiles, layout, Some(Given { value: 4, time_ms: None }), UTC)
-            .unwrap()
-            .unwrap()
+        let journal = ended_as(&RealFiles, layout, &meta(1), &TrialFile::new(), protocol, rows);
+        journal.finish(&RealFiles, layout, FOUR, UTC).unwrap().unwrap()
     }
 
     #[test]

@@ -48,7 +48,7 @@ impl OpenTrial {
         channels: &[ChannelId],
         long: usize,
     ) -> Result<Self, StoreError> {
-        Ok(match Self::read_from(&Seen::default(), path, signals, channels, long)? {
+        Ok(match Self::read(&Seen::default(), path, signals, channels, long)? {
             Ok(Short { trial: Trial { meta, file, samples }, device_s }) => {
                 let signals = with_time(signals.iter().copied());
                 let shown = Shown::new(Arc::new(samples), device_s, &signals, channels);
@@ -58,18 +58,9 @@ impl OpenTrial {
         })
     }
 
-    /// A short trial, read, or a long one, opened. Signals that matched their digests once are not
-    /// held against them again.
+    /// A short trial, read, or one of more than `long` samples, opened. Signals that matched their
+    /// digests once are not held against them again.
     pub(crate) fn read(
-        seen: &Seen,
-        path: &Path,
-        signals: &[Signal],
-        channels: &[ChannelId],
-    ) -> Result<Result<Short, Self>, StoreError> {
-        Self::read_from(seen, path, signals, channels, LONG)
-    }
-
-    fn read_from(
         seen: &Seen,
         path: &Path,
         signals: &[Signal],
@@ -125,8 +116,7 @@ mod tests {
 
     #[test]
     fn a_long_trial_has_the_columns_of_a_short_one_and_keeps_none_that_nobody_holds() {
-        let folder = tempfile::tempdir().unwrap();
-        let (_, path) = written(folder.path());
+        let (_folder, _, path) = written();
         let trial = crate::read_trial(&path, Signal::all()).unwrap();
         let all: Vec<Signal> = Signal::all().collect();
         let [short, long] =
@@ -149,8 +139,7 @@ mod tests {
 
     #[test]
     fn how_far_a_signal_reaches_is_known_without_its_column() {
-        let folder = tempfile::tempdir().unwrap();
-        let (mut trial, _) = written(folder.path());
+        let (folder, mut trial, _) = written();
         let device = trial.samples.get(Signal::Time).unwrap().iter().map(|t| 70.0 + 1.01 * t);
         trial.samples.set(Signal::DeviceTime, device.collect());
         let path = folder.path().join("participant=P01/session=S01/trial-018.parquet");
@@ -169,8 +158,7 @@ mod tests {
 
     #[test]
     fn a_long_trial_whose_file_is_damaged_says_so_though_nobody_looked_at_that_column() {
-        let folder = tempfile::tempdir().unwrap();
-        let (_, path) = written(folder.path());
+        let (_folder, _, path) = written();
         let mut bytes = std::fs::read(&path).unwrap();
         // The first column's first page.
         bytes[8..64].iter_mut().for_each(|byte| *byte ^= 0x5a);

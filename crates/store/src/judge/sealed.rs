@@ -62,10 +62,13 @@ fn open(
 
 #[cfg(test)]
 mod tests {
-    use crate::tests::crashes::{UTC, folder_with_study, meta, record, rows, study_alone, toml};
+    use crate::tests::crashes::{
+        FOUR, UTC, ended_as, folder_with_study, meta, planned, protocol, record, rows, study_alone,
+        toml,
+    };
     use crate::{
-        Journal, Layout, RealFiles, SessionLog, Signal, StudyData, TrialFile, append_events,
-        laid_down, lay_down, verify,
+        Layout, RealFiles, SessionLog, Signal, StudyData, TrialFile, append_events, laid_down,
+        lay_down, verify,
     };
     use std::path::PathBuf;
     use zwidth_study::{
@@ -118,24 +121,10 @@ mod tests {
             let log = StudyData::load(&self.layout).unwrap().sessions.pop();
             let source = log.map_or(Source::Twin, |log| log.record.source);
             let meta = TrialMeta { repeat, kind, environment, mode, source, ..meta(trial) };
-            let mut journal = Journal::create(
-                &RealFiles,
-                &self.layout,
-                &meta,
-                &TrialFile::new(),
-                &crate::tests::crashes::protocol(),
-            )
-            .unwrap();
-            journal.append(&rows(0, 3)).unwrap();
-            journal.end().unwrap();
-            journal
-                .finish(
-                    &RealFiles,
-                    &self.layout,
-                    Some(zwidth_study::Given { value: 4, time_ms: None }),
-                    UTC,
-                )
-                .unwrap();
+            let file = TrialFile::new();
+            let journal =
+                ended_as(&RealFiles, &self.layout, &meta, &file, &protocol(), &rows(0, 3));
+            journal.finish(&RealFiles, &self.layout, FOUR, UTC).unwrap();
         }
 
         fn load(&self) -> StudyData {
@@ -156,10 +145,8 @@ mod tests {
         }
         assert!(data.answers_left_out.iter().any(|other| other.why_not == why(3)));
         assert_eq!(why(3), "sealed: unseal with `zwidth unseal demo -p P01 -s S01`");
-        assert_eq!(
-            (why(1).as_str(), why(2).as_str()),
-            ("familiarisation", "superseded by trial 8")
-        );
+        assert_eq!(why(1), "familiarisation");
+        assert_eq!(why(2), "superseded by trial 8");
     }
 
     #[test]
@@ -198,16 +185,10 @@ mod tests {
         let conditions: Vec<_> = data.counting().map(|t| t.meta.condition()).collect();
         assert_eq!(conditions.len(), 6);
         let mut answered: Vec<_> = data.answers.iter().map(|a| a.condition.clone()).collect();
+        let mut planned = data.study.conditions();
         answered.sort();
-        assert_eq!(
-            answered,
-            data.study
-                .conditions()
-                .into_iter()
-                .collect::<std::collections::BTreeSet<_>>()
-                .into_iter()
-                .collect::<Vec<_>>()
-        );
+        planned.sort();
+        assert_eq!(answered, planned);
         let read = data.trials[4].read([Signal::Theta]).unwrap();
         assert_eq!(read.meta, data.trials[4].meta);
         assert!(data.trials.iter().filter(|t| t.meta.kind == Kind::Trial).count() == 7);
@@ -259,15 +240,10 @@ mod tests {
         assert!(found.len() == 1 && found[0].path == sealed.record(), "{found:?}");
         let (_folder, layout) = folder_with_study();
         let sealed = Sealed { _folder, layout, seal: sealed.seal, trials: Vec::new() };
-        sealed.run(
-            &sealed.seal.masked(&[PlannedTrial { trial: 1, ..crate::tests::crashes::planned(1) }])
-                [0],
-        );
+        sealed.run(&sealed.seal.masked(&[planned(1)])[0]);
         let [finding] = verify(&sealed.layout).try_into().unwrap();
-        assert!(
-            finding.what.contains("in its session's record"),
-            "a code in an open session: {finding}"
-        );
+        let words = "in its session's record";
+        assert!(finding.what.contains(words), "a code in an open session: {finding}");
     }
 
     #[test]

@@ -1,6 +1,5 @@
 //! Sessions: their records and event logs, and what the events say about the trials.
 
-use crate::disk::atomic::folder_of;
 use crate::disk::regular::text;
 use crate::disk::walk::files_below;
 use crate::form::change_list::pending;
@@ -17,6 +16,15 @@ use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::ffi::OsStr;
 use std::path::PathBuf;
 use zwidth_study::{Event, SessionRecord};
+
+/// What could be read; what could not is told with the `problems`.
+pub(crate) fn keep<T>(
+    problems: &mut Vec<StoreError>,
+    results: Vec<Result<T, StoreError>>,
+) -> Vec<T> {
+    // The list of a large study is long: it stays in its place.
+    results.into_iter().filter_map(|result| result.map_err(|e| problems.push(e)).ok()).collect()
+}
 
 /// Every readable session, and the names (`<participant>_<session>`) of those that are not, or
 /// whose ids another's are like.
@@ -108,29 +116,32 @@ pub(crate) fn join(
     for trial in trials {
         let m = &trial.meta;
         let name = format!("{}_{}", m.participant, m.session);
-        match logs.get(&name).and_then(|log| join_one(trial, &log.events)) {
-            Some(hash) if hash == trial.blake3 => {
-                changed.extend(logs.get(&name).and_then(|log| check_trial(layout, trial, log)));
-                continue;
+        let log = logs.get(&name).copied();
+        let hash = log.and_then(|log| join_one(trial, &log.events));
+        let Some((log, hash)) = log.zip(hash) else {
+            if !unreadable.contains(&name) {
+                let path = layout.events(&trial.meta.participant, &trial.meta.session);
+                silent.entry(path).or_default().push(trial.meta.trial.to_string());
             }
-            Some(_) => {
-                // How the file came to differ: damage, where that can be seen.
-                let damage = read_trial_from(files, &trial.path, Signal::all()).err();
-                changed.push(damage.unwrap_or_else(|| {
-                    let what = "the file is not the one that was recorded: its hash differs from the session's log";
-                    let remedy = "restore the file from a copy, or exclude the trial";
-                    StoreError::new(&trial.path, what, remedy)
-                }));
-                trial.excluded = Some("the file is not the one that was recorded".to_owned());
-                continue;
-            }
-            None => {}
+            trial.excluded = Some("no event log that can be read mentions it".to_owned());
+            continue;
+        };
+        if hash != trial.blake3 {
+            // How the file came to differ: damage, where that can be seen.
+            let damage = read_trial_from(files, &trial.path, Signal::all()).err();
+            changed.push(damage.unwrap_or_else(|| {
+                let what = "the file is not the one that was recorded: its hash differs from the session's log";
+                let remedy = "restore the file from a copy, or exclude the trial";
+                StoreError::new(&trial.path, what, remedy)
+            }));
+            trial.excluded = Some("the file is not the one that was recorded".to_owned());
+        } else if let Some(what) = contradiction(trial, log) {
+            trial.excluded = Some(what.clone());
+            let remedy = "restore the session's record or the trial's file from a copy";
+            changed.push(StoreError::new(&trial.path, format!("{what}: left out"), remedy));
+        } else {
+            changed.extend(open(layout, trial, log));
         }
-        if !unreadable.contains(&name) {
-            let path = layout.events(&trial.meta.participant, &trial.meta.session);
-            silent.entry(path).or_default().push(trial.meta.trial.to_string());
-        }
-        trial.excluded = Some("no event log that can be read mentions it".to_owned());
     }
     let silent = silent.iter().map(|(path, trials)| {
         let words = if trials.len() == 1 { "trial" } else { "trials" };
@@ -142,23 +153,9 @@ pub(crate) fn join(
     silent.chain(changed).chain(lost.into_iter().flatten()).collect()
 }
 
-/// Holds a trial's footer against its session's record; one that contradicts it is left out. Then
-/// opens its seal.
-fn check_trial(layout: &Layout, trial: &mut TrialEntry, log: &SessionLog) -> Option<StoreError> {
-    match contradiction(trial, log) {
-        Some(what) => {
-            trial.excluded = Some(what.clone());
-            let remedy = "restore the session's record or the trial's file from a copy";
-            Some(StoreError::new(&trial.path, format!("{what}: left out"), remedy))
-        }
-        None => open(layout, trial, log),
-    }
-}
-
 /// Why no trial of a session counts whose modes are sealed.
 pub(crate) fn why_sealed(layout: &Layout, record: &SessionRecord) -> String {
-    let participant = &record.participant;
-    let session = &record.session;
+    let SessionRecord { participant, session, .. } = record;
     let command = format!("zwidth unseal {} -p {participant} -s {session}", layout.study());
     format!("sealed: unseal with `{command}`")
 }
@@ -201,13 +198,7 @@ fn join_one(trial: &mut TrialEntry, events: &[Event]) -> Option<String> {
             Event::Recorded { blake3, .. } => recorded = Some(blake3.clone()),
             Event::Superseded { by, .. } => trial.superseded_by = Some(*by),
             Event::Excluded { reason, .. } => trial.excluded = Some(reason.clone()),
-            Event::Answer { .. }
-            | Event::Note { .. }
-            | Event::Marker { .. }
-            | Event::Unsealed { .. }
-            | Event::StudyAccepted { .. }
-            | Event::LaidDown { .. }
-            | Event::SweepRecorded { .. } => {}
+            _ => {}
         }
     }
     recorded
@@ -228,7 +219,7 @@ pub(crate) fn lost(
     let planned = record.trials.iter().filter(|t| imported && t.samples).map(|t| t.trial);
     let trials: BTreeSet<u32> = recorded.chain(planned).collect();
     // One list of the folder: to ask for each trial takes far longer.
-    let folder = folder_of(&layout.trial(&record.participant, &record.session, 1)).to_owned();
+    let folder = layout.trials_of(&record.participant, &record.session);
     let entries = if trials.is_empty() { None } else { files.list(&folder).ok() };
     let entries = entries.unwrap_or_default();
     let existing = entries.iter().filter(|(_, kind)| *kind == Entry::File);

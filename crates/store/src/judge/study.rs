@@ -4,20 +4,20 @@ use crate::disk::regular::text;
 use crate::disk::walk::{below, parquet_below, strange};
 use crate::form::entries::read_trials;
 use crate::form::entry::{MOST_STUDY, SessionLog, SweepEntry, TrialEntry};
+use crate::form::footer::from_path;
 use crate::form::sweep::entry;
 use crate::judge::alike::check_study_id;
 use crate::judge::fit::unfit;
 use crate::judge::laid::study_warning;
 use crate::judge::logged_sweeps::logged_sweeps;
 use crate::judge::one_form::other_forms;
-use crate::judge::sessions::{join, read_sessions, why_sealed};
+use crate::judge::sessions::{join, keep, read_sessions, why_sealed};
 use crate::{Entry, Files, Layout, RealFiles, Seen, StoreError, hex_blake3};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use zwidth_study::{
-    ActuatorId, AnswerValue, Condition, Event, Kind, ParticipantId, QuestionId, SessionId,
-    SessionRecord, Study,
+    AnswerValue, Condition, Event, Kind, ParticipantId, QuestionId, SessionId, SessionRecord, Study,
 };
 
 /// One answer that counts.
@@ -295,11 +295,6 @@ fn new_answer(
     }
 }
 
-fn keep<T>(problems: &mut Vec<StoreError>, results: Vec<Result<T, StoreError>>) -> Vec<T> {
-    // The list of a large study is long: it stays in its place.
-    results.into_iter().filter_map(|result| result.map_err(|e| problems.push(e)).ok()).collect()
-}
-
 /// Reads a study's `study.toml`.
 ///
 /// # Errors
@@ -330,11 +325,8 @@ pub(crate) fn read_study_from(
         errors
             .iter()
             .map(|e| {
-                StoreError::new(
-                    &path,
-                    e.to_string(),
-                    "see the comments of a study.toml that `zwidth new` writes",
-                )
+                let remedy = "see the comments of a study.toml that `zwidth new` writes";
+                StoreError::new(&path, e.to_string(), remedy)
             })
             .collect::<Vec<_>>()
     })?;
@@ -353,9 +345,7 @@ fn list_sweeps(files: &dyn Files, layout: &Layout) -> Vec<Result<SweepEntry, Sto
     paths
         .into_par_iter()
         .map(|path| {
-            let actuator = crate::form::footer::from_path(&path, "actuator")?;
-            let actuator = ActuatorId::new(actuator)
-                .map_err(|e| StoreError::new(&path, e.to_string(), "rename the folder"))?;
+            let actuator = from_path(&path, "actuator")?;
             entry(files, layout, path, actuator)
         })
         .collect()

@@ -26,7 +26,7 @@ pub fn read_thinned(
         return Ok((read_trial(path, signals)?, open.rows()));
     }
     let (meta, file) = open.meta_and_file()?;
-    let rows = thinned(open.rows(), &signals, most, |signal, room| open.signal_in(signal, room))?;
+    let rows = thinned(&open, &signals, most)?;
     let mut samples = Samples::default();
     let mut room = Vec::new();
     for signal in signals.into_iter().chain([Signal::Time]) {
@@ -56,20 +56,16 @@ pub fn check_trial(path: &Path, expected: &Asked) -> Result<Vec<StoreError>, Sto
     open.failure().map_or(Ok(doubts.into_iter().chain(imported).collect()), Err)
 }
 
-/// The samples that stand for all of `rows`, in order.
-fn thinned(
-    rows: usize,
-    signals: &[Signal],
-    most: usize,
-    column: impl Fn(Signal, Vec<f64>) -> Result<Option<Vec<f64>>, StoreError>,
-) -> Result<Vec<usize>, StoreError> {
+/// The samples that stand for all, in order.
+fn thinned(open: &OpenColumns, signals: &[Signal], most: usize) -> Result<Vec<usize>, StoreError> {
+    let rows = open.rows();
     let of_each = 1 + 2 * signals.len();
     let stretches = (most.saturating_sub(1) / of_each).max(1);
     let length = rows.div_ceil(stretches);
     let mut kept: Vec<usize> = (0..rows).step_by(length).chain(rows.checked_sub(1)).collect();
     let mut room = Vec::new();
     for signal in signals {
-        let Some(values) = column(*signal, std::mem::take(&mut room))? else { continue };
+        let Some(values) = open.signal_in(*signal, std::mem::take(&mut room))? else { continue };
         for (i, stretch) in values.chunks(length).enumerate() {
             let [mut smallest, mut largest] = [0; 2];
             for (j, value) in stretch.iter().enumerate() {
@@ -96,8 +92,7 @@ mod tests {
 
     #[test]
     fn a_trial_that_is_not_long_is_read_as_it_is_and_a_long_one_keeps_its_extremes() {
-        let folder = tempfile::tempdir().unwrap();
-        let (trial, path) = written(folder.path());
+        let (_folder, trial, path) = written();
         let signals = [Signal::Theta, Signal::StateBits];
         let whole = (read_trial(&path, signals).unwrap(), 200);
         assert_eq!(read_thinned(&path, signals, 200).unwrap(), whole);

@@ -1,7 +1,6 @@
 //! `verify`: every finding in a study, not only the first.
 
-use crate::disk::walk::files_below;
-use crate::disk::walk::unfinished;
+use crate::disk::walk::{files_below, unfinished_below};
 use crate::form::columns::LONG;
 use crate::form::journaled::DAMAGED;
 use crate::form::read::{OpenColumns, read_whole_trial};
@@ -159,11 +158,8 @@ fn doubled(data: &StudyData) -> Vec<StoreError> {
                 "trials {first} and {} both count as repeat {} of {} × {}",
                 m.trial, m.repeat, m.environment, m.mode
             );
-            findings.push(StoreError::new(
-                &t.path,
-                what,
-                "exclude or supersede one of them, or number the repeats",
-            ));
+            let remedy = "exclude or supersede one of them, or number the repeats";
+            findings.push(StoreError::new(&t.path, what, remedy));
         }
     }
     findings
@@ -324,7 +320,7 @@ fn strays(files: &dyn Files, layout: &Layout) -> Findings {
             let others = paths.filter(|path| path.extension().is_none_or(|e| e != "parquet"));
             others.collect::<Vec<_>>()
         },
-        || unfinished(files, layout),
+        || unfinished_below(files, &layout.raw()),
     );
     for path in others {
         let what = "only Parquet files belong in this tree";

@@ -1,7 +1,6 @@
 //! The consistency of one session: record, log, copy of `study.toml` and trials. A session may be
 //! continued only if it is whole: trials added to a doubtful session would be doubtful too.
 
-use crate::disk::atomic::folder_of;
 use crate::disk::hash::blake3_of;
 use crate::disk::regular::text;
 use crate::disk::walk::files_below;
@@ -12,10 +11,9 @@ use crate::form::events::read_events_from;
 use crate::form::head::head_of;
 use crate::form::session_record::{MOST_RECORD, record_from};
 use crate::judge::laid::{RESTORE, check_record, is_copy};
-use crate::judge::sessions::{join, lost, read_session as read_named};
+use crate::judge::sessions::{join, keep, lost, read_session as read_named};
 use crate::{Files, Layout, SessionLog, StoreError, TrialEntry};
 use std::collections::BTreeSet;
-use std::path::PathBuf;
 use std::sync::Arc;
 use zwidth_study::{Event, ParticipantId, SessionId, SessionRecord, Study};
 
@@ -46,14 +44,8 @@ pub fn read_session(
     let mut findings = Vec::new();
     let log =
         log_of(files, layout, participant, session, &mut findings).map_err(|error| vec![error])?;
-    let folder = folder_of_trials(layout, participant, session);
-    let mut trials = Vec::new();
-    for read in read_trials(files, None, layout, &folder) {
-        match read {
-            Ok(trial) => trials.push(trial),
-            Err(finding) => findings.push(finding),
-        }
-    }
+    let folder = layout.trials_of(participant, session);
+    let mut trials = keep(&mut findings, read_trials(files, None, layout, &folder));
     findings.extend(join(files, layout, &mut trials, std::slice::from_ref(&log), &BTreeSet::new()));
     if findings.is_empty() { Ok(Some(WholeSession { log, trials })) } else { Err(findings) }
 }
@@ -85,11 +77,8 @@ pub(crate) fn check_session(
         let bytes = files.read(&path, MOST_STUDY).map_err(|e| StoreError::io(&path, "read", &e))?;
         is_copy(&path, &bytes, record)?;
     } else if record_from(&path, &text)? != *record {
-        return Err(StoreError::new(
-            &path,
-            "the record was changed while the session ran",
-            RESTORE,
-        ));
+        let what = "the record was changed while the session ran";
+        return Err(StoreError::new(&path, what, RESTORE));
     }
     lost(files, layout, record, &events).into_iter().next().map_or(Ok(()), Err)
 }
@@ -180,7 +169,7 @@ pub(crate) fn has_samples(
     participant: &ParticipantId,
     session: &SessionId,
 ) -> bool {
-    let trials = files_below(files, &folder_of_trials(layout, participant, session));
+    let trials = files_below(files, &layout.trials_of(participant, session));
     if trials.is_ok_and(|paths| !paths.is_empty()) {
         return true;
     }
@@ -191,8 +180,4 @@ pub(crate) fn has_samples(
         .iter()
         .filter_map(|path| path.file_name())
         .any(|name| name.to_string_lossy().starts_with(&journal))
-}
-
-fn folder_of_trials(layout: &Layout, participant: &ParticipantId, session: &SessionId) -> PathBuf {
-    folder_of(&layout.trial(participant, session, 1)).to_owned()
 }

@@ -6,7 +6,7 @@ use crate::judge::sessions::read_sessions;
 use crate::judge::study::read_study_from;
 use crate::{Files, Layout, StoreError, commit_events};
 use std::path::Path;
-use zwidth_study::{Event, ParticipantId, SessionId};
+use zwidth_study::{Event, ParticipantId, SessionId, SessionRecord};
 
 /// Accepts the present `study.toml` for every session to which a change of it matters, or for
 /// `only` one; returns what was accepted, in words, one text per session. The caller holds the
@@ -47,8 +47,7 @@ pub fn accept_study(
         sessions.iter().map(|log| (log.events_path.as_path(), event.as_slice())).collect();
     commit_events(files, layout, utc, &logs).map_err(|error| vec![error])?;
     let accepted = sessions.iter().map(|log| {
-        let participant = &log.record.participant;
-        let session = &log.record.session;
+        let SessionRecord { participant, session, .. } = &log.record;
         let changes = matters(log, &study, &hash).unwrap_or_default();
         format!("{participant} {session}: the changed study.toml is accepted: {changes}")
     });
@@ -62,8 +61,7 @@ pub fn study_notes(files: &dyn Files, layout: &Layout) -> Vec<String> {
     let (sessions, _) = read_sessions(files, layout, &mut Vec::new());
     let accepted = sessions.iter().filter(|log| log.studies().any(|accepted| accepted == hash));
     let notes = accepted.filter_map(|log| {
-        let participant = &log.record.participant;
-        let session = &log.record.session;
+        let SessionRecord { participant, session, .. } = &log.record;
         let changes = matters(log, &study, &hash)?;
         Some(format!(
             "study.toml has changed since {participant} {session} began, and was accepted: {changes}"
@@ -92,24 +90,18 @@ mod tests {
         change(&layout, "pause_s = 5.0", "pause_s = 4.0");
         let [finding] = verify(&layout).try_into().unwrap();
         let command = "`zwidth recover demo --accept-study-change -p P01 -s S01`";
-        assert!(
-            finding.remedy.contains(command) && finding.remedy.contains("P01_S01.study.toml"),
-            "{finding}"
-        );
+        assert!(finding.remedy.contains(command), "{finding}");
+        assert!(finding.remedy.contains("P01_S01.study.toml"), "{finding}");
         assert_eq!(study_notes(&RealFiles, &layout), Vec::<String>::new());
         let (participant, session) = (meta(1).participant, meta(1).session);
         let accept = |only| accept_study(&RealFiles, &layout, UTC, only).unwrap();
-        let said = accept(Some((&participant, &session)));
-        assert_eq!(
-            said,
-            ["P01 S01: the changed study.toml is accepted: design.pause_s was 5.0 and is 4.0"]
-        );
+        let words =
+            "P01 S01: the changed study.toml is accepted: design.pause_s was 5.0 and is 4.0";
+        assert_eq!(accept(Some((&participant, &session))), [words]);
         assert_eq!(verify(&layout), []);
         let [note] = study_notes(&RealFiles, &layout).try_into().unwrap();
-        assert!(
-            note.contains("P01 S01") && note.contains("design.pause_s was 5.0 and is 4.0"),
-            "{note}"
-        );
+        assert!(note.contains("P01 S01"), "{note}");
+        assert!(note.contains("design.pause_s was 5.0 and is 4.0"), "{note}");
         // Accepted once; another change asks again.
         assert_eq!(accept(None), Vec::<String>::new());
         change(&layout, "pause_s = 5.0", "pause_s = 3.0");

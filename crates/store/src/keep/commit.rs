@@ -12,9 +12,9 @@
 use crate::disk::atomic::folder_of;
 use crate::disk::hash::blake3_of;
 use crate::disk::regular::text;
-use crate::disk::walk::unfinished;
+use crate::disk::walk::unfinished_below;
 use crate::form::change_list::{List, Longer, NewFile, Stand, below, unknown};
-use crate::form::events::{MOST_LOG, NewLines};
+use crate::form::events::{MOST_LOG, NewLines, count_lines, write_lines};
 use crate::form::footer::read_footer_from;
 use crate::form::opened::ParquetFile;
 use crate::form::session_record::{MOST_RECORD, record_from};
@@ -121,8 +121,18 @@ impl<'a> Change<'a> {
             return Err(vec![StoreError::new(&path, what, remedy)]);
         }
         let mut open = Vec::new();
-        let change = self.begin().and_then(|()| write()).and_then(|()| self.append(&mut open));
-        let change = change.and_then(|()| end(self.disk, &path));
+        let change = serde_json::to_vec(&self.list)
+            .map_err(|e| StoreError::defect(&path, &e))
+            .and_then(|list| replace(self.disk, &path, &list))
+            .and_then(|()| write())
+            // Last, because logs have lines of others too.
+            .and_then(|()| {
+                for lines in &self.lines {
+                    open.push(write_lines(self.disk, lines.path, &lines.text)?);
+                }
+                Ok(())
+            })
+            .and_then(|()| remove(self.disk, &path));
         if let Err(mut error) = change {
             let (outcome, left) = self.undo(done, open);
             error.what += &outcome;
@@ -130,25 +140,7 @@ impl<'a> Change<'a> {
         }
         // Only now: a log whose head counts the lines says that the change was made.
         for lines in &self.lines {
-            lines.count(self.disk);
-        }
-        Ok(())
-    }
-
-    /// Writes the list.
-    fn begin(&self) -> Result<(), StoreError> {
-        let path = self.layout.unfinished();
-        let json = serde_json::to_vec(&self.list);
-        let json = json.map_err(|e| {
-            StoreError::new(&path, e.to_string(), "this is a defect of zwidth, please report it")
-        })?;
-        replace(self.disk, &path, &json)
-    }
-
-    /// Adds the lines to each log; last, because logs have lines of others too.
-    fn append(&self, open: &mut Vec<Box<dyn Append>>) -> Result<(), StoreError> {
-        for lines in &self.lines {
-            open.push(lines.append(self.disk)?);
+            count_lines(self.disk, lines.path, &lines.digests);
         }
         Ok(())
     }
@@ -312,10 +304,10 @@ fn is_imported(disk: &dyn Files, path: &Path) -> bool {
     record.is_ok_and(|record| record.source.is_imported())
 }
 
-/// Removes the list.
-fn end(disk: &dyn Files, list: &Path) -> Result<(), StoreError> {
-    let removed = disk.remove(list).and_then(|()| disk.sync_folder(folder_of(list)));
-    removed.map_err(|e| StoreError::io(list, "remove", &e))
+/// Removes a file, and syncs that.
+fn remove(disk: &dyn Files, path: &Path) -> Result<(), StoreError> {
+    let removed = disk.remove(path).and_then(|()| disk.sync_folder(folder_of(path)));
+    removed.map_err(|e| StoreError::io(path, "remove", &e))
 }
 
 /// Takes back what a change that was cut short has left: half-written files, and what its list
@@ -325,32 +317,22 @@ fn end(disk: &dyn Files, list: &Path) -> Result<(), StoreError> {
 /// One each for what could not be removed: it is not what a change wrote, or the disk failed.
 pub fn settle(disk: &dyn Files, layout: &Layout) -> Vec<Result<Recovered, StoreError>> {
     let mut results = Vec::new();
-    for path in unfinished(disk, layout) {
-        let removed = disk.remove(&path).and_then(|()| disk.sync_folder(folder_of(&path)));
-        results.push(match removed {
-            Ok(()) => Ok(Recovered { path, done: Done::Swept }),
-            Err(e) => Err(StoreError::io(&path, "remove", &e)),
-        });
+    for path in unfinished_below(disk, &layout.raw()) {
+        results.push(remove(disk, &path).map(|()| Recovered { path, done: Done::Swept }));
     }
-    results.extend(take_back_listed(disk, layout));
-    results
-}
-
-/// Takes back what the list of a change names, if there is one.
-pub(crate) fn take_back_listed(
-    disk: &dyn Files,
-    layout: &Layout,
-) -> Vec<Result<Recovered, StoreError>> {
     let path = layout.unfinished();
-    let list = match List::read(disk, &path) {
-        Ok(Some(list)) => list,
-        Ok(None) => return Vec::new(),
-        Err(error) => return vec![Err(error)],
-    };
-    let TakenBack { files, logs, left, unsynced } = list.take_back(disk, layout);
-    if left.is_empty() && unsynced.is_none() {
-        let done = Recovered { path: path.clone(), done: Done::TakenBack { files, logs } };
-        return vec![end(disk, &path).map(|()| done)];
+    match List::read(disk, &path) {
+        Ok(None) => {}
+        Ok(Some(list)) => {
+            let TakenBack { files, logs, left, unsynced } = list.take_back(disk, layout);
+            if left.is_empty() && unsynced.is_none() {
+                let done = Done::TakenBack { files, logs };
+                results.push(remove(disk, &path).map(|()| Recovered { path, done }));
+            } else {
+                results.extend(left.into_iter().chain(unsynced).map(Err));
+            }
+        }
+        Err(error) => results.push(Err(error)),
     }
-    left.into_iter().chain(unsynced).map(Err).collect()
+    results
 }

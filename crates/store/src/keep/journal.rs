@@ -10,12 +10,14 @@ use crate::form::frame::{Chain, Frame, Header, MAGIC, MOST_ROWS, Protocol, encod
 use crate::form::journaled::{DAMAGED, Journaled, read_journal};
 use crate::keep::open_session::OpenSession;
 use crate::keep::record::Ended;
-use crate::{Append, Entered, Files, Layout, Samples, StoreError, Trial, TrialFile, record_trial};
+use crate::{Append, Entered, Files, Layout, Samples, StoreError, TrialFile};
 use std::path::{Path, PathBuf};
-use zwidth_study::{Given, Sample, TrialMeta};
+use zwidth_study::{Given, ParticipantId, Sample, SessionId, TrialMeta};
 
 /// The journal of the trial in progress.
 pub struct Journal {
+    participant: ParticipantId,
+    session: SessionId,
     path: PathBuf,
     file: Box<dyn Append>,
     chain: Chain,
@@ -49,21 +51,22 @@ impl Journal {
                 return Err(StoreError::new(existing, what, remedy));
             }
         }
-        let meta = meta.clone();
-        let file = file.clone();
-        let protocol = protocol.clone();
-        let header = Frame::Header(Header { meta, file, protocol });
         let folder = folder_of(&path);
         let opened = create_folders(files, folder).and_then(|()| files.open_append(&path));
         let handle = opened.map_err(|e| StoreError::io(&path, "create the journal", &e))?;
         let mut journal = Self {
+            participant: meta.participant.clone(),
+            session: meta.session.clone(),
             path: path.clone(),
             file: handle,
             chain: Chain::default(),
             last_s: f64::NEG_INFINITY,
             broken: false,
         };
-        journal.write(&header, MAGIC)?;
+        let meta = meta.clone();
+        let file = file.clone();
+        let protocol = protocol.clone();
+        journal.write(&Frame::Header(Header { meta, file, protocol }), MAGIC)?;
         // A file is no safer than its name.
         files.sync_folder(folder).map_err(|e| StoreError::io(folder, "sync the folder", &e))?;
         Ok(journal)
@@ -130,10 +133,8 @@ impl Journal {
         likert: Option<Given>,
         entered: impl Into<Entered<'a>>,
     ) -> Result<Option<PathBuf>, StoreError> {
-        let entered = entered.into();
-        self.finish_by(files, likert, |trial, protocol, answer_time_ms| {
-            record_trial(files, layout, entered, trial, protocol, answer_time_ms)
-        })
+        let mut session = OpenSession::new(layout, &self.participant, &self.session);
+        self.finish_in(files, &mut session, likert, entered)
     }
 
     /// The same for a session with many recorded trials.
@@ -141,23 +142,11 @@ impl Journal {
     /// # Errors
     /// Those of [`Journal::finish`].
     pub fn finish_in<'a>(
-        self,
+        mut self,
         files: &dyn Files,
         session: &mut OpenSession,
         likert: Option<Given>,
         entered: impl Into<Entered<'a>>,
-    ) -> Result<Option<PathBuf>, StoreError> {
-        let entered = entered.into();
-        self.finish_by(files, likert, |trial, protocol, answer_time_ms| {
-            session.record(files, entered, &Ended { trial, protocol, answer_time_ms })
-        })
-    }
-
-    fn finish_by(
-        mut self,
-        files: &dyn Files,
-        likert: Option<Given>,
-        record: impl FnOnce(&Trial, &Protocol, Option<u32>) -> Result<PathBuf, StoreError>,
     ) -> Result<Option<PathBuf>, StoreError> {
         if let Some(answer) = likert {
             self.write(&Frame::Answer(answer), &[])?;
@@ -172,7 +161,11 @@ impl Journal {
         // From the journal, not from memory: what is kept is what `recover` would have made.
         let written = match read.trial() {
             None => None,
-            Some((trial, protocol)) => Some(record(&trial, &protocol, read.time_ms())?),
+            Some((trial, protocol)) => {
+                let answer_time_ms = read.time_ms();
+                let ended = Ended { trial: &trial, protocol: &protocol, answer_time_ms };
+                Some(session.record(files, entered.into(), &ended)?)
+            }
         };
         clear(files, &path, &read)?;
         Ok(written)
@@ -181,19 +174,11 @@ impl Journal {
     fn write(&mut self, frame: &Frame, before: &[u8]) -> Result<(), StoreError> {
         if self.broken {
             let what = "an earlier write failed, so that nothing can be appended";
-            return Err(StoreError::new(
-                &self.path,
-                what,
-                "end the trial, then run `zwidth recover`",
-            ));
+            let remedy = "end the trial, then run `zwidth recover`";
+            return Err(StoreError::new(&self.path, what, remedy));
         }
-        let (bytes, chain) = encode(frame, self.chain).map_err(|e| {
-            StoreError::new(
-                &self.path,
-                e.to_string(),
-                "this is a defect of zwidth, please report it",
-            )
-        })?;
+        let (bytes, chain) =
+            encode(frame, self.chain).map_err(|e| StoreError::defect(&self.path, &e))?;
         let written = self.file.append_synced(&[before, &bytes].concat());
         self.broken = written.is_err();
         self.chain = chain;
@@ -217,28 +202,19 @@ pub(crate) fn clear(files: &dyn Files, path: &Path, read: &Journaled) -> Result<
     let aside = free_name(files, path);
     let moved = files.rename(path, &aside).and_then(|()| files.sync_folder(folder));
     moved.map_err(|e| StoreError::io(path, "rename", &e))?;
-    let Journaled { rows, damaged, .. } = read;
-    Err(if read.header.is_none() {
+    let rows = read.rows.len();
+    if read.header.is_none() {
         let what = format!(
-            "the journal is damaged where it says whose trial it is; {} rows are whole",
-            rows.len()
+            "the journal is damaged where it says whose trial it is; {rows} rows are whole"
         );
-        StoreError::new(
-            &aside,
-            what,
-            "no trial was made of it: do the trial again, and keep this file",
-        )
-    } else {
-        let what = format!(
-            "the journal is damaged: {} rows are whole, {damaged} bytes cannot be read",
-            rows.len()
-        );
-        StoreError::new(
-            &aside,
-            what,
-            "the rows are kept as a trial; remove this file when nobody needs it",
-        )
-    })
+        let remedy = "no trial was made of it: do the trial again, and keep this file";
+        return Err(StoreError::new(&aside, what, remedy));
+    }
+    let damaged = read.damaged;
+    let what =
+        format!("the journal is damaged: {rows} rows are whole, {damaged} bytes cannot be read");
+    let remedy = "the rows are kept as a trial; remove this file when nobody needs it";
+    Err(StoreError::new(&aside, what, remedy))
 }
 
 /// A name beside `path` that no file has: what is set aside never takes the place of what was set
@@ -260,19 +236,21 @@ fn free_name(files: &dyn Files, path: &Path) -> PathBuf {
 mod tests {
     use super::*;
     use crate::disk::SECTOR;
-    use crate::tests::crashes::{UTC, folder_with_study, meta, protocol, rows};
+    use crate::tests::crashes::{UTC, ended, folder_with_study, meta, protocol, rows};
     use crate::{Fault, Memory, RealFiles, Signal, Survives, read_trial};
-    use zwidth_study::Kind;
-    use zwidth_study::Status;
+    use zwidth_study::{Kind, Status};
 
     fn create(layout: &Layout, trial: u32) -> Result<Journal, StoreError> {
-        Journal::create(
-            &RealFiles,
-            layout,
-            &meta(trial),
-            &[("device".to_owned(), "none".to_owned())].into(),
-            &protocol(),
-        )
+        let file = [("device".to_owned(), "none".to_owned())].into();
+        Journal::create(&RealFiles, layout, &meta(trial), &file, &protocol())
+    }
+
+    /// A study in memory.
+    fn in_memory() -> (Memory, Layout) {
+        let layout = Layout::new(Path::new("/root"), "demo".parse().unwrap());
+        let disk = Memory::new();
+        disk.put(&layout.study_toml(), b"");
+        (disk, layout)
     }
 
     #[test]
@@ -294,10 +272,8 @@ mod tests {
         let answer =
             zwidth_study::Event::Answer { trial: 1, question, value: 5.into(), time_ms: None };
         assert_eq!(crate::read_events(&log).unwrap().last(), Some(&answer));
-        assert_eq!(
-            trial.samples.get(Signal::Theta),
-            Samples::from_rows(&rows(0, 120)).get(Signal::Theta)
-        );
+        let expect = Samples::from_rows(&rows(0, 120));
+        assert_eq!(trial.samples.get(Signal::Theta), expect.get(Signal::Theta));
         assert_eq!(trial.file["device"], "none");
         assert_eq!(std::fs::read_dir(layout.journals()).unwrap().count(), 0);
     }
@@ -338,10 +314,8 @@ mod tests {
             let error = journal.append(&bad).unwrap_err();
             assert!(error.to_string().contains(words), "{error}");
             let late = journal.append(&rows(2, 1)).unwrap_err();
-            assert!(
-                late.to_string().contains("row 1: time runs backwards or stands still"),
-                "{late}"
-            );
+            let words = "row 1: time runs backwards or stands still";
+            assert!(late.to_string().contains(words), "{late}");
             journal.append(&rows(3, 2)).unwrap();
             let path = journal.finish(&RealFiles, &layout, None, UTC).unwrap().unwrap();
             assert_eq!(read_trial(&path, []).unwrap().samples.len(), 5);
@@ -362,9 +336,7 @@ mod tests {
 
     #[test]
     fn after_a_write_that_failed_nothing_is_appended_behind_it() {
-        let layout = Layout::new(Path::new("/root"), "demo".parse().unwrap());
-        let disk = Memory::new();
-        disk.put(&layout.study_toml(), b"");
+        let (disk, layout) = in_memory();
         // Folder and its name, the open file, the header's two steps, the folder: then the first
         // rows fail.
         disk.fail_in(6, Fault::End);
@@ -375,14 +347,6 @@ mod tests {
         disk.restart(Survives::Everything);
         let error = journal.append(&rows(3, 3)).unwrap_err();
         assert!(error.remedy.contains("zwidth recover"), "{error}");
-    }
-
-    /// A study in memory.
-    fn in_memory() -> (Memory, Layout) {
-        let layout = Layout::new(Path::new("/root"), "demo".parse().unwrap());
-        let disk = Memory::new();
-        disk.put(&layout.study_toml(), b"");
-        (disk, layout)
     }
 
     #[test]
@@ -416,10 +380,7 @@ mod tests {
             ("the first sector", "not a journal of this version"),
         ] {
             let (disk, layout) = in_memory();
-            let mut journal =
-                Journal::create(&disk, &layout, &meta(1), &TrialFile::new(), &protocol()).unwrap();
-            journal.append(&rows(0, 30)).unwrap();
-            journal.end().unwrap();
+            let journal = ended(&disk, &layout, 30);
             let path = layout.journal(&meta(1).participant, &meta(1).session, 1);
             let mut bytes = disk.below(&path).remove(&path).unwrap();
             let last = (bytes.len() - 1) / SECTOR * SECTOR;
@@ -442,10 +403,7 @@ mod tests {
         let mut refused = 0;
         for seed in 0..60 {
             let (disk, layout) = in_memory();
-            let mut journal =
-                Journal::create(&disk, &layout, &meta(1), &TrialFile::new(), &protocol()).unwrap();
-            journal.append(&rows(0, 30)).unwrap();
-            journal.end().unwrap();
+            let journal = ended(&disk, &layout, 30);
             disk.misdirect_in(0, seed); // the next write is the trial's file
             let Err(error) = journal.finish(&disk, &layout, None, UTC) else { continue };
             if error.what.contains("reads otherwise than it was written") {

@@ -47,10 +47,7 @@ pub fn lay_down(
 /// # Errors
 /// A value that JSON cannot hold.
 pub fn record_bytes(path: &Path, record: &SessionRecord) -> Result<Vec<u8>, StoreError> {
-    let text = record.to_json().map_err(|e| {
-        StoreError::new(path, e.to_string(), "this is a defect of zwidth, please report it")
-    })?;
-    Ok(text.into_bytes())
+    record.to_json().map(String::into_bytes).map_err(|e| StoreError::defect(path, &e))
 }
 
 /// The event that says that a session was set up with this record.
@@ -67,9 +64,8 @@ pub(crate) fn mend_laid_down(
     bytes: &[u8],
     utc: &str,
 ) -> Result<bool, StoreError> {
-    let log = layout.events(&record.participant, &record.session);
-    let participant = &record.participant;
-    let session = &record.session;
+    let SessionRecord { participant, session, .. } = record;
+    let log = layout.events(participant, session);
     // Nothing is recorded before the first line of the log: with a trial beside it the record does
     // not stand alone, but has lost its log. The trials of an import come first.
     let alone = files.kind(&log).is_none()

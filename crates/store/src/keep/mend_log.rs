@@ -2,7 +2,7 @@
 
 use crate::disk::atomic::sync_file;
 use crate::form::events::{Entered, Line, MOST_LOG, digest, digests_of, finished_text, lines_of};
-use crate::form::head::{Standing, counted, standing, write_head};
+use crate::form::head::{check_head, counted, write_head};
 use crate::form::json::from_json;
 use crate::keep::recovered::Done;
 use crate::{Files, StoreError, replace};
@@ -16,7 +16,7 @@ pub(crate) fn mend_head(files: &dyn Files, path: &Path) -> Result<bool, StoreErr
     // A line in doubt is an error of whoever reads the log.
     let read = finished_text(files, path).and_then(|text| digests_of(path, &text));
     let Ok(digests) = read else { return Ok(false) };
-    let behind = standing(files, path, &digests)? == Standing::Behind && !digests.is_empty();
+    let behind = check_head(files, path, &digests)? && !digests.is_empty();
     if behind {
         // The head must not outlive the lines that it counts.
         sync_file(files, path).map_err(|e| StoreError::io(path, "sync", &e))?;

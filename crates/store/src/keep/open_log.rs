@@ -7,8 +7,8 @@
 //! command that reads the log finds it.
 
 use crate::disk::stamp::Stamp;
-use crate::form::events::{chained, count_lines, finished_lines, write_lines};
-use crate::form::head::{head_of, standing};
+use crate::form::events::{chained, count_lines, finished_text, lines_of, write_lines};
+use crate::form::head::{check_head, head_of};
 use crate::{Entered, Files, StoreError};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -17,7 +17,7 @@ use zwidth_study::{Event, QuestionId};
 /// A log that is appended to many times.
 #[derive(Debug)]
 pub(crate) struct OpenLog {
-    path: PathBuf,
+    pub(crate) path: PathBuf,
     /// Nothing before it was read, and after an append that failed: nobody knows then what the log
     /// holds.
     contents: Option<Contents>,
@@ -30,24 +30,23 @@ pub(crate) struct Contents {
     stamps: Option<[Stamp; 2]>,
     digests: Vec<String>,
     /// The hash with which each trial was recorded first.
-    recorded: BTreeMap<u32, String>,
+    pub(crate) recorded: BTreeMap<u32, String>,
     /// The questions of trials that have an answer.
-    answered: BTreeSet<(u32, QuestionId)>,
+    pub(crate) answered: BTreeSet<(u32, QuestionId)>,
 }
 
 impl Contents {
     fn read(files: &dyn Files, path: &Path) -> Result<Self, StoreError> {
         // First: what changes while it is read has another stamp than this one.
         let stamps = stamps(files, path);
-        let lines = finished_lines(files, path)?;
         let recorded = BTreeMap::new();
         let answered = BTreeSet::new();
         let mut contents = Self { stamps, digests: Vec::new(), recorded, answered };
-        for line in lines {
+        for line in lines_of(path, &finished_text(files, path)?)? {
             contents.add(&line.event);
             contents.digests.push(line.blake3);
         }
-        standing(files, path, &contents.digests)?;
+        check_head(files, path, &contents.digests)?;
         Ok(contents)
     }
 
@@ -62,26 +61,12 @@ impl Contents {
             _ => {}
         }
     }
-
-    /// The hash with which a trial was recorded.
-    pub(crate) fn hash(&self, trial: u32) -> Option<&str> {
-        self.recorded.get(&trial).map(String::as_str)
-    }
-
-    /// Whether a question of a trial has an answer.
-    pub(crate) fn is_answered(&self, trial: u32, question: &QuestionId) -> bool {
-        self.answered.contains(&(trial, question.clone()))
-    }
 }
 
 impl OpenLog {
     /// The log at a path, which is read when something is asked of it.
     pub(crate) fn new(path: PathBuf) -> Self {
         Self { path, contents: None }
-    }
-
-    pub(crate) fn path(&self) -> &Path {
-        &self.path
     }
 
     /// Whether log and head are as this handle read or left them.
@@ -140,9 +125,8 @@ fn stamps(files: &dyn Files, log: &Path) -> Option<[Stamp; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Append, Entry, Fault, Memory, Survives, append_events, read_events};
-    use std::io;
-    use std::sync::atomic::{AtomicUsize, Ordering};
+    use crate::form::events::read_events_from;
+    use crate::{Fault, Memory, Survives, append_events, read_events};
 
     const UTC: &str = "2026-01-01T00:00:00Z";
 
@@ -150,70 +134,29 @@ mod tests {
         Event::Note { trial: None, text: text.to_owned() }
     }
 
-    /// A disk in memory that counts what is read.
-    #[derive(Default)]
-    struct Counted {
-        disk: Memory,
-        reads: AtomicUsize,
-    }
-
-    impl Files for Counted {
-        fn kind(&self, path: &Path) -> Option<Entry> {
-            self.disk.kind(path)
-        }
-        fn stamp(&self, path: &Path) -> Option<Stamp> {
-            self.disk.stamp(path)
-        }
-        fn read(&self, path: &Path, most: u64) -> io::Result<Vec<u8>> {
-            self.reads.fetch_add(1, Ordering::Relaxed);
-            self.disk.read(path, most)
-        }
-        fn create_folder(&self, path: &Path) -> io::Result<()> {
-            self.disk.create_folder(path)
-        }
-        fn write_synced(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
-            self.disk.write_synced(path, bytes)
-        }
-        fn rename(&self, from: &Path, to: &Path) -> io::Result<()> {
-            self.disk.rename(from, to)
-        }
-        fn sync_folder(&self, path: &Path) -> io::Result<()> {
-            self.disk.sync_folder(path)
-        }
-        fn open_append(&self, path: &Path) -> io::Result<Box<dyn Append>> {
-            self.disk.open_append(path)
-        }
-        fn remove(&self, path: &Path) -> io::Result<()> {
-            self.disk.remove(path)
-        }
-        fn remove_folder(&self, path: &Path) -> io::Result<()> {
-            self.disk.remove_folder(path)
-        }
-    }
-
     /// A log of two lines, by an open log.
-    fn two() -> (Counted, OpenLog) {
+    fn two() -> (Memory, OpenLog) {
         let path = Path::new("/s/P01_S01.events.jsonl");
-        let (files, mut log) = (Counted::default(), OpenLog::new(path.to_owned()));
-        files.disk.put(Path::new("/s/study.toml"), b"");
+        let (files, mut log) = (Memory::new(), OpenLog::new(path.to_owned()));
+        files.put(Path::new("/s/study.toml"), b"");
         for text in ["one", "two"] {
             log.append(&files, UTC.into(), &[note(text)]).unwrap();
         }
         (files, log)
     }
 
-    fn events(files: &Counted, log: &OpenLog) -> Vec<Event> {
-        crate::form::events::read_events_from(&files.disk, &log.path).unwrap()
+    fn events(files: &Memory, log: &OpenLog) -> Vec<Event> {
+        read_events_from(files, &log.path).unwrap()
     }
 
     #[test]
     fn nothing_is_read_for_an_append_while_only_this_handle_writes() {
         let (files, mut log) = two();
-        let before = files.reads.load(Ordering::Relaxed);
+        let before = files.reads();
         for _ in 0..9 {
             log.append(&files, UTC.into(), &[note("more")]).unwrap();
         }
-        assert_eq!(files.reads.load(Ordering::Relaxed), before);
+        assert_eq!(files.reads(), before);
         assert_eq!(events(&files, &log).len(), 11);
         // By their bytes too they are the lines that single appends give.
         let (other, path) = (Memory::new(), log.path.clone());
@@ -221,13 +164,13 @@ mod tests {
         for event in events(&files, &log) {
             append_events(&other, &path, UTC, &[event]).unwrap();
         }
-        assert_eq!(other.below(&path), files.disk.below(&path));
+        assert_eq!(other.below(&path), files.below(&path));
     }
 
     #[test]
     fn lines_that_somebody_else_appended_are_read_and_followed() {
         let (files, mut log) = two();
-        append_events(&files.disk, &log.path, UTC, &[note("theirs")]).unwrap();
+        append_events(&files, &log.path, UTC, &[note("theirs")]).unwrap();
         log.append(&files, UTC.into(), &[note("ours")]).unwrap();
         assert_eq!(events(&files, &log), ["one", "two", "theirs", "ours"].map(note));
     }
@@ -247,12 +190,12 @@ mod tests {
         ];
         for damage in damages {
             let (files, mut log) = two();
-            damage(&files.disk, &log.path);
-            let before = files.disk.below(Path::new("/"));
+            damage(&files, &log.path);
+            let before = files.below(Path::new("/"));
             let error = log.append(&files, UTC.into(), &[note("more")]).unwrap_err();
-            let first = append_events(&files.disk, &log.path, UTC, &[note("more")]).unwrap_err();
+            let first = append_events(&files, &log.path, UTC, &[note("more")]).unwrap_err();
             assert_eq!(error, first);
-            assert_eq!(files.disk.below(Path::new("/")), before);
+            assert_eq!(files.below(Path::new("/")), before);
             // It is refused again, and goes on when the log is what it was.
             assert_eq!(log.append(&files, UTC.into(), &[]).unwrap_err(), error);
         }
@@ -262,13 +205,13 @@ mod tests {
     fn after_an_append_that_failed_the_log_is_read_again() {
         for step in 0..9 {
             let (files, mut log) = two();
-            files.disk.fail_in(step, Fault::Full);
+            files.fail_in(step, Fault::Full);
             let written = log.append(&files, UTC.into(), &[note("three")]);
-            files.disk.restart(Survives::Everything);
+            files.restart(Survives::Everything);
             let Err(error) = written else { return };
             assert!(error.remedy.contains("free some space"), "{error}");
             // Half a line is for `recover`; a whole one, or none, is followed.
-            crate::keep::mend_log::mend_log(&files.disk, &log.path).unwrap();
+            crate::keep::mend_log::mend_log(&files, &log.path).unwrap();
             let mut expect = events(&files, &log);
             log.append(&files, UTC.into(), &[note("four")]).unwrap();
             expect.push(note("four"));

@@ -6,7 +6,6 @@
 //! system is asked whether anybody else wrote them ([`Stamp`]); if so, they are read and checked
 //! again.
 
-use crate::disk::atomic::folder_of;
 use crate::disk::stamp::Stamp;
 use crate::form::frame::Protocol;
 use crate::judge::whole::check_session;
@@ -45,7 +44,7 @@ impl OpenSession {
             layout: layout.clone(),
             record: layout.session(participant, session),
             study_copy: layout.study_copy(participant, session),
-            trials: folder_of(&layout.trial(participant, session, 1)).to_owned(),
+            trials: layout.trials_of(participant, session),
             log: OpenLog::new(layout.events(participant, session)),
             whole: None,
         }

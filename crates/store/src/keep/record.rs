@@ -6,11 +6,9 @@ use crate::disk::hash::{blake3_of, hex_blake3};
 use crate::form::frame::Protocol;
 use crate::form::read::read_whole_trial;
 use crate::keep::open_log::OpenLog;
-use crate::{
-    Entered, Files, Layout, Samples, Signal, Storage, StoreError, Trial, trial_bytes, write_new,
-};
+use crate::{Entered, Files, Layout, Signal, Storage, StoreError, Trial, trial_bytes, write_new};
 use std::path::{Path, PathBuf};
-use zwidth_study::{Event, QuestionId, TrialForm, TrialMeta};
+use zwidth_study::{Event, TrialForm};
 
 /// A trial that ended, to be made a file.
 pub(crate) struct Ended<'a> {
@@ -50,13 +48,16 @@ impl Ended<'_> {
         // Before the log speaks of it: the name of the file must not go in a power cut.
         settle(files, layout, &path)?;
         let contents = log.contents(files)?;
-        let recorded = contents.hash(m.trial).map(|hash| hash == blake3);
-        let answer = self.answer().filter(|(question, _)| !contents.is_answered(m.trial, question));
+        let recorded = contents.recorded.get(&m.trial).map(|hash| *hash == blake3);
+        // The answer that was given before the file was finished becomes an event.
+        let answer = self.protocol.question.clone().zip(m.likert);
+        let answer = answer
+            .filter(|(question, _)| !contents.answered.contains(&(m.trial, question.clone())));
         if recorded == Some(false) {
             let what =
                 format!("trial {} was recorded already, in a file with another hash", m.trial);
             let remedy = "restore the session's files from a copy";
-            return Err(StoreError::new(log.path(), what, remedy));
+            return Err(StoreError::new(&log.path, what, remedy));
         }
         let mut events = Vec::new();
         if recorded.is_none() {
@@ -69,54 +70,38 @@ impl Ended<'_> {
             time_ms: self.answer_time_ms,
         }));
         if events.is_empty() {
-            sync_file(files, log.path()).map_err(|e| StoreError::io(log.path(), "sync", &e))?;
+            sync_file(files, &log.path).map_err(|e| StoreError::io(&log.path, "sync", &e))?;
         } else {
             log.append(files, entered, &events)?;
         }
-        settle(files, layout, log.path())?;
+        settle(files, layout, &log.path)?;
         Ok(path)
-    }
-
-    /// The question that was answered before the trial's file was finished, and its answer, which
-    /// becomes an event.
-    fn answer(&self) -> Option<(QuestionId, i16)> {
-        let question = self.protocol.question.clone()?;
-        Some((question, self.trial.meta.likert?))
     }
 }
 
 /// Checks that the file at `path` holds `trial`.
+#[allow(clippy::cast_possible_truncation)]
 fn check_same(
     files: &dyn Files,
     path: &Path,
     trial: &Trial,
     form: &TrialForm,
 ) -> Result<(), StoreError> {
+    let mut stored = trial.clone();
     // A form without a column for the answer leaves it to the log.
-    let likert = trial.meta.likert.filter(|_| form.likert);
-    let meta = TrialMeta { likert, ..trial.meta.clone() };
-    let stored = Trial { meta, samples: as_stored(&trial.samples), ..trial.clone() };
+    stored.meta.likert = trial.meta.likert.filter(|_| form.likert);
+    // Some columns come back from a file narrower.
+    for signal in Signal::all().filter(|s| s.column().storage == Storage::F32) {
+        if let Some(values) = trial.samples.get(signal) {
+            stored.samples.set(signal, values.iter().map(|v| f64::from(*v as f32)).collect());
+        }
+    }
     if read_whole_trial(files, path)? == stored {
         return Ok(());
     }
     let what = format!("there is another trial {} already", trial.meta.trial);
-    Err(StoreError::new(
-        path,
-        what,
-        "finished files never change; find out which of the two is the right one",
-    ))
-}
-
-/// The samples as they come back from a file, where some columns are narrower.
-#[allow(clippy::cast_possible_truncation)]
-fn as_stored(samples: &Samples) -> Samples {
-    let mut stored = samples.clone();
-    for signal in Signal::all().filter(|s| s.column().storage == Storage::F32) {
-        if let Some(values) = samples.get(signal) {
-            stored.set(signal, values.iter().map(|v| f64::from(*v as f32)).collect());
-        }
-    }
-    stored
+    let remedy = "finished files never change; find out which of the two is the right one";
+    Err(StoreError::new(path, what, remedy))
 }
 
 /// Syncs every folder from a file up to the root: a process that was killed may have left names

@@ -6,7 +6,7 @@
 use crate::disk::atomic::sync_file;
 use crate::disk::regular::text;
 use crate::disk::walk::files_below;
-use crate::form::journaled::{Journaled, read_journal};
+use crate::form::journaled::read_journal;
 use crate::form::session_record::{MOST_RECORD, record_from};
 use crate::keep::commit::settle;
 use crate::keep::journal::clear;
@@ -30,31 +30,15 @@ pub fn recover(
 ) -> Vec<Result<Recovered, StoreError>> {
     let mut results = settle(files, layout);
     // Logs before journals: a trial is called recorded in a log that is whole.
-    for path in logs(files, layout) {
-        match mend_log(files, &path) {
-            Ok(None) => {}
-            Ok(Some(done)) => results.push(Ok(Recovered { path: path.clone(), done })),
-            Err(error) => results.push(Err(error)),
-        }
+    let mut logs = find_named(files, &layout.sessions(), ".events.jsonl");
+    logs.extend(Some(layout.sweep_events()).filter(|path| files.kind(path) == Some(Entry::File)));
+    for path in logs {
+        let mended = mend_log(files, &path).transpose();
+        results.extend(mended.map(|done| done.map(|done| Recovered { path: path.clone(), done })));
         // Not told: it is what a kill between a line and its count leaves.
         results.extend(mend_head(files, &path).err().map(Err));
     }
-    results.extend(begin_logs(files, layout, utc));
-    match take_in(files, layout, utc) {
-        Ok(paths) => {
-            results.extend(paths.into_iter().map(|path| Ok(Recovered { path, done: Done::Logged })))
-        }
-        Err(error) => results.push(Err(error)),
-    }
-    for path in find_named(files, &layout.journals(), ".journal") {
-        results.extend(journal(files, layout, &path, utc));
-    }
-    results
-}
-
-/// Begins the logs of records that have none.
-fn begin_logs(files: &dyn Files, layout: &Layout, utc: &str) -> Vec<Result<Recovered, StoreError>> {
-    let mut results = Vec::new();
+    // The logs of records that have none.
     for path in find_named(files, &layout.sessions(), ".json") {
         // What cannot be read is an error of whoever reads it.
         let Ok(text) = text(files, &path, MOST_RECORD) else { continue };
@@ -68,14 +52,19 @@ fn begin_logs(files: &dyn Files, layout: &Layout, utc: &str) -> Vec<Result<Recov
             Err(error) => results.push(Err(error)),
         }
     }
+    match take_in(files, layout, utc) {
+        Ok(paths) => {
+            results.extend(paths.into_iter().map(|path| Ok(Recovered { path, done: Done::Logged })))
+        }
+        Err(error) => results.push(Err(error)),
+    }
+    for path in find_named(files, &layout.journals(), ".journal") {
+        match journal(files, layout, &path, utc) {
+            Ok(done) => results.extend(done),
+            Err(error) => results.push(Err(error)),
+        }
+    }
     results
-}
-
-/// The logs of sessions and of sweeps.
-fn logs(files: &dyn Files, layout: &Layout) -> Vec<PathBuf> {
-    let mut logs = find_named(files, &layout.sessions(), ".events.jsonl");
-    logs.extend(Some(layout.sweep_events()).filter(|path| files.kind(path) == Some(Entry::File)));
-    logs
 }
 
 fn find_named(files: &dyn Files, folder: &Path, ending: &str) -> Vec<PathBuf> {
@@ -84,62 +73,46 @@ fn find_named(files: &dyn Files, folder: &Path, ending: &str) -> Vec<PathBuf> {
     paths
 }
 
-/// A journal becomes a trial. One of which not all can be read stays under another name besides.
+/// A journal becomes a trial, if it has any row. One of which not all can be read stays under
+/// another name besides.
 fn journal(
     files: &dyn Files,
     layout: &Layout,
     path: &Path,
     utc: &str,
-) -> Vec<Result<Recovered, StoreError>> {
-    match take_out(files, layout, path, utc) {
-        Err(error) => vec![Err(error)],
-        Ok((recovered, Ok(()))) => {
-            let empty = Recovered { path: path.to_owned(), done: Done::Empty };
-            vec![Ok(recovered.unwrap_or(empty))]
-        }
-        Ok((recovered, Err(aside))) => recovered.map(Ok).into_iter().chain([Err(aside)]).collect(),
-    }
-}
-
-/// Makes a trial of a journal, if it has any row; and whether the journal could then be removed.
-fn take_out(
-    files: &dyn Files,
-    layout: &Layout,
-    path: &Path,
-    utc: &str,
-) -> Result<(Option<Recovered>, Result<(), StoreError>), StoreError> {
+) -> Result<Vec<Result<Recovered, StoreError>>, StoreError> {
     // What is made of the journal must not outlive it.
     sync_file(files, path).map_err(|e| StoreError::io(path, "sync", &e))?;
     let read = read_journal(files, path)?;
-    let recovered = trial(files, layout, path, &read, utc)?;
-    Ok((recovered, clear(files, path, &read)))
-}
-
-fn trial(
-    files: &dyn Files,
-    layout: &Layout,
-    path: &Path,
-    read: &Journaled,
-    utc: &str,
-) -> Result<Option<Recovered>, StoreError> {
-    let Some((trial, protocol)) = read.trial() else { return Ok(None) };
-    let m = &trial.meta;
-    let belongs = layout.journal(&m.participant, &m.session, m.trial);
-    if belongs != path {
-        let what = format!(
-            "by its content it is the journal of {} {} trial {}",
-            m.participant, m.session, m.trial
-        );
-        return Err(StoreError::new(path, what, format!("it belongs at {}", belongs.display())));
+    let mut results = Vec::new();
+    if let Some((trial, protocol)) = read.trial() {
+        let m = &trial.meta;
+        let belongs = layout.journal(&m.participant, &m.session, m.trial);
+        if belongs != path {
+            let what = format!(
+                "by its content it is the journal of {} {} trial {}",
+                m.participant, m.session, m.trial
+            );
+            let remedy = format!("it belongs at {}", belongs.display());
+            return Err(StoreError::new(path, what, remedy));
+        }
+        let done = Done::Trial {
+            status: m.status,
+            rows: trial.samples.len(),
+            cut_bytes: read.unfinished,
+            mended: read.mended,
+        };
+        let path = record_trial(files, layout, utc, &trial, &protocol, read.time_ms())?;
+        results.push(Ok(Recovered { path, done }));
     }
-    let Journaled { unfinished, mended, .. } = *read;
-    let rows = trial.samples.len();
-    let cut_bytes = unfinished;
-    let done = Done::Trial { status: m.status, rows, cut_bytes, mended };
-    Ok(Some(Recovered {
-        path: record_trial(files, layout, utc, &trial, &protocol, read.time_ms())?,
-        done,
-    }))
+    match clear(files, path, &read) {
+        Err(aside) => results.push(Err(aside)),
+        Ok(()) if results.is_empty() => {
+            results.push(Ok(Recovered { path: path.to_owned(), done: Done::Empty }));
+        }
+        Ok(()) => {}
+    }
+    Ok(results)
 }
 
 #[cfg(test)]
@@ -151,8 +124,7 @@ mod tests {
         Journal, RealFiles, Signal, TrialFile, append_events, read_events, read_trial, verify,
     };
     use std::fs;
-    use zwidth_study::Event;
-    use zwidth_study::Status;
+    use zwidth_study::{Event, Status};
 
     /// A journal of trial 1 with three batches of rows.
     fn journal_of_three(layout: &Layout) -> PathBuf {
@@ -178,10 +150,8 @@ mod tests {
         let [finding] = verify(&layout).try_into().unwrap();
         assert!(finding.path == path && finding.remedy == "run `zwidth recover demo`", "{finding}");
         let [Ok(done)] = exactly(&layout) else { panic!() };
-        assert!(
-            done.to_string()
-                .ends_with("trial-001.parquet: recovered from its journal: incomplete, 12 samples")
-        );
+        let words = "trial-001.parquet: recovered from its journal: incomplete, 12 samples";
+        assert!(done.to_string().ends_with(words), "{done}");
         assert_eq!((verify(&layout), recovered(&layout)), (vec![], vec![]));
     }
 
@@ -328,11 +298,8 @@ mod tests {
             fs::write(head_of(&log), &head).unwrap(); // it is written after the line
             let [Ok(done)] = exactly(&layout) else { panic!("{cut}") };
             let is_whole = cut == whole.len() - 1;
-            assert_eq!(
-                read_events(&log).unwrap()[1..],
-                notes(if is_whole { 3 } else { 2 }),
-                "{done}"
-            );
+            let kept = if is_whole { 3 } else { 2 };
+            assert_eq!(read_events(&log).unwrap()[1..], notes(kept), "{done}");
             assert_eq!(is_whole, done.done == Done::Ended);
         }
         fs::write(&log, [&whole[..], &[0; 100]].concat()).unwrap();

@@ -7,7 +7,7 @@ use crate::form::encode::{GROUP_ROWS, recorded};
 use crate::form::read::OpenColumns;
 use crate::form::trial::backwards;
 use crate::form::write::{DIGEST, cannot_encode, entries, footer, trial_batch};
-use crate::{Append, Asked, Files, Samples, Signal, Storage, StoreError, TrialFile, check_samples};
+use crate::{Append, Asked, Files, Samples, Signal, StoreError, TrialFile, check_samples};
 use parquet::arrow::ArrowWriter;
 use std::collections::BTreeMap;
 use std::io::{self, Write};
@@ -96,14 +96,14 @@ impl TrialWriter {
             return Err(backwards(&self.path, last_s, *first_s).row0(before));
         }
         self.last_s = t.last().copied();
-        let same = named(samples).count() == self.digests.len()
-            && named(samples)
-                .all(|(name, ..)| self.digests.contains_key(&format!("{DIGEST}{name}")));
+        let is_known = |name: &str| self.digests.contains_key(&format!("{DIGEST}{name}"));
+        let same = samples.named().count() == self.digests.len()
+            && samples.named().all(|(name, ..)| is_known(name));
         if before > 0 && !same {
             let what = "some of its rows have other columns than the rest";
             return Err(StoreError::new(&self.path, what, "leave that column out"));
         }
-        for (name, storage, values) in named(samples) {
+        for (name, storage, values) in samples.named() {
             let digest = self.digests.entry(format!("{DIGEST}{name}"));
             digest.or_insert_with(|| ColumnDigest::new(storage)).add(values);
         }
@@ -219,15 +219,6 @@ pub fn replace_by<E>(
     }
 }
 
-/// The columns that samples have, by the names and storage that they have in a file.
-fn named(samples: &Samples) -> impl Iterator<Item = (&str, Storage, &[f64])> {
-    let signals = Signal::all().filter_map(|signal| {
-        let column = signal.column();
-        Some((column.name, column.storage, samples.get(signal)?))
-    });
-    signals.chain(samples.channels().map(|(id, values)| (id.as_str(), Storage::F64, values)))
-}
-
 /// A file that is written and hashed as it grows.
 struct Out {
     file: Box<dyn Append>,
@@ -322,8 +313,7 @@ mod tests {
         assert_eq!(crate::file_blake3(&staged.beside).unwrap(), staged.blake3);
         staged.publish(&RealFiles, &path).unwrap();
         // As it comes back from a file: some columns are stored in 32 bits.
-        let other = tempfile::tempdir().unwrap();
-        let (_, whole) = written(other.path());
+        let (_folder, _, whole) = written();
         let [found, expect] =
             [path.as_path(), &whole].map(|p| read_trial(p, Signal::all()).unwrap());
         assert_eq!(found, expect);

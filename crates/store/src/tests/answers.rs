@@ -1,7 +1,7 @@
 //! Answers on any scale, and the time that they took, from the journal into the log.
 
-use crate::tests::crashes::{UTC, folder_with_study, meta, protocol, rows};
-use crate::{Journal, RealFiles, StudyData, TrialFile, append_events, read_events, recover};
+use crate::tests::crashes::{FOUR, UTC, ended, folder_with_study, meta, protocol};
+use crate::{RealFiles, StudyData, append_events, read_events, recover};
 use zwidth_study::{Event, Given};
 
 #[test]
@@ -13,10 +13,7 @@ fn an_answer_below_zero_and_its_time_come_from_the_journal_into_the_log() {
         Given { value: 300, time_ms: None },
     ] {
         let (_folder, layout) = folder_with_study();
-        let mut journal =
-            Journal::create(&RealFiles, &layout, &meta(1), &TrialFile::new(), &protocol()).unwrap();
-        journal.append(&rows(0, 20)).unwrap();
-        journal.end().unwrap();
+        let journal = ended(&RealFiles, &layout, 20);
         journal.finish(&RealFiles, &layout, Some(given), UTC).unwrap().unwrap();
         let log = layout.events(&meta(1).participant, &meta(1).session);
         let (question, value) = (protocol().question.unwrap(), given.value.into());
@@ -29,12 +26,7 @@ fn an_answer_below_zero_and_its_time_come_from_the_journal_into_the_log() {
 #[test]
 fn an_answer_that_does_not_count_says_why() {
     let (_folder, layout) = folder_with_study();
-    let mut journal =
-        Journal::create(&RealFiles, &layout, &meta(1), &TrialFile::new(), &protocol()).unwrap();
-    journal.append(&rows(0, 20)).unwrap();
-    journal.end().unwrap();
-    let given = Given { value: 4, time_ms: None };
-    journal.finish(&RealFiles, &layout, Some(given), UTC).unwrap().unwrap();
+    ended(&RealFiles, &layout, 20).finish(&RealFiles, &layout, FOUR, UTC).unwrap().unwrap();
     let log = layout.events(&meta(1).participant, &meta(1).session);
     let question = protocol().question.unwrap();
     let answer = |value: i16| {

@@ -5,15 +5,15 @@ use crate::form::events::read_events_from;
 use crate::form::read::read_trial_from;
 use crate::tests::faulty::Faulty;
 use crate::{
-    Fault, Files, Journal, Layout, Memory, Signal, Survives, TrialFile, append_events, lay_down,
-    recover, verify_from,
+    Fault, Files, Journal, Layout, Memory, Protocol, Signal, Survives, TrialFile, append_events,
+    lay_down, recover, verify_from,
 };
 use rayon::prelude::*;
 use std::cell::Cell;
 use std::path::Path;
 use zwidth_study::{
-    Event, Flags, Kind, PlannedTrial, Sample, SessionRecord, Source, Status, StudyId, TrialMeta,
-    Voltages, template,
+    Event, Flags, Given, Kind, PlannedTrial, Sample, SessionRecord, Source, Status, StudyId,
+    TrialMeta, Voltages, template,
 };
 
 pub(crate) const UTC: &str = "2026-01-01T00:00:00Z";
@@ -39,9 +39,8 @@ pub(crate) fn meta(trial: u32) -> TrialMeta {
 }
 
 /// What the study of the template asks after these trials, and the form of its files.
-pub(crate) fn protocol() -> crate::Protocol {
-    let question = Some("felt_spring".parse().unwrap());
-    crate::Protocol { question, ..crate::Protocol::default() }
+pub(crate) fn protocol() -> Protocol {
+    Protocol { question: Some("felt_spring".parse().unwrap()), ..Protocol::default() }
 }
 
 fn row(i: usize) -> Sample {
@@ -63,6 +62,29 @@ fn row(i: usize) -> Sample {
 
 pub(crate) fn rows(from: usize, n: usize) -> Vec<Sample> {
     (from..from + n).map(row).collect()
+}
+
+/// The answer to the question after a trial.
+pub(crate) const FOUR: Option<Given> = Some(Given { value: 4, time_ms: None });
+
+/// A journal with all that can be chosen of it, at its end.
+pub(crate) fn ended_as(
+    files: &dyn Files,
+    layout: &Layout,
+    meta: &TrialMeta,
+    file: &TrialFile,
+    protocol: &Protocol,
+    rows: &[Sample],
+) -> Journal {
+    let mut journal = Journal::create(files, layout, meta, file, protocol).unwrap();
+    journal.append(rows).unwrap();
+    journal.end().unwrap();
+    journal
+}
+
+/// The journal of the first trial with so many rows, at its end.
+pub(crate) fn ended(files: &dyn Files, layout: &Layout, n: usize) -> Journal {
+    ended_as(files, layout, &meta(1), &TrialFile::new(), &protocol(), &rows(0, n))
 }
 
 /// What was promised: each step that returned without an error.
@@ -146,7 +168,7 @@ fn trial(
     }
     journal.end()?;
     promised.ended = true;
-    journal.finish(files, layout, Some(zwidth_study::Given { value: 4, time_ms: None }), UTC)?;
+    journal.finish(files, layout, FOUR, UTC)?;
     promised.finished = true;
     let note = Event::Note { trial: Some(number), text: "a note".into() };
     let m = meta(number);
@@ -225,11 +247,8 @@ fn a_fault_at_any_step_of_a_trial_loses_no_more_than_the_batch_being_written() {
             }) {
                 n += 1;
             }
-            assert_eq!(
-                n,
-                if first { STEPS - 8 } else { STEPS },
-                "the folders are there after a first trial"
-            );
+            // The folders are there after a first trial.
+            assert_eq!(n, if first { STEPS - 8 } else { STEPS });
         }
     }
 }

@@ -24,25 +24,22 @@ impl<'a> Check<'a> {
         Self { text, errors: Vec::new() }
     }
 
-    pub(super) fn error(&mut self, key: &str, problem: String) {
+    pub(super) fn error(&mut self, key: &str, problem: impl Into<String>) {
         // Each reads the text again for its line: a file of a million mistakes would take for ever.
         if self.errors.len() >= MOST_ERRORS {
             return;
         }
         let line = locate::line_of(self.text, key);
-        self.errors.push(StudyError { line, key: key.to_owned(), problem });
+        self.errors.push(StudyError { line, key: key.to_owned(), problem: problem.into() });
     }
 
     pub(super) fn positive(&mut self, key: &str, value: f64) -> f64 {
+        let least = 1.0 / LARGEST;
         // Here and below it is said what is allowed, so that a NaN is not.
-        if !(value > 0.0 && (1.0 / LARGEST..=LARGEST).contains(&value)) {
-            self.error(
-                key,
-                format!(
-                    "{value} must be a number above 0, from {:e} to {LARGEST:e}",
-                    1.0 / LARGEST
-                ),
-            );
+        if !(least..=LARGEST).contains(&value) {
+            let problem =
+                format!("{value} must be a number above 0, from {least:e} to {LARGEST:e}");
+            self.error(key, problem);
         }
         value
     }
@@ -96,7 +93,7 @@ impl<'a> Check<'a> {
 
     pub(super) fn required(&mut self, key: &str, value: Option<f64>) -> f64 {
         if value.is_none() {
-            self.error(key, "is missing; this kind of environment needs it".to_owned());
+            self.error(key, "is missing; this kind of environment needs it");
         }
         // Any number will do: with a problem noted no study comes out.
         value.unwrap_or(0.0)

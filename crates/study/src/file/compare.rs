@@ -64,7 +64,7 @@ impl Check<'_> {
         if pairs.is_empty() {
             let problem =
                 "the list is empty; leave it out for the last mode against each other one";
-            self.error("compare.contrasts", problem.to_owned());
+            self.error("compare.contrasts", problem);
         }
         let mut seen = BTreeSet::new();
         for (i, [mode, against]) in pairs.iter().enumerate() {
@@ -159,12 +159,12 @@ pub(super) fn table(study: &Study) -> CompareTable {
 
 #[cfg(test)]
 mod tests {
-    use crate::{Bound, Families, Study, StudyError, StudyId, template};
+    use crate::tests::{check_refused, check_round_trip, demo, text};
+    use crate::{Bound, Families, Study, StudyError};
 
     /// The template's study with `[compare]` and what stands under it.
     fn with(compare: &str) -> Result<Study, Vec<StudyError>> {
-        let text = template(&StudyId::new("demo").unwrap());
-        Study::from_toml(&format!("{text}\n[compare]\n{compare}\n"))
+        crate::tests::with("[compare]", compare)
     }
 
     fn pairs(study: &Study) -> Vec<(&str, &str)> {
@@ -178,7 +178,7 @@ mod tests {
 
     #[test]
     fn a_study_without_the_section_compares_its_last_mode_with_each_other_one() {
-        let study = Study::from_toml(&template(&StudyId::new("demo").unwrap())).unwrap();
+        let study = demo();
         assert_eq!(pairs(&study), [("hybrid", "active"), ("hybrid", "passive")]);
         let compare = &study.compare;
         assert_eq!(compare.primary.as_str(), "discrepancy_user_mean_n");
@@ -197,13 +197,12 @@ mod tests {
 
     #[test]
     fn the_level_is_that_of_the_analysis_unless_it_is_given() {
-        let text = template(&StudyId::new("demo").unwrap());
-        let text = text.replace("confidence = 0.95", "confidence = 0.99");
+        let text = text().replace("confidence = 0.95", "confidence = 0.99");
         let study = Study::from_toml(&text).unwrap();
         assert_eq!(study.compare.level.to_bits(), 0.99_f64.to_bits());
         let study = Study::from_toml(&(text + "\n[compare]\nlevel = 0.9\n")).unwrap();
         assert_eq!(study.compare.level.to_bits(), 0.9_f64.to_bits());
-        assert_eq!(Study::from_toml(&study.to_toml().unwrap()).unwrap(), study);
+        check_round_trip(&study);
     }
 
     #[test]
@@ -220,19 +219,19 @@ mod tests {
         assert_eq!(bounds[&metric("discrepancy_user_mean_n")], Bound::Weber(0.1));
         assert_eq!(bounds[&metric("wall_dwell_s")], Bound::Absolute(1.0));
         assert_eq!(study.compare.families, Families::Environment);
-        assert_eq!(Study::from_toml(&study.to_toml().unwrap()).unwrap(), study);
+        check_round_trip(&study);
     }
 
     #[test]
     fn no_other_metric_is_a_choice_too() {
         let study = with("metrics = []").unwrap();
         assert_eq!(study.compare.metrics, Some(Vec::new()));
-        assert_eq!(Study::from_toml(&study.to_toml().unwrap()).unwrap(), study);
+        check_round_trip(&study);
     }
 
     #[test]
     fn a_study_of_one_mode_has_no_contrast() {
-        let text = template(&StudyId::new("demo").unwrap());
+        let text = text();
         let (before, rest) = text.split_once("[[modes]]").unwrap();
         let (mode, _) = rest.split_once("[[modes]]").unwrap();
         let (_, questions) = text.split_once("[[questions]]").unwrap();
@@ -270,10 +269,7 @@ mod tests {
             ("metrics = []\nbounds.a_s = 1.0", "compare.bounds.a_s", "add it to compare.metrics"),
             ("contrast = 1", "contrast", "unknown field"),
         ] {
-            let errors = with(compare).unwrap_err();
-            assert_eq!(errors.len(), 1, "{errors:?}");
-            assert_eq!(errors[0].key, key, "{}", errors[0]);
-            assert!(errors[0].problem.contains(words) && errors[0].line > 1, "{}", errors[0]);
+            check_refused(with(compare), key, words);
         }
     }
 }

@@ -14,42 +14,25 @@ pub(super) struct EnvironmentTable {
     pub(super) id: EnvironmentId,
     pub(super) label: String,
     kind: SceneKind,
-    #[serde(skip_serializing_if = "Option::is_none")]
     stiffness_n_per_rad: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     rest_deg: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     wall_deg: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     stiffness_n_per_mm: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     rest_mm: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     wall_mm: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     question: Option<QuestionId>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     questions: Vec<QuestionId>,
-}
-
-/// How a number is typed.
-#[derive(Clone, Copy, PartialEq)]
-enum KeyForm {
-    /// A position: degrees, or millimetres.
-    Position,
-    /// 0 or above, over an angle: per radian, or per millimetre.
-    PerAngle,
 }
 
 impl SceneNumber {
     /// Every number, in the order in which problems are reported.
     const ALL: [Self; 3] = [Self::Stiffness, Self::Rest, Self::Wall];
 
-    fn form(self) -> KeyForm {
-        match self {
-            Self::Stiffness => KeyForm::PerAngle,
-            Self::Rest | Self::Wall => KeyForm::Position,
-        }
+    /// Whether it is typed as a position: in degrees, or millimetres. Else it is 0 or above, over
+    /// an angle: per radian, or per millimetre.
+    fn is_position(self) -> bool {
+        matches!(self, Self::Rest | Self::Wall)
     }
 }
 
@@ -71,13 +54,13 @@ impl EnvironmentTable {
         // Of each number in degrees and in millimetres: one of the two is always none.
         let [stiffness, rest, wall] = SceneNumber::ALL.map(|quantity| {
             let value = e.scene.value(quantity);
-            match (coordinate, quantity.form()) {
-                (Coordinate::Rotational, KeyForm::Position) => [value.map(degrees), None],
-                (Coordinate::Rotational, KeyForm::PerAngle) => [value, None],
-                (Coordinate::Linear { lever_m }, KeyForm::Position) => {
+            match (coordinate, quantity.is_position()) {
+                (Coordinate::Rotational, true) => [value.map(degrees), None],
+                (Coordinate::Rotational, false) => [value, None],
+                (Coordinate::Linear { lever_m }, true) => {
                     [None, value.map(|rad| decimal(rad * lever_m / MILLI))]
                 }
-                (Coordinate::Linear { lever_m }, KeyForm::PerAngle) => {
+                (Coordinate::Linear { lever_m }, false) => {
                     [None, value.map(|per_rad| decimal(per_rad / lever_m * MILLI))]
                 }
             }
@@ -134,7 +117,7 @@ impl Check<'_> {
         questions: &BTreeSet<&str>,
     ) -> Vec<QuestionId> {
         if e.question.is_some() && !e.questions.is_empty() {
-            let what = "is not used beside questions; put it into that list".to_owned();
+            let what = "is not used beside questions; put it into that list";
             self.error(&format!("{at}.question"), what);
         }
         self.at_most_listed(&format!("{at}.questions"), e.questions.len());
@@ -146,10 +129,8 @@ impl Check<'_> {
             if !questions.contains(q.as_str()) {
                 self.error(&key, format!("'{q}' is not the id of any [[questions]]"));
             } else if !seen.insert(q.as_str()) {
-                self.error(
-                    &key,
-                    format!("'{q}' stands twice; a question is asked once after a trial"),
-                );
+                let what = format!("'{q}' stands twice; a question is asked once after a trial");
+                self.error(&key, what);
             }
         }
         e.question.iter().chain(&e.questions).cloned().collect()
@@ -164,7 +145,7 @@ impl Check<'_> {
         coordinate: Coordinate,
     ) -> f64 {
         let [(deg_key, deg), (mm_key, mm)] = e.entries(quantity);
-        if quantity.form() == KeyForm::Position {
+        if quantity.is_position() {
             return self.position(at, [deg_key, mm_key], [deg, mm], coordinate, None);
         }
         let (key, value, factor) = match coordinate {

@@ -79,7 +79,7 @@ impl Check<'_> {
                     None => self.choices(table, &inner, environments, choices),
                     Some(problem) => self.error(&at, problem),
                 },
-                value if key == ALIGNMENT => match alignment(value) {
+                value if key == ALIGNMENT => match value.as_str().and_then(Alignment::from_word) {
                     Some(alignment) => _ = choices.insert(id.to_owned(), alignment),
                     None => {
                         // `"onset" or "landmarks"`.
@@ -98,10 +98,6 @@ fn named(value: &Value) -> Option<[String; 2]> {
     let (participant, session) = value.as_str()?.split_once('.')?;
     let ids = (ParticipantId::new(participant).ok()?, SessionId::new(session).ok()?);
     Some([ids.0.to_string(), ids.1.to_string()])
-}
-
-fn alignment(value: &Value) -> Option<Alignment> {
-    Alignment::ALL.into_iter().find(|a| value.as_str() == Some(a.as_str()))
 }
 
 /// Why no figure can have an id that begins so; `None` if one can.

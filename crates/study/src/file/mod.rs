@@ -16,14 +16,11 @@ pub(crate) use write::value_of;
 
 #[cfg(test)]
 mod tests {
+    use crate::tests::{check_refused, check_round_trip, demo, text as sample, with};
     use crate::{
-        Alignment, Control, ModeLaw, OrderScheme, OwnFigures, Study, StudyError, StudyId,
-        VelocityFilter, template, template_of_imports,
+        Alignment, Control, ModeLaw, OrderScheme, OwnFigures, Study, StudyError, VelocityFilter,
+        template_of_imports,
     };
-
-    fn sample() -> String {
-        template(&StudyId::new("demo").unwrap())
-    }
 
     fn check(from: &str, to: &str, key: &str, words: &str) {
         let text = sample();
@@ -34,17 +31,21 @@ mod tests {
         assert!(found.line > 1, "{found}");
     }
 
+    /// One value by another, where the key first stands in the template.
+    fn check_value(key: &str, then: &str, now: &str, words: &str) {
+        let name = key.rsplit('.').next().unwrap();
+        check(&format!("{name} = {then}"), &format!("{name} = {now}"), key, words);
+    }
+
     #[test]
     fn the_template_is_a_valid_study_and_survives_a_round_trip() {
-        let study = Study::from_toml(&sample()).unwrap();
-        let again = Study::from_toml(&study.to_toml().unwrap()).unwrap();
-        assert_eq!(study, again);
-        assert_eq!(study.conditions().len(), 6);
+        check_round_trip(&demo());
+        assert_eq!(demo().conditions().len(), 6);
     }
 
     #[test]
     fn the_template_of_imports_is_valid_as_it_stands_and_with_what_it_offers() {
-        let text = template_of_imports(&StudyId::new("demo").unwrap());
+        let text = template_of_imports(&"demo".parse().unwrap());
         let study = Study::from_toml(&text).unwrap();
         assert_eq!(study.device.lever_m, None);
         assert_eq!((study.modes.len(), study.environments.len()), (2, 1));
@@ -67,7 +68,7 @@ mod tests {
 
     #[test]
     fn degrees_become_radians_and_the_wall_stands_at_26_6_degrees() {
-        let study = Study::from_toml(&sample()).unwrap();
+        let study = demo();
         let wall = study.environments[1].scene.wall_rad().unwrap();
         assert!((wall.to_degrees() - 26.6).abs() < 1e-12);
         assert!((study.device.theta_max_rad.unwrap() - 45_f64.to_radians()).abs() < 1e-15);
@@ -88,12 +89,7 @@ mod tests {
         check("id = \"passive\"", "id = \"sealed-1\"", "modes[1].id", "looks like the code");
         check("id = \"passive\"", "id = \"../x\"", "id", "not a valid mode id");
         check("theta_max_deg = 45.0", "theta_max_deg = -50.0", "device.theta_max_deg", "above");
-        check(
-            "wall_deg = 26.6",
-            "wall_deg = 1e6",
-            "environments[1].wall_deg",
-            "from -36000 to 36000",
-        );
+        check_value("environments[1].wall_deg", "26.6", "1e6", "from -36000 to 36000");
         check("wall_deg = 26.6", "wall_mm = 26.6", "environments[1].wall_mm", "is not used");
         check("repeats = 6", "repeat = 6", "repeat", "unknown field");
         check("repeats = 6", "repeats = \"six\"", "repeats", "invalid type");
@@ -101,12 +97,7 @@ mod tests {
         check("rate_hz = 1000.0", "rate_hz = 0.0", "control.rate_hz", "above 0");
         check("let_go_n = 2.0", "let_go_n = -2.0", "control.let_go_n", "0 or a number above");
         check("force_limit_n = 10.0", "force_limit_n = inf", "control.force_limit_n", "above 0");
-        check(
-            "velocity_cutoff_hz = 40.0",
-            "velocity_cutoff_hz = 0.0",
-            "control.velocity_cutoff_hz",
-            "above 0",
-        );
+        check_value("control.velocity_cutoff_hz", "40.0", "0.0", "above 0");
         check(
             "\"second_order\"\n",
             "\"difference\"\n",
@@ -133,13 +124,13 @@ mod tests {
         let named = sample().replace("motor_max_v = 16.0", "law = \"active\"\nmotor_max_v = 16.0");
         let study = Study::from_toml(&named).unwrap();
         assert_eq!(study.modes[0].law(), Some(ModeLaw::Active));
-        assert_eq!(Study::from_toml(&study.to_toml().unwrap()).unwrap(), study);
+        check_round_trip(&study);
     }
 
     #[test]
     fn a_question_may_name_its_scale_and_its_default_is_no_change() {
         let named = sample().replace("[[questions]]", "[[questions]]\nscale = \"five_point\"");
-        assert_eq!(Study::from_toml(&named).unwrap(), Study::from_toml(&sample()).unwrap());
+        assert_eq!(Study::from_toml(&named).unwrap(), demo());
         check("[[questions]]", "[[questions]]\nscale = \"yes\"", "scale", "unknown variant");
     }
 
@@ -151,26 +142,26 @@ mod tests {
         let before = (text[..from].to_owned() + &text[to..])
             .replace("order = \"williams\"", "")
             .replace("blinded = false", "");
-        assert_eq!(Study::from_toml(&before).unwrap(), Study::from_toml(&text).unwrap());
-        assert_eq!(Study::from_toml(&text).unwrap().control, Control::default());
+        assert_eq!(Study::from_toml(&before).unwrap(), demo());
+        assert_eq!(demo().control, Control::default());
     }
 
     #[test]
     fn what_a_session_needs_survives_a_round_trip() {
-        let mut study = Study::from_toml(&sample()).unwrap();
+        let mut study = demo();
         study.design.order = OrderScheme::Constrained;
         study.design.blinded = true;
         for velocity in
             [VelocityFilter::Difference, VelocityFilter::SecondOrder { cutoff_hz: 15.0 }]
         {
             study.control = Control { rate_hz: 120.0, let_go_n: 1.5, force_limit_n: 8.0, velocity };
-            assert_eq!(Study::from_toml(&study.to_toml().unwrap()).unwrap(), study);
+            check_round_trip(&study);
         }
     }
 
     /// The study with `[figures]` and what stands under it.
     fn with_figures(figures: &str) -> Result<Study, Vec<StudyError>> {
-        Study::from_toml(&format!("{}\n[figures]\n{figures}\n", sample()))
+        with("[figures]", figures)
     }
 
     #[test]
@@ -183,8 +174,8 @@ mod tests {
         let of = |id| study.figures.alignment(id);
         assert_eq!(of("modes.P01.S01.spring_wall"), landmarks, "in every panel");
         assert_eq!((of("loops.P01.S01"), of("modes.P01.S01.spring")), (onset, onset));
-        assert_eq!(Study::from_toml(&study.to_toml().unwrap()).unwrap(), study);
-        let none = Study::from_toml(&sample()).unwrap();
+        check_round_trip(&study);
+        let none = demo();
         assert_eq!(none.figures.alignment("modes.P01.S01.spring"), onset);
         assert!(!none.to_toml().unwrap().contains("figures"));
     }
@@ -197,14 +188,11 @@ mod tests {
         let named = own("sessions = [\"P01.S01\", \"P30.S02\"]");
         let ids = |p: &str, s: &str| [p.to_owned(), s.to_owned()];
         assert_eq!(named.figures.own, OwnFigures::Of(vec![ids("P01", "S01"), ids("P30", "S02")]));
-        for study in [all, named] {
-            assert_eq!(Study::from_toml(&study.to_toml().unwrap()).unwrap(), study);
-        }
+        [all, named].iter().for_each(check_round_trip);
         for wrong in
             ["sessions = 3", "sessions = [\"P01\"]", "sessions = \"some\"", "sessions = [1]"]
         {
-            let errors = with_figures(wrong).unwrap_err();
-            assert_eq!((errors.len(), errors[0].key.as_str()), (1, "figures.sessions"), "{wrong}");
+            check_refused(with_figures(wrong), "figures.sessions", "or a list such as");
         }
     }
 
@@ -215,7 +203,7 @@ mod tests {
         assert_eq!(font("font = \"fonts/My-Font.ttf\"").unwrap(), ["fonts/My-Font.ttf"]);
         let three = with_figures("font = [\"a.otf\", \"b.ttf\", \"c.ttf\"]").unwrap();
         assert_eq!(three.figures.font, ["a.otf", "b.ttf", "c.ttf"]);
-        assert_eq!(Study::from_toml(&three.to_toml().unwrap()).unwrap(), three);
+        check_round_trip(&three);
         for wrong in [
             "font = \"../My-Font.ttf\"",
             "font = \"/usr/share/fonts/My-Font.ttf\"",
@@ -225,9 +213,7 @@ mod tests {
             "font = [\"a.ttf\", 1]",
             "font = [\"a.ttf\", \"b.ttf\", \"c.ttf\", \"d.ttf\"]",
         ] {
-            let errors = font(wrong).unwrap_err();
-            assert_eq!((errors.len(), errors[0].key.as_str()), (1, "figures.font"), "{wrong}");
-            assert!(errors[0].problem.contains("fonts/My-Font.ttf"), "{}", errors[0]);
+            check_refused(with_figures(wrong), "figures.font", "fonts/My-Font.ttf");
         }
     }
 
@@ -254,29 +240,16 @@ mod tests {
             ),
             ("modes.align = \"onset\"", "figures.modes.align", "has the key alignment"),
         ] {
-            let errors = with_figures(figures).unwrap_err();
-            assert_eq!(errors.len(), 1, "{errors:?}");
-            assert_eq!(errors[0].key, key);
-            assert!(errors[0].problem.contains(words) && errors[0].line > 1, "{}", errors[0]);
+            check_refused(with_figures(figures), key, words);
         }
     }
 
     #[test]
     fn no_number_decides_how_much_memory_or_time_is_taken() {
         check("rate_hz = 1000.0", "rate_hz = 1e-300", "control.rate_hz", "from 1e-9 to 1e9");
-        check(
-            "grid_points = 401",
-            "grid_points = 4294967295",
-            "analysis.grid_points",
-            "at most 100000",
-        );
+        check_value("analysis.grid_points", "401", "4294967295", "at most 100000");
         check("repeats = 6", "repeats = 50000", "design.repeats", "300003 trials in a session");
-        check(
-            "trial_limit_s = 4.0",
-            "trial_limit_s = 80000.0",
-            "design.trial_limit_s",
-            "at most 4194304",
-        );
+        check_value("design.trial_limit_s", "4.0", "80000.0", "at most 4194304");
         check("lever_m = 0.045", "lever_m = 1e-12", "device.lever_m", "from 1e-9");
         let many = "[[questions]]\nid = \"q\"\ntext = \"t\"\n".repeat(5000);
         let errors = Study::from_toml(&format!("{}\n{many}", sample())).unwrap_err();
@@ -324,6 +297,6 @@ mod tests {
         let scene = study.environments[1].scene;
         assert!((scene.wall_rad().unwrap() - 0.02).abs() < 1e-15);
         assert!((scene.spring().unwrap().stiffness_n_per_rad - 100.0).abs() < 1e-12);
-        assert_eq!(Study::from_toml(&study.to_toml().unwrap()).unwrap(), study);
+        check_round_trip(&study);
     }
 }

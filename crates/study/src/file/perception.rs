@@ -13,26 +13,13 @@ const WIDEST_DEG: f64 = 90.0;
 #[derive(Serialize, Deserialize, Default, PartialEq)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct PerceptionTable {
-    #[serde(skip_serializing_if = "Option::is_none")]
     force: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     force_floor_n: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     compliance: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     viscosity: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     angle_deg: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     excess: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     vibration: Option<CurveValue>,
-}
-
-impl PerceptionTable {
-    pub(super) fn is_default(&self) -> bool {
-        *self == Self::default()
-    }
 }
 
 /// The name of a curve, or Hz and µm.
@@ -96,7 +83,7 @@ impl Check<'_> {
             CurveValue::Points(points) => points,
         };
         if points.is_empty() {
-            self.error(KEY, "the list is empty; leave it out for the fingertip's".to_owned());
+            self.error(KEY, "the list is empty; leave it out for the fingertip's");
         }
         self.at_most_listed(KEY, points.len());
         for (i, [frequency_hz, amplitude_um]) in points.iter().enumerate() {
@@ -137,17 +124,12 @@ pub(super) fn table(perception: &Perception) -> PerceptionTable {
 
 #[cfg(test)]
 mod tests {
-    use crate::{Perception, Study, StudyError, StudyId, VibrationCurve, template};
-
-    /// The template's study with `[perception]` and what stands under it.
-    fn with(perception: &str) -> Result<Study, Vec<StudyError>> {
-        let text = template(&StudyId::new("demo").unwrap());
-        Study::from_toml(&format!("{text}\n[perception]\n{perception}\n"))
-    }
+    use crate::tests::{check_refused, check_round_trip, demo, with};
+    use crate::{Perception, VibrationCurve};
 
     #[test]
     fn a_study_without_the_section_has_the_defaults_and_writes_none() {
-        let study = Study::from_toml(&template(&StudyId::new("demo").unwrap())).unwrap();
+        let study = demo();
         assert_eq!(study.perception, Perception::default());
         assert!(!study.to_toml().unwrap().contains("perception"));
     }
@@ -155,6 +137,7 @@ mod tests {
     #[test]
     fn degrees_and_micrometres_become_si_and_survive_a_round_trip() {
         let study = with(
+            "[perception]",
             "force = 0.1\nforce_floor_n = 0.02\nangle_deg = 2.5\nvibration = [[10.0, 8.0], [200.0, 0.07]]",
         )
         .unwrap();
@@ -162,10 +145,10 @@ mod tests {
         assert!((perception.angle_rad.to_degrees() - 2.5).abs() < 1e-12);
         assert!((perception.vibration.points()[1][1] - 0.07e-6).abs() < 1e-18);
         assert!((perception.force_share - 0.1).abs() < 1e-15);
-        assert_eq!(Study::from_toml(&study.to_toml().unwrap()).unwrap(), study);
-        let strict = with("vibration = \"grasped\"").unwrap();
+        check_round_trip(&study);
+        let strict = with("[perception]", "vibration = \"grasped\"").unwrap();
         assert_eq!(strict.perception.vibration, VibrationCurve::Grasped);
-        assert_eq!(Study::from_toml(&strict.to_toml().unwrap()).unwrap(), strict);
+        check_round_trip(&strict);
     }
 
     #[test]
@@ -184,10 +167,7 @@ mod tests {
             ),
             ("vibration = [[10.0, -1.0]]", "perception.vibration[0]", "above 0"),
         ] {
-            let errors = with(text).unwrap_err();
-            assert_eq!(errors.len(), 1, "{errors:?}");
-            assert_eq!(errors[0].key, key);
-            assert!(errors[0].problem.contains(words) && errors[0].line > 1, "{}", errors[0]);
+            check_refused(with("[perception]", text), key, words);
         }
     }
 }

@@ -30,7 +30,7 @@ impl Check<'_> {
             };
             if scale.is_nominal() && questions.iter().any(|question| !question.is_rating()) {
                 let what = "stands twice: one question per study asks for the mode";
-                self.error(&format!("{key}.asks"), what.to_owned());
+                self.error(&format!("{key}.asks"), what);
             }
             let QuestionTable { id, text, group, reversed, .. } = table;
             let question = Question { id, text, group, scale, reversed };
@@ -61,13 +61,13 @@ impl Check<'_> {
         ];
         for (name, _) in beside.into_iter().filter(|(_, is_present)| *is_present) {
             let what = "is not used beside asks, whose answers are the study's modes; leave it out";
-            self.error(&format!("{key}.{name}"), what.to_owned());
+            self.error(&format!("{key}.{name}"), what);
         }
         let at = format!("{key}.asks");
         let n = modes.len();
         if n < LEAST_MODES {
             let what = "the study has one mode: it can be asked for from two modes on";
-            self.error(&at, what.to_owned());
+            self.error(&at, what);
         }
         if n > MOST_MODES {
             let what = format!(
@@ -95,13 +95,13 @@ impl Check<'_> {
             ];
             for (name, _) in without_points.into_iter().filter(|(_, is_present)| *is_present) {
                 let what = "is not used without points, the number of answers; add points";
-                self.error(&format!("{key}.{name}"), what.to_owned());
+                self.error(&format!("{key}.{name}"), what);
             }
             return table.scale.clone().unwrap_or_default();
         };
         if table.scale.is_some() {
             let what = "is not used beside points; leave one of them out";
-            self.error(&format!("{key}.scale"), what.to_owned());
+            self.error(&format!("{key}.scale"), what);
         }
         let most = i16::from(AnswerScale::MOST_POINTS);
         let points = self.whole(&format!("{key}.points"), points, [2, most]);
@@ -129,7 +129,7 @@ impl Check<'_> {
             self.line(&format!("{key}.labels[{i}]"), label);
             if label.trim().is_empty() {
                 let what = "is empty; name the two ends alone where not every answer has a word";
-                self.error(&format!("{key}.labels[{i}]"), what.to_owned());
+                self.error(&format!("{key}.labels[{i}]"), what);
             }
         }
         let n = labels.len();
@@ -168,12 +168,20 @@ impl QuestionTable {
 
 #[cfg(test)]
 mod tests {
-    use crate::{AnswerScale, Study, StudyId, template};
+    use crate::tests::{check_refused, check_round_trip, text};
+    use crate::{AnswerScale, Study, StudyError};
 
     /// The template with these lines in its first question.
-    fn asked(lines: &str) -> Result<Study, Vec<crate::StudyError>> {
-        let text = template(&StudyId::new("demo").unwrap());
-        Study::from_toml(&text.replacen("[[questions]]", &format!("[[questions]]\n{lines}"), 1))
+    fn asked(lines: &str) -> Result<Study, Vec<StudyError>> {
+        Study::from_toml(&text().replacen("[[questions]]", &format!("[[questions]]\n{lines}"), 1))
+    }
+
+    /// A text is refused: for this key, in these words, whatever is wrong with it besides.
+    #[track_caller]
+    fn check_among(read: Result<Study, Vec<StudyError>>, key: &str, words: &str) {
+        let errors = read.unwrap_err();
+        let found = errors.iter().find(|e| e.key == key).unwrap_or_else(|| panic!("{errors:?}"));
+        assert!(found.problem.contains(words) && found.line > 1, "{found}");
     }
 
     fn scale(lines: &str) -> AnswerScale {
@@ -184,10 +192,8 @@ mod tests {
     fn a_question_may_have_any_number_of_points_from_any_number_on() {
         let seven = scale("points = 7\nfrom = -3\nlabels = [\"bad\", \"neither\", \"good\"]");
         assert_eq!(seven.answers(), [-3, -2, -1, 0, 1, 2, 3]);
-        assert_eq!(
-            [-3, -2, 0, 3].map(|a| seven.worded(a)),
-            ["-3 (bad)", "-2", "0 (neither)", "3 (good)"]
-        );
+        let worded = [-3, -2, 0, 3].map(|a| seven.worded(a));
+        assert_eq!(worded, ["-3 (bad)", "-2", "0 (neither)", "3 (good)"]);
         let load = scale("points = 21\nfrom = 0\nstep = 5");
         assert_eq!((load.lowest(), load.highest(), load.is_ordinal()), (0, 100, false));
         assert_eq!(scale("points = 7").answers(), [1, 2, 3, 4, 5, 6, 7]);
@@ -197,7 +203,7 @@ mod tests {
     #[test]
     fn a_scale_by_its_numbers_survives_a_round_trip() {
         let study = asked("points = 7\nfrom = 0\nlabels = [\"low\", \"high\"]").unwrap();
-        assert_eq!(Study::from_toml(&study.to_toml().unwrap()).unwrap(), study);
+        check_round_trip(&study);
     }
 
     #[test]
@@ -207,42 +213,30 @@ mod tests {
         assert_eq!(study.questions[0].scale, AnswerScale::Modes(labels));
         assert!(!study.questions[0].is_rating() && study.questions[1].is_rating());
         assert!(!study.trial_form().likert);
-        assert_eq!(Study::from_toml(&study.to_toml().unwrap()).unwrap(), study);
+        check_round_trip(&study);
     }
 
     #[test]
     fn a_question_for_the_mode_has_no_scale_of_its_own() {
-        let beside = "is not used beside asks";
-        for (lines, key, words) in [
-            ("points = 3", "questions[0].points", beside),
-            ("scale = \"five_point\"", "questions[0].scale", beside),
-            ("from = 0", "questions[0].from", beside),
-            ("step = 2", "questions[0].step", beside),
-            ("labels = [\"a\", \"b\"]", "questions[0].labels", beside),
-            ("group = \"g\"", "questions[0].group", beside),
-            ("reversed = true", "questions[0].reversed", beside),
+        for (key, value) in [
+            ("points", "3"),
+            ("scale", "\"five_point\""),
+            ("from", "0"),
+            ("step", "2"),
+            ("labels", "[\"a\", \"b\"]"),
+            ("group", "\"g\""),
+            ("reversed", "true"),
         ] {
-            let errors = asked(&format!("asks = \"mode\"\n{lines}")).unwrap_err();
-            let found: Vec<_> = errors.iter().map(|e| e.key.as_str()).collect();
-            assert_eq!(found, [key]);
-            assert!(errors[0].problem.contains(words) && errors[0].line > 1, "{}", errors[0]);
+            let read = asked(&format!("asks = \"mode\"\n{key} = {value}"));
+            check_refused(read, &format!("questions[0].{key}"), "is not used beside asks");
         }
-        let errors = asked("asks = \"force\"").unwrap_err();
-        assert_eq!((errors.len(), errors[0].key.as_str()), (1, "asks"));
-        assert!(errors[0].problem.contains("expected `mode`"), "{}", errors[0]);
+        check_refused(asked("asks = \"force\""), "asks", "expected `mode`");
     }
 
     #[test]
     fn a_mode_is_asked_for_once_and_of_modes_that_can_be_told_apart() {
-        let text = template(&StudyId::new("demo").unwrap());
-        let text = text.replacen("[[questions]]", "[[questions]]\nasks = \"mode\"", 1);
-        #[track_caller]
-        fn check(text: &str, key: &str, words: &str) {
-            let errors = Study::from_toml(text).unwrap_err();
-            let found: Vec<_> = errors.iter().map(|e| e.key.as_str()).collect();
-            assert_eq!(found, [key], "{errors:?}");
-            assert!(errors[0].problem.contains(words) && errors[0].line > 1, "{}", errors[0]);
-        }
+        let text = text().replacen("[[questions]]", "[[questions]]\nasks = \"mode\"", 1);
+        let check = |text: &str, key, words| check_refused(Study::from_toml(text), key, words);
         let twice = text.replace("\"mode\"", "'mode'").replacen(
             "[[questions]]\nid",
             "[[questions]]\nasks = \"mode\"\nid",
@@ -274,24 +268,19 @@ mod tests {
             ("points = 2\nlabels = [\"a\", \" \"]", "labels[1]", "is empty"),
             ("points = 2\nlabels = [\"a\\n\", \"b\"]", "labels[0]", "breaks a line"),
         ] {
-            let errors = asked(lines).unwrap_err();
-            let key = format!("questions[0].{key}");
-            let found =
-                errors.iter().find(|e| e.key == key).unwrap_or_else(|| panic!("{errors:?}"));
-            assert!(found.problem.contains(words) && found.line > 1, "{found}");
+            check_among(asked(lines), &format!("questions[0].{key}"), words);
         }
     }
 
     #[test]
     fn an_environment_may_ask_several_questions_each_once() {
-        let text = template(&StudyId::new("demo").unwrap());
         let with = |questions: &str| {
-            Study::from_toml(&text.replacen("question = \"felt_spring\"", questions, 1))
+            Study::from_toml(&text().replacen("question = \"felt_spring\"", questions, 1))
         };
         let study = with("questions = [\"felt_wall\", \"felt_spring\"]").unwrap();
         let asked: Vec<&str> = study.environments[0].questions().map(|q| q.as_str()).collect();
         assert_eq!(asked, ["felt_wall", "felt_spring"]);
-        assert_eq!(Study::from_toml(&study.to_toml().unwrap()).unwrap(), study);
+        check_round_trip(&study);
         for (questions, key, words) in [
             ("questions = [\"felt_wall\", \"heat\"]", "questions[1]", "is not the id"),
             ("questions = [\"felt_wall\", \"felt_wall\"]", "questions[1]", "stands twice"),
@@ -301,17 +290,13 @@ mod tests {
                 "beside questions",
             ),
         ] {
-            let errors = with(questions).unwrap_err();
-            let key = format!("environments[0].{key}");
-            let found =
-                errors.iter().find(|e| e.key == key).unwrap_or_else(|| panic!("{errors:?}"));
-            assert!(found.problem.contains(words), "{found}");
+            check_among(with(questions), &format!("environments[0].{key}"), words);
         }
     }
 
     #[test]
     fn what_is_pooled_is_answered_on_one_scale() {
-        let text = template(&StudyId::new("demo").unwrap());
+        let text = text();
         let (before, after) = text.split_once("[[questions]]").unwrap();
         let with = |scales: [&str; 2]| {
             let (first, second) = after.split_once("[[questions]]").unwrap();

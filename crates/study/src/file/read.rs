@@ -77,16 +77,14 @@ impl Check<'_> {
         }
         for (i, question) in file.questions.iter().enumerate() {
             self.line(&format!("questions[{i}].text"), &question.text);
-            self.line(
-                &format!("questions[{i}].group"),
-                question.group.as_deref().unwrap_or_default(),
-            );
+            let group = question.group.as_deref().unwrap_or_default();
+            self.line(&format!("questions[{i}].group"), group);
         }
     }
 
     /// The trials of a session, and the samples of one.
     fn sizes(&mut self, file: &File) {
-        let DesignTable { repeats, familiarisation, trial_limit_s, .. } = file.design;
+        let Design { repeats, familiarisation, trial_limit_s, .. } = file.design;
         let conditions = file.environments.len().saturating_mul(file.modes.len()) as u64;
         let trials =
             conditions.saturating_mul(repeats.into()).saturating_add(familiarisation.into());
@@ -127,7 +125,7 @@ impl Check<'_> {
                 let key = format!("channels[{i}].{key}");
                 self.line(&key, text);
                 if text.trim().is_empty() {
-                    self.error(&key, "is empty; a unit of a pure number is \"1\"".to_owned());
+                    self.error(&key, "is empty; a unit of a pure number is \"1\"");
                 }
             }
             // A channel that a stage reads has the unit in which it is read.
@@ -166,15 +164,16 @@ impl Check<'_> {
                 self.environment(&format!("environments[{i}]"), e, coordinate, &questions)
             })
             .collect();
-        let modes: Vec<Mode> =
-            file.modes.iter().enumerate().map(|(i, m)| self.mode(i, m)).collect();
+        for (i, mode) in file.modes.iter().enumerate() {
+            self.mode(i, mode);
+        }
         let labels: Vec<&str> = file.modes.iter().map(|mode| mode.label.as_str()).collect();
         let analysis = self.analysis(&file.analysis, coordinate);
-        let compare = self.compare(file.compare, &modes, &analysis);
+        let compare = self.compare(file.compare, &file.modes, &analysis);
         Study {
             id: file.study.id,
             title: file.study.title,
-            design: self.design(&file.design),
+            design: self.design(file.design),
             coordinate,
             device,
             control: self.control(&file.control),
@@ -193,7 +192,7 @@ impl Check<'_> {
                     .map(|r| self.positive("resistances.brake_ohm", r)),
             },
             environments,
-            modes,
+            modes: file.modes.clone(),
             questions: self.questions(file.questions, &labels),
             schema,
             channels: file.channels,
@@ -219,7 +218,7 @@ impl Check<'_> {
         }
         self.at_most_listed(list, count);
         if count == 0 && !["questions", "channels", "scenes"].contains(&list) {
-            self.error(list, "the list is empty; a study needs at least one".to_owned());
+            self.error(list, "the list is empty; a study needs at least one");
         }
     }
 
@@ -231,9 +230,9 @@ impl Check<'_> {
         }
     }
 
-    fn design(&mut self, d: &DesignTable) -> Design {
+    fn design(&mut self, mut d: Design) -> Design {
         if d.repeats == 0 {
-            self.error("design.repeats", "0 must be at least 1".to_owned());
+            self.error("design.repeats", "0 must be at least 1");
         }
         for (key, trials) in
             [("design.repeats", d.repeats), ("design.familiarisation", d.familiarisation)]
@@ -242,29 +241,22 @@ impl Check<'_> {
                 self.error(key, format!("{trials} must be at most {MOST_TRIALS}"));
             }
         }
-        Design {
-            repeats: d.repeats,
-            familiarisation: d.familiarisation,
-            trial_limit_s: self.within("design.trial_limit_s", d.trial_limit_s, LONGEST_S),
-            // No pause is fine, and `within` takes nothing but numbers above 0.
-            pause_s: if d.pause_s == 0.0 {
-                0.0
-            } else {
-                self.within("design.pause_s", d.pause_s, LONGEST_S)
-            },
-            order: d.order,
-            blinded: d.blinded,
+        self.within("design.trial_limit_s", d.trial_limit_s, LONGEST_S);
+        // No pause is fine, and `within` takes nothing but numbers above 0.
+        if d.pause_s == 0.0 {
+            d.pause_s = 0.0; // without a sign
+        } else {
+            self.within("design.pause_s", d.pause_s, LONGEST_S);
         }
+        d
     }
 
     fn device(&mut self, d: &DeviceTable) -> Device {
         if let (Some(low), Some(high)) = (d.theta_min_deg, d.theta_max_deg)
             && low >= high
         {
-            self.error(
-                "device.theta_max_deg",
-                format!("{high} must lie above theta_min_deg, which is {low}"),
-            );
+            let problem = format!("{high} must lie above theta_min_deg, which is {low}");
+            self.error("device.theta_max_deg", problem);
         }
         Device {
             name: d.name.clone(),
@@ -291,7 +283,7 @@ impl Check<'_> {
             (VelocityKind::Difference, Some(_)) => {
                 let problem =
                     "is not used for a plain difference; remove it, or choose \"second_order\"";
-                self.error("control.velocity_cutoff_hz", problem.to_owned());
+                self.error("control.velocity_cutoff_hz", problem);
                 VelocityFilter::Difference
             }
         };
@@ -308,36 +300,28 @@ impl Check<'_> {
             (CoordinateKind::Rotational, _) => Coordinate::Rotational,
             (CoordinateKind::Linear, Some(lever_m)) => Coordinate::Linear { lever_m },
             (CoordinateKind::Linear, None) => {
-                self.error(
-                    "coordinate.kind",
-                    "a linear coordinate x = L θ needs device.lever_m (1.0 for a slide)".to_owned(),
-                );
+                let problem = "a linear coordinate x = L θ needs device.lever_m (1.0 for a slide)";
+                self.error("coordinate.kind", problem);
                 // So that no other finding follows from this one.
                 Coordinate::Linear { lever_m: 1.0 }
             }
         }
     }
 
-    fn mode(&mut self, i: usize, m: &ModeTable) -> Mode {
-        if m.id.is_code() {
+    fn mode(&mut self, i: usize, mode: &Mode) {
+        if mode.id.is_code() {
             let problem =
-                format!("'{}' looks like the code of a sealed mode; choose another id", m.id);
+                format!("'{}' looks like the code of a sealed mode; choose another id", mode.id);
             self.error(&format!("modes[{i}].id"), problem);
         }
-        let mode = Mode {
-            id: m.id.clone(),
-            label: m.label.clone(),
-            motor_max_v: m
-                .motor_max_v
-                .map(|v| self.not_negative(&format!("modes[{i}].motor_max_v"), v)),
-            brake_max_v: m
-                .brake_max_v
-                .map(|v| self.not_negative(&format!("modes[{i}].brake_max_v"), v)),
-            law: m.law,
-        };
+        for (key, max_v) in [("motor_max_v", mode.motor_max_v), ("brake_max_v", mode.brake_max_v)] {
+            if let Some(max_v) = max_v {
+                self.not_negative(&format!("modes[{i}].{key}"), max_v);
+            }
+        }
         for drive in ActuatorKind::ALL {
             let has = mode.has(drive);
-            if let Some(law) = m.law.filter(|law| law.uses(drive) != has) {
+            if let Some(law) = mode.law.filter(|law| law.uses(drive) != has) {
                 let law = law.as_str();
                 let drive = drive.as_str();
                 let what = match has {
@@ -347,48 +331,41 @@ impl Check<'_> {
                 self.error(&format!("modes[{i}].law"), what);
             }
         }
-        mode
     }
 
     fn analysis(&mut self, a: &AnalysisTable, coordinate: Coordinate) -> Analysis {
         let linear = coordinate != Coordinate::Rotational;
-        for (name, value, used) in [
-            ("onset_deg_s", a.onset_deg_s, !linear),
-            ("offset_deg_s", a.offset_deg_s, !linear),
-            ("slope_from_deg", a.slope_from_deg, !linear),
-            ("onset_mm_s", a.onset_mm_s, linear),
-            ("offset_mm_s", a.offset_mm_s, linear),
-            ("slope_from_mm", a.slope_from_mm, linear),
-        ] {
-            let key = format!("analysis.{name}");
-            match value {
-                Some(_) if !used => {
-                    self.error(&key, "is not used for this coordinate; remove it".to_owned())
+        let (onset, offset) =
+            if linear { (ONSET_MM_S, OFFSET_MM_S) } else { (ONSET_DEG_S, OFFSET_DEG_S) };
+        // The keys of a rotational and of a linear study, and their values.
+        let numbers = [
+            (["onset_deg_s", "onset_mm_s"], [a.onset_deg_s, a.onset_mm_s], onset),
+            (["offset_deg_s", "offset_mm_s"], [a.offset_deg_s, a.offset_mm_s], offset),
+            (["slope_from_deg", "slope_from_mm"], [a.slope_from_deg, a.slope_from_mm], 0.0),
+        ];
+        for place in [0, 1] {
+            for (keys, values, _) in &numbers {
+                let key = format!("analysis.{}", keys[place]);
+                match values[place] {
+                    Some(_) if place != usize::from(linear) => {
+                        self.error(&key, "is not used for this coordinate; remove it")
+                    }
+                    Some(value) => _ = self.not_negative(&key, value),
+                    None => {}
                 }
-                Some(value) => _ = self.not_negative(&key, value),
-                None => {}
             }
         }
         if a.grid_points < 2 {
             self.error("analysis.grid_points", format!("{} must be at least 2", a.grid_points));
         }
         if a.grid_points > MOST_POINTS {
-            self.error(
-                "analysis.grid_points",
-                format!("{} must be at most {MOST_POINTS}", a.grid_points),
-            );
+            let problem = format!("{} must be at most {MOST_POINTS}", a.grid_points);
+            self.error("analysis.grid_points", problem);
         }
         if !(a.confidence > 0.0 && a.confidence < 1.0) {
             self.error("analysis.confidence", format!("{} must lie between 0 and 1", a.confidence));
         }
-        let (onset, offset) =
-            if linear { (ONSET_MM_S, OFFSET_MM_S) } else { (ONSET_DEG_S, OFFSET_DEG_S) };
-        let [onset_rad_s, offset_rad_s, slope_from_rad] = [
-            (["onset_deg_s", "onset_mm_s"], [a.onset_deg_s, a.onset_mm_s], onset),
-            (["offset_deg_s", "offset_mm_s"], [a.offset_deg_s, a.offset_mm_s], offset),
-            (["slope_from_deg", "slope_from_mm"], [a.slope_from_deg, a.slope_from_mm], 0.0),
-        ]
-        .map(|(keys, values, default)| {
+        let [onset_rad_s, offset_rad_s, slope_from_rad] = numbers.map(|(keys, values, default)| {
             self.position("analysis", keys, values, coordinate, Some(default))
         });
         let analysis = Analysis {
@@ -399,10 +376,7 @@ impl Check<'_> {
             confidence: a.confidence,
         };
         if analysis.offset_rad_s > analysis.onset_rad_s {
-            self.error(
-                "analysis",
-                "the offset velocity must not exceed the onset velocity".to_owned(),
-            );
+            self.error("analysis", "the offset velocity must not exceed the onset velocity");
         }
         analysis
     }

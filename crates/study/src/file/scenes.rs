@@ -45,27 +45,21 @@ pub(super) fn is_below(file: &str, extensions: &[&str]) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use crate::{SceneDrawing, Study, StudyId, template};
-
-    fn with_scenes(scenes: &str) -> Result<Study, Vec<crate::StudyError>> {
-        let text = template(&StudyId::new("made").unwrap());
-        Study::from_toml(&format!("{text}\n[[scenes]]\n{scenes}\n"))
-    }
+    use crate::tests::with;
+    use crate::{SceneDrawing, Study};
 
     #[test]
     fn a_figure_of_scenes_has_files_and_may_have_solver_and_step() {
         let text = "id = \"figure_8\"\nfiles = [\"scenes/a.toml\", \"b-2.toml\"]\ndraw = \"inputs\"\n\
                     solver = \"rk4\"\nstep_s = 0.001";
-        let study = with_scenes(text).unwrap();
+        let study = with("[[scenes]]", text).unwrap();
         let [figure] = study.scenes.as_slice() else { panic!("{:?}", study.scenes) };
         assert_eq!((figure.id.as_str(), figure.draw), ("figure_8", SceneDrawing::Inputs));
         assert_eq!((figure.solver.as_deref(), figure.step_s), (Some("rk4"), Some(0.001)));
         let again = Study::from_toml(&study.to_toml().unwrap()).unwrap();
         assert_eq!(again.scenes, study.scenes);
-        assert_eq!(
-            with_scenes("id = \"a\"\nfiles = [\"a.toml\"]").unwrap().scenes[0].draw,
-            SceneDrawing::Runs
-        );
+        let plain = with("[[scenes]]", "id = \"a\"\nfiles = [\"a.toml\"]").unwrap();
+        assert_eq!(plain.scenes[0].draw, SceneDrawing::Runs);
     }
 
     #[test]
@@ -100,7 +94,7 @@ mod tests {
                 "stands twice",
             ),
         ] {
-            let errors = with_scenes(text).unwrap_err();
+            let errors = with("[[scenes]]", text).unwrap_err();
             assert_eq!(errors[0].key, key, "{errors:?}");
             assert!(errors[0].problem.contains(words) && errors[0].line > 0, "{errors:?}");
         }

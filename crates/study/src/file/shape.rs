@@ -1,35 +1,39 @@
-//! The shape of `study.toml`: what serde reads and writes, in the units people type.
+//! The shape of `study.toml`: what serde reads and writes, in the units people type. TOML has
+//! nothing for `None`: such a key is not written.
 
 use super::environment::EnvironmentTable;
 use super::perception::PerceptionTable;
-use crate::model::{Analysis, OrderScheme};
-use crate::{AnswerScale, Better, MetricId, ModeId, ModeLaw, QuestionId, StudyId};
+use crate::model::{Analysis, Design, Mode, Resistances};
+use crate::{AnswerScale, Better, MetricId, ModeId, QuestionId, StudyId};
 use crate::{Channel, Control, EffectSize, Families, ReplayModel, SceneFigure, VelocityFilter};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+
+fn is_default<T: Default + PartialEq>(table: &T) -> bool {
+    *table == T::default()
+}
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct File {
     pub(super) schema: u32,
     pub(super) study: StudyTable,
-    pub(super) design: DesignTable,
+    pub(super) design: Design,
     #[serde(default)]
     pub(super) coordinate: CoordinateTable,
     pub(super) device: DeviceTable,
     #[serde(default)]
     pub(super) control: ControlTable,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) masses: Option<MassesTable>,
-    #[serde(default, skip_serializing_if = "ResistancesTable::is_empty")]
-    pub(super) resistances: ResistancesTable,
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub(super) resistances: Resistances,
     #[serde(default)]
     pub(super) analysis: AnalysisTable,
-    #[serde(default, skip_serializing_if = "CompareTable::is_default")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub(super) compare: CompareTable,
-    #[serde(default, skip_serializing_if = "PerceptionTable::is_default")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub(super) perception: PerceptionTable,
-    #[serde(default, skip_serializing_if = "ReplayTable::is_default")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub(super) replay: ReplayTable,
     /// Tables within tables, read by hand (`figures.rs`): a key's name is the beginning of a
     /// figure's id.
@@ -38,7 +42,7 @@ pub(super) struct File {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(super) scenes: Vec<SceneFigure>,
     pub(super) environments: Vec<EnvironmentTable>,
-    pub(super) modes: Vec<ModeTable>,
+    pub(super) modes: Vec<Mode>,
     #[serde(default)]
     pub(super) questions: Vec<QuestionTable>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -50,21 +54,6 @@ pub(super) struct File {
 pub(super) struct StudyTable {
     pub(super) id: StudyId,
     pub(super) title: String,
-}
-
-#[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct DesignTable {
-    pub(super) repeats: u32,
-    #[serde(default)]
-    pub(super) familiarisation: u32,
-    pub(super) trial_limit_s: f64,
-    #[serde(default)]
-    pub(super) pause_s: f64,
-    #[serde(default)]
-    pub(super) order: OrderScheme,
-    #[serde(default)]
-    pub(super) blinded: bool,
 }
 
 #[derive(Serialize, Deserialize, Default, Clone, Copy, PartialEq)]
@@ -85,13 +74,9 @@ pub(super) struct CoordinateTable {
 #[serde(deny_unknown_fields)]
 pub(super) struct DeviceTable {
     pub(super) name: String,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) lever_m: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) theta_min_deg: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) theta_max_deg: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) force_rate_hz: Option<f64>,
 }
 
@@ -110,7 +95,6 @@ pub(super) struct ControlTable {
     pub(super) let_go_n: f64,
     pub(super) force_limit_n: f64,
     pub(super) velocity: VelocityKind,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) velocity_cutoff_hz: Option<f64>,
 }
 
@@ -136,21 +120,6 @@ impl Default for ControlTable {
     }
 }
 
-#[derive(Serialize, Deserialize, Default)]
-#[serde(deny_unknown_fields)]
-pub(super) struct ResistancesTable {
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) motor_ohm: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) brake_ohm: Option<f64>,
-}
-
-impl ResistancesTable {
-    fn is_empty(&self) -> bool {
-        self.motor_ohm.is_none() && self.brake_ohm.is_none()
-    }
-}
-
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct MassesTable {
@@ -161,17 +130,11 @@ pub(super) struct MassesTable {
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct AnalysisTable {
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) onset_deg_s: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) offset_deg_s: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) slope_from_deg: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) onset_mm_s: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) offset_mm_s: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) slope_from_mm: Option<f64>,
     pub(super) grid_points: usize,
     pub(super) confidence: f64,
@@ -199,36 +162,18 @@ pub(super) struct ReplayTable {
     pub(super) model: ReplayModel,
 }
 
-impl ReplayTable {
-    fn is_default(&self) -> bool {
-        *self == Self::default()
-    }
-}
-
 #[derive(Serialize, Deserialize, Default, PartialEq)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct CompareTable {
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) contrasts: Option<Vec<[ModeId; 2]>>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) primary: Option<MetricId>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) metrics: Option<Vec<MetricId>>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) alpha: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) level: Option<f64>,
     pub(super) families: Families,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) effect_sizes: Option<Vec<EffectSize>>,
     pub(super) bounds: BTreeMap<MetricId, BoundTable>,
     pub(super) better: BTreeMap<MetricId, Better>,
-}
-
-impl CompareTable {
-    fn is_default(&self) -> bool {
-        *self == Self::default()
-    }
 }
 
 #[derive(Serialize, Deserialize, Clone, Copy, PartialEq)]
@@ -244,37 +189,18 @@ pub(super) enum BoundTable {
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct ModeTable {
-    pub(super) id: ModeId,
-    pub(super) label: String,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) motor_max_v: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) brake_max_v: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) law: Option<ModeLaw>,
-}
-
-#[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub(super) struct QuestionTable {
     pub(super) id: QuestionId,
     pub(super) text: String,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) group: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) scale: Option<AnswerScale>,
     #[serde(default)]
     pub(super) reversed: bool,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) points: Option<i64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) from: Option<i64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) step: Option<i64>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(super) labels: Vec<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) asks: Option<Asks>,
 }
 

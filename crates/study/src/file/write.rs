@@ -25,14 +25,7 @@ impl From<&Study> for File {
         Self {
             schema: s.schema.number(),
             study: StudyTable { id: s.id.clone(), title: s.title.clone() },
-            design: DesignTable {
-                repeats: s.design.repeats,
-                familiarisation: s.design.familiarisation,
-                trial_limit_s: s.design.trial_limit_s,
-                pause_s: s.design.pause_s,
-                order: s.design.order,
-                blinded: s.design.blinded,
-            },
+            design: s.design.clone(),
             coordinate: CoordinateTable {
                 kind: match s.coordinate {
                     Coordinate::Rotational => CoordinateKind::Rotational,
@@ -51,10 +44,7 @@ impl From<&Study> for File {
                 motor_g: decimal(m.motor_kg / MILLI),
                 brake_g: decimal(m.brake_kg / MILLI),
             }),
-            resistances: ResistancesTable {
-                motor_ohm: s.resistances.motor_ohm,
-                brake_ohm: s.resistances.brake_ohm,
-            },
+            resistances: s.resistances,
             analysis: analysis_table(&s.analysis, s.coordinate),
             compare: super::compare::table(s),
             perception: super::perception::table(&s.perception),
@@ -66,17 +56,7 @@ impl From<&Study> for File {
                 .iter()
                 .map(|e| EnvironmentTable::of(e, s.coordinate))
                 .collect(),
-            modes: s
-                .modes
-                .iter()
-                .map(|m| ModeTable {
-                    id: m.id.clone(),
-                    label: m.label.clone(),
-                    motor_max_v: m.motor_max_v,
-                    brake_max_v: m.brake_max_v,
-                    law: m.law,
-                })
-                .collect(),
+            modes: s.modes.clone(),
             questions: s.questions.iter().map(QuestionTable::of).collect(),
             channels: s.channels.clone(),
         }

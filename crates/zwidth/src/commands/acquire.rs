@@ -1,10 +1,12 @@
 //! `zwidth acquire`: records a session, or continues one.
 
-use super::device::{Bench, bench, clock, keys, raised_by_signals, secret, warn_of_calibration};
+use super::device::{Bench, bench, clock, keys, raised_by_signals, secret};
 use super::participant::{beside, way};
 use super::recover::{lock, put_in_order_and_tell};
 use crate::commands::device::Keys;
-use crate::devices::{DEVICES, DeviceSpec, is_homed_by_hand, mixed, open, steps_alone};
+use crate::devices::{
+    DEVICES, DeviceSpec, is_homed_by_hand, mixed, open, steps_alone, warn_of_calibration,
+};
 use crate::exit::Exit;
 use crate::limits::{positive, rate};
 use crate::screen::Screen;
@@ -99,7 +101,7 @@ pub(crate) fn acquire(root: &Path, command: &AcquireArgs, screen: &Screen) -> an
     if by_hand && command.fast {
         bail!("--fast: a rig runs in real time; leave it out");
     }
-    let mut device = open(&command.device, &bench.occasion(seed, participant, session))?;
+    let mut device = open(&command.device, &bench, seed, participant, session)?;
     warn_of_calibration(&bench, &command.device, screen);
     if by_hand && command.auto && device.capabilities().source != Source::Twin {
         bail!("--auto: nobody would hold the lever against its stop; leave it out");
@@ -192,51 +194,29 @@ fn tell(plan: &Plan, outcome: &Outcome, resume: &str, screen: &Screen) -> Exit {
     if outcome.stays_on {
         screen.warn("the board did not take its last 0 V and has no watchdog: a voltage may stay on; switch its supply off");
     }
-    if done == total && outcome.stays_on {
-        screen.say(format!("{session}: all {total} trials are done"));
-        return Exit::Failed;
-    }
     if done == total {
-        screen.say(format!(
-            "{session}: all {total} trials are done. Check them with `zwidth verify {}`.",
-            plan.study.id
-        ));
-        return Exit::Fine;
+        let check = format!(". Check them with `zwidth verify {}`.", plan.study.id);
+        let (check, exit) =
+            if outcome.stays_on { ("", Exit::Failed) } else { (check.as_str(), Exit::Fine) };
+        screen.say(format!("{session}: all {total} trials are done{check}"));
+        return exit;
     }
     screen.warn(format!("{session}: {done} of {total} trials are done; go on with `{resume}`"));
-    if let Some(why) = &outcome.gone {
-        screen.warn(format!("the terminal is gone ({why}); what was recorded is safe"));
-        return Exit::Failed;
-    }
-    match (&outcome.stopped, outcome.interrupted) {
-        (Some(why), _) => {
-            screen.warn(format!("it was stopped: {why}"));
-            Exit::Failed
+    screen.warn(match (&outcome.gone, &outcome.stopped) {
+        (Some(why), _) => format!("the terminal is gone ({why}); what was recorded is safe"),
+        (None, Some(why)) => format!("it was stopped: {why}"),
+        (None, None) if outcome.interrupted => {
+            "a signal ended it; what was recorded is safe".to_owned()
         }
-        (None, true) => {
-            screen.warn("a signal ended it; what was recorded is safe");
-            Exit::Failed
-        }
-        (None, false) => Exit::Partly,
-    }
+        (None, None) => return Exit::Partly,
+    });
+    Exit::Failed
 }
 
 /// The command that goes on with a session, with every option that it was begun with and needs again, as a
 /// shell reads it. A blinded session needs no seed to go on, so its seed is not shown.
 fn resume(root: &Path, command: &AcquireArgs, blinded: bool) -> String {
-    let AcquireArgs {
-        study,
-        participant,
-        session,
-        device,
-        plain,
-        ascii,
-        auto,
-        rate,
-        seed,
-        fast,
-        ..
-    } = command;
+    let AcquireArgs { study, participant, session, device, .. } = command;
     let mut words = vec!["zwidth".to_owned(), "acquire".to_owned()];
     // What looks like an option comes last, where nothing is taken for one.
     let last = study.as_str().starts_with('-');
@@ -246,8 +226,8 @@ fn resume(root: &Path, command: &AcquireArgs, blinded: bool) -> String {
     let markers: Vec<String> = command.markers.iter().map(ToString::to_string).collect();
     let options = [
         ("--device", (*device != DeviceSpec::Twin).then(|| device.to_string())),
-        ("--rate", rate.map(|hz| hz.to_string())),
-        ("--seed", seed.filter(|_| !blinded).map(|seed| seed.to_string())),
+        ("--rate", command.rate.map(|hz| hz.to_string())),
+        ("--seed", command.seed.filter(|_| !blinded).map(|seed| seed.to_string())),
         ("--markers", (!markers.is_empty()).then(|| markers.join(","))),
         ("--by", command.by.as_ref().map(ToString::to_string)),
         ("--key", command.keys.folder.as_ref().map(|folder| folder.display().to_string())),
@@ -257,10 +237,10 @@ fn resume(root: &Path, command: &AcquireArgs, blinded: bool) -> String {
         words.extend(value.into_iter().flat_map(|value| shell_option(name, name, &value)));
     }
     let switches = [
-        ("--plain", *plain),
-        ("--ascii", *ascii),
-        ("--auto", *auto),
-        ("--fast", *fast),
+        ("--plain", command.plain),
+        ("--ascii", command.ascii),
+        ("--auto", command.auto),
+        ("--fast", command.fast),
         ("--no-watchdog", command.no_watchdog),
     ];
     words.extend(switches.into_iter().filter(|(_, on)| *on).map(|(name, _)| name.to_owned()));

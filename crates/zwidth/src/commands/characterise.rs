@@ -13,16 +13,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use zwidth_device::{Device as _, Person, SweepPoint, Twin, brake_sweep, motor_sweep};
 use zwidth_store::{Quantity, Raw, RealFiles, Sweep, hex_blake3, record_sweep};
-use zwidth_study::{ActuatorId, Source, StudyId};
-
-/// An actuator that can be swept.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Actuator {
-    /// The motor.
-    Motor,
-    /// The brake.
-    Brake,
-}
+use zwidth_study::{ActuatorKind, Source, StudyId};
 
 /// What can be characterised.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -69,14 +60,14 @@ pub(crate) fn characterise(
     put_in_order_and_tell(&bench.layout, &lock, screen);
     let raw = Raw::adds(&RealFiles, &bench.layout, &lock);
     let actuator = match command.actuator {
-        Subject::Motor => Actuator::Motor,
-        Subject::Brake => Actuator::Brake,
+        Subject::Motor => ActuatorKind::Motor,
+        Subject::Brake => ActuatorKind::Brake,
         Subject::Impedance => {
             impedance(root, &bench, &raw, command.seed, screen)?;
             return Ok(Exit::Fine);
         }
     };
-    let id = actuator_id(actuator)?;
+    let id = actuator.as_str().parse()?;
     // Earlier sweeps stay: numbering goes on at the first number without a file.
     let first = (1..).find(|number| !bench.layout.sweep(&id, *number).exists()).unwrap_or(u32::MAX);
     for number in first..first.saturating_add(command.sweeps) {
@@ -91,15 +82,15 @@ pub(crate) fn characterise(
 /// One sweep on the twin.
 pub(super) fn simulated_sweep(
     bench: &Bench,
-    actuator: Actuator,
+    actuator: ActuatorKind,
     seed: u64,
     number: u32,
     software: &str,
 ) -> anyhow::Result<Sweep> {
     let points: Vec<SweepPoint> = match actuator {
-        Actuator::Motor => motor_sweep(&bench.twin, seed, number)?,
+        ActuatorKind::Motor => motor_sweep(&bench.twin, seed, number)?,
         // A brake's force is its level only while it slips.
-        Actuator::Brake => {
+        ActuatorKind::Brake => {
             brake_sweep(&bench.twin, seed, number)?.into_iter().filter(|p| p.slipping).collect()
         }
     };
@@ -116,7 +107,7 @@ pub(super) fn simulated_sweep(
         file.insert("seed".to_owned(), seed.to_string());
     }
     Ok(Sweep {
-        actuator: actuator_id(actuator)?,
+        actuator: actuator.as_str().parse()?,
         sweep: number,
         source: Source::Twin,
         command: Quantity { name: "voltage".to_owned(), unit: "V".to_owned() },
@@ -126,12 +117,4 @@ pub(super) fn simulated_sweep(
         response_values: points.iter().map(|p| p.force_n).collect(),
         file,
     })
-}
-
-fn actuator_id(actuator: Actuator) -> anyhow::Result<ActuatorId> {
-    let id = match actuator {
-        Actuator::Motor => "motor",
-        Actuator::Brake => "brake",
-    };
-    Ok(id.parse()?)
 }

@@ -1,8 +1,8 @@
 //! `zwidth check`: the device check before a session.
 
-use super::device::{bench, clock, raised_by_signals, warn_of_calibration};
+use super::device::{bench, clock, raised_by_signals};
 use super::recover::lock;
-use crate::devices::{DEVICES, DeviceSpec, checks_itself, open};
+use crate::devices::{DEVICES, DeviceSpec, checks_itself, open, warn_of_calibration};
 use crate::exit::Exit;
 use crate::limits::{positive, rate};
 use crate::screen::Screen;
@@ -55,7 +55,7 @@ pub(crate) fn check(root: &Path, command: &CheckArgs, screen: &Screen) -> anyhow
     // No session is recorded, and a device cannot be opened without the ids of one.
     let participant = "check".parse()?;
     let session = "check".parse()?;
-    let mut device = open(&command.device, &bench.occasion(SEED, &participant, &session))?;
+    let mut device = open(&command.device, &bench, SEED, &participant, &session)?;
     warn_of_calibration(&bench, &command.device, screen);
     let capabilities = device.capabilities().clone();
     let rate_hz = bench.study.control.rate_hz.min(capabilities.rate_hz);
@@ -84,9 +84,7 @@ pub(crate) fn check(root: &Path, command: &CheckArgs, screen: &Screen) -> anyhow
         );
     }
     let lines: Vec<Line> = findings.into_iter().map(line).collect();
-    if screen.json {
-        screen.listing(&lines)?;
-    } else {
+    screen.give(&lines, || {
         screen.result(&capabilities.name);
         for Line { name, value, unit, ok, about } in &lines {
             let check = Check { name: name.clone(), value: *value, unit: unit.clone(), ok: *ok };
@@ -94,7 +92,7 @@ pub(crate) fn check(root: &Path, command: &CheckArgs, screen: &Screen) -> anyhow
             let about = if *ok { String::new() } else { format!("\n      {about}") };
             screen.result(format!("  {name:<20} {:>12}  {verdict}{about}", check_value(&check)));
         }
-    }
+    })?;
     Ok(if lines.iter().all(|l| l.ok) { Exit::Fine } else { Exit::Failed })
 }
 

@@ -6,6 +6,7 @@ use crate::exit::Exit;
 use crate::screen::Screen;
 use anyhow::{Context as _, bail};
 use std::io::ErrorKind;
+use std::path::Path;
 use std::process::Command;
 use zwidth_store::Layout;
 
@@ -27,17 +28,11 @@ pub(super) fn run_on(
     let mut command = Command::new(PROGRAM);
     command.args(["run", study.as_str(), "--scheduler", scheduler]);
     // Where no folder is named, it is the one that both programs are in.
-    if !layout.root().as_os_str().is_empty() {
-        command.arg("--root").arg(layout.root());
-    } else {
-        command.args(["--root", "."]);
-    }
+    let root = layout.root();
+    command.arg("--root").arg(if root.as_os_str().is_empty() { Path::new(".") } else { root });
     command.args(raw.iter().flat_map(|raw| ["--raw", raw]));
-    command.args(
-        [("--quiet", screen.quiet), ("--verbose", screen.verbose)]
-            .iter()
-            .filter_map(|(option, is_on)| is_on.then_some(option)),
-    );
+    let switches = [("--quiet", screen.quiet), ("--verbose", screen.verbose)];
+    command.args(switches.iter().filter_map(|(option, is_on)| is_on.then_some(option)));
     let ended = match command.status() {
         Err(error) if error.kind() == ErrorKind::NotFound => bail!(
             "--cluster needs the program {PROGRAM}, and it is not on the path; build it with \

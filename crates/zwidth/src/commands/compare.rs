@@ -3,7 +3,7 @@
 
 use super::hashes_read;
 use super::near::did_you_mean;
-use super::run::lengths;
+use super::run::run_with_bars;
 use crate::exit::Exit;
 use crate::screen::Screen;
 use anyhow::{anyhow, bail};
@@ -15,7 +15,7 @@ use zwidth_acquire::Unsynced;
 use zwidth_figures::{MeasuredBy, VerdictRow};
 use zwidth_plan as plan;
 use zwidth_results::Role;
-use zwidth_runner::{JobEnd, Options, Results, run as run_jobs, wanted};
+use zwidth_runner::{JobEnd, Options, Results};
 use zwidth_store::{RealFiles, StudyData, findings};
 use zwidth_study::StudyId;
 use zwidth_tables::{Format, Table, TableError, Type, Wording};
@@ -60,8 +60,7 @@ pub(crate) struct CompareArgs {
 }
 
 pub(crate) fn compare(root: &Path, command: &CompareArgs, screen: &Screen) -> anyhow::Result<Exit> {
-    let layout = super::study(root, command.study.clone())?;
-    let data = StudyData::load(&layout).map_err(|findings| super::join_findings(&findings))?;
+    let data = super::load(root, &command.study)?;
     let by = match command.by {
         Some(by) => by,
         None if plan::compared(&data).is_empty() && plan::answers(&data).is_some() => By::Answer,
@@ -69,7 +68,7 @@ pub(crate) fn compare(root: &Path, command: &CompareArgs, screen: &Screen) -> an
     };
     let metric = if by == By::Answer { String::new() } else { metric(&data, command)? };
     if by == By::Answer && plan::answers(&data).is_none() {
-        bail!("{} has no answers after several modes to compare", layout.study());
+        bail!("{} has no answers after several modes to compare", data.layout.study());
     }
     let mut exit = make(&data, screen)?;
     let printed = plan::comparison(&data, by.into(), &metric);
@@ -255,11 +254,7 @@ pub(super) fn make(data: &StudyData, screen: &Screen) -> anyhow::Result<Exit> {
     // The study's files were hashed when they were loaded: not a second time.
     let options = Options { only, known: hashes_read(data), ..Options::default() };
     let results = Results::new(&data.layout, &Unsynced);
-    let bars = screen.bars(lengths(&jobs, &wanted(&jobs, &results, &options)?));
-    let done = run_jobs(&jobs, &results, &options, &|report| bars.done(report.stage, &report.name));
-    // Before an error is returned: it would be printed among the bars.
-    bars.clear();
-    let done = done?;
+    let done = run_with_bars(&jobs, &results, &options, screen)?;
     let mut exit = Exit::Fine;
     let read_with_care =
         findings.left_out.iter().chain(&findings.with_care).map(ToString::to_string);

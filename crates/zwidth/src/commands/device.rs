@@ -1,8 +1,6 @@
 //! What recording needs: the study as it is to be run, the device, seeds, and the folder of seals.
 
 use super::{join_findings, study};
-use crate::devices::{DeviceSpec, Occasion};
-use crate::screen::Screen;
 use crate::text::read_beside;
 use anyhow::{Context as _, anyhow, bail};
 use std::path::{Path, PathBuf};
@@ -11,7 +9,7 @@ use std::sync::atomic::AtomicBool;
 use zwidth_device::{Clock, RealClock, SimulatedClock, TwinParameters, stop_on_signals};
 use zwidth_link::Settings;
 use zwidth_store::{Layout, MOST_BYTES, read_regular, read_study};
-use zwidth_study::{Calibration, Control, ParticipantId, SessionId, Study, StudyId};
+use zwidth_study::{Calibration, Control, Study, StudyId};
 
 /// Where seals lie.
 #[derive(Debug, Clone, PartialEq, Eq, clap::Args)]
@@ -22,13 +20,13 @@ pub(crate) struct Keys {
 }
 
 /// A study, ready to be recorded.
-pub(super) struct Bench {
-    pub(super) layout: Layout,
-    pub(super) study: Study,
-    pub(super) study_toml: Vec<u8>,
-    pub(super) calibration: Calibration,
-    pub(super) twin: TwinParameters,
-    pub(super) rig: Option<Settings>,
+pub(crate) struct Bench {
+    pub(crate) layout: Layout,
+    pub(crate) study: Study,
+    pub(crate) study_toml: Vec<u8>,
+    pub(crate) calibration: Calibration,
+    pub(crate) twin: TwinParameters,
+    pub(crate) rig: Option<Settings>,
 }
 
 /// The study, with this rate if there is one, and what two files beside its `study.toml` say where
@@ -62,39 +60,6 @@ pub(super) fn bench(root: &Path, id: StudyId, rate_hz: Option<f64>) -> anyhow::R
 }
 
 impl Bench {
-    /// Trials of a session.
-    fn trials(&self) -> u32 {
-        let conditions = u32::try_from(self.study.conditions().len()).unwrap_or(u32::MAX);
-        let counted = conditions.saturating_mul(self.study.design.repeats);
-        counted.saturating_add(self.study.design.familiarisation)
-    }
-
-    /// What a device of this study is opened for.
-    pub(super) fn occasion<'a>(
-        &'a self,
-        seed: u64,
-        participant: &'a ParticipantId,
-        session: &'a SessionId,
-    ) -> Occasion<'a> {
-        let theta_min_rad = self.study.device.theta_min_rad;
-        let trials = self.trials();
-        let rig = self.rig.as_ref();
-        let environments = self.study.environments.as_slice();
-        let twin = &self.twin;
-        let rate_hz = self.study.control.rate_hz;
-        Occasion {
-            twin,
-            rig,
-            environments,
-            rate_hz,
-            theta_min_rad,
-            seed,
-            participant,
-            session,
-            trials,
-        }
-    }
-
     /// The same for a session that goes on by the study it began with, at this rate if there is
     /// one.
     pub(super) fn by(self, own: Study, rate_hz: Option<f64>) -> anyhow::Result<Self> {
@@ -126,19 +91,6 @@ fn twin_parameters(layout: &Layout, lever_m: Option<f64>) -> anyhow::Result<Twin
     let twin = TwinParameters { lever_m: twin.lever_m, ..read };
     twin.check().with_context(|| path.display().to_string())?;
     Ok(twin)
-}
-
-/// Warns of a rig that is about to be used with another device's calibration: forces would be
-/// wrong.
-pub(super) fn warn_of_calibration(bench: &Bench, device: &DeviceSpec, screen: &Screen) {
-    let path = bench.layout.raw().join("calibration.toml");
-    if matches!(device, DeviceSpec::Rig(_)) && !path.exists() {
-        screen.warn(format!(
-            "{} is missing, so the nominal calibration of the thesis' prototype is used: forces of another rig come out \
-             wrong; make one from sweeps and copy it there (docs/session.md)",
-            path.display()
-        ));
-    }
 }
 
 /// The machine's clock, or a simulated one.

@@ -1,9 +1,9 @@
 //! `zwidth figure`: one figure of a study again, in another size or form, in a folder of its own.
 
+use super::load;
 use super::locate::REMADE;
 use super::near::did_you_mean;
 use super::output::Output;
-use super::{join_findings, study};
 use crate::exit::Exit;
 use crate::limits::{positive, size};
 use crate::screen::Screen;
@@ -29,17 +29,6 @@ pub(crate) enum FigureFormat {
     Pdf,
     /// For screens
     Png,
-}
-
-impl FigureFormat {
-    /// Of its files' names.
-    pub(crate) fn extension(self) -> &'static str {
-        match self {
-            Self::Svg => "svg",
-            Self::Pdf => "pdf",
-            Self::Png => "png",
-        }
-    }
 }
 
 #[derive(Debug, clap::Args)]
@@ -85,8 +74,7 @@ struct Entry {
 }
 
 pub(crate) fn figure(root: &Path, command: &FigureArgs, screen: &Screen) -> anyhow::Result<Exit> {
-    let layout = study(root, command.study.clone())?;
-    let data = StudyData::load(&layout).map_err(|findings| join_findings(&findings))?;
+    let data = load(root, &command.study)?;
     let captions = plan::captions(&data);
     let Some(name) = &command.name else {
         let has_form =
@@ -97,14 +85,18 @@ pub(crate) fn figure(root: &Path, command: &FigureArgs, screen: &Screen) -> anyh
                 command.study
             );
         }
-        let entries = captions.into_iter().map(|(name, shows)| Entry { name, shows });
-        return list(entries.collect(), screen);
+        let entry = |(name, shows)| Entry { name, shows };
+        let entries: Vec<Entry> = captions.into_iter().map(entry).collect();
+        screen.give(&entries, || {
+            entries.iter().for_each(|e| screen.result(format!("{:<44} {}", e.name, e.shows)));
+        })?;
+        return Ok(Exit::Fine);
     };
     if !captions.iter().any(|(stem, _)| stem == name) {
         let names = captions.iter().map(|(stem, _)| stem.as_str());
         bail!(no_figure(&command.study, name, names));
     }
-    let folder = folder(&layout, command)?;
+    let folder = folder(&data.layout, command)?;
     let origin = make(&data, name)?;
     let (figure, problems) = plan::describe(&data, name)
         .ok_or_else(|| anyhow!(no_figure(&command.study, name, [])))?
@@ -117,11 +109,9 @@ pub(crate) fn figure(root: &Path, command: &FigureArgs, screen: &Screen) -> anyh
     let figure = Figure { font, width_mm, height_mm, bare: command.bare, ..figure };
     let files = write(name, figure, &folder, origin, command)?;
     problems.iter().for_each(|problem| screen.warn(format!("left out: {problem}")));
-    if screen.json {
-        screen.listing(&files)?;
-    } else {
+    screen.give(&files, || {
         files.iter().for_each(|file| screen.result(file.display().to_string()));
-    }
+    })?;
     Ok(if problems.is_empty() { Exit::Fine } else { Exit::Partly })
 }
 
@@ -129,17 +119,6 @@ pub(crate) fn figure(root: &Path, command: &FigureArgs, screen: &Screen) -> anyh
 fn no_figure<'a>(study: &StudyId, name: &str, names: impl IntoIterator<Item = &'a str>) -> String {
     let near = did_you_mean(name, names);
     format!("{study} has no figure '{name}'{near} (`zwidth figure {study}` lists them)")
-}
-
-fn list(figures: Vec<Entry>, screen: &Screen) -> anyhow::Result<Exit> {
-    if screen.json {
-        screen.listing(&figures)?;
-    } else {
-        figures
-            .iter()
-            .for_each(|figure| screen.result(format!("{:<44} {}", figure.name, figure.shows)));
-    }
-    Ok(Exit::Fine)
 }
 
 /// Where the files go, which may not be among recordings nor among what a run makes.
@@ -229,20 +208,20 @@ fn write(
         ("source", Some(source)),
         (ORIGIN, origin),
     ];
-    let made_from = made_from.into_iter().filter_map(|(key, value)| Some((key.to_owned(), value?)));
-    let mut output = Output::new(folder, made_from.collect());
+    let made_from = made_from.into_iter().filter_map(|(key, value)| Some((key, value?)));
+    let mut output = Output::new(folder, made_from);
     output.text(name, "txt", &caption)?;
     let drawing = output.drawn(figure)?;
     for format in &command.format {
-        let bytes = match format {
+        let (extension, bytes) = match format {
             FigureFormat::Svg if command.text => {
-                drawing.svg_with_text(command.font.as_deref())?.into_bytes()
+                ("svg", drawing.svg_with_text(command.font.as_deref())?.into_bytes())
             }
-            FigureFormat::Svg => drawing.svg()?.into_bytes(),
-            FigureFormat::Pdf => drawing.pdf()?,
-            FigureFormat::Png => drawing.png(command.dpi)?,
+            FigureFormat::Svg => ("svg", drawing.svg()?.into_bytes()),
+            FigureFormat::Pdf => ("pdf", drawing.pdf()?),
+            FigureFormat::Png => ("png", drawing.png(command.dpi)?),
         };
-        output.write(name, format.extension(), &bytes)?;
+        output.write(name, extension, &bytes)?;
     }
     Ok(output.files)
 }

@@ -8,7 +8,6 @@ use super::output::Output;
 use super::recover::now;
 use crate::screen::Screen;
 use anyhow::{Context as _, anyhow, bail};
-use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::path::Path;
 use zwidth_device::{COUNTS_PER_TURN, SHAFT_PER_LEVER, TwinParameters};
@@ -115,7 +114,7 @@ fn device(bench: &Bench, probe: &Probe, count_zero: f64) -> PushedWall {
         motor_n: twin.actuators.motor.force_n(motor_v).abs(),
         brake_n: twin.actuators.brake.force_n(brake_v).abs(),
         mode: probe.mode,
-        count_m: TAU / f64::from(COUNTS_PER_TURN) / SHAFT_PER_LEVER * lever_m,
+        count_m: count_m(lever_m),
         count_zero,
         push_m: probe.push_m,
     }
@@ -132,11 +131,16 @@ fn voltages(study: &Study, mode: DriveMode) -> Option<[f64; 2]> {
 }
 
 /// The device alone, without friction.
-fn bare(twin: &TwinParameters, period_s: f64) -> SampledWall {
+pub(super) fn bare(twin: &TwinParameters, period_s: f64) -> SampledWall {
     let plant = twin.plant(None);
     let lever_m = twin.lever_m;
     let viscous = twin.friction_viscous_ns_per_rad + plant.back_emf_ns_per_rad.unwrap_or(0.0);
     SampledWall::bare(plant.inertia_kg_m2 / (lever_m * lever_m), viscous / lever_m, period_s)
+}
+
+/// What one count of the angle is at the lever's end, m.
+pub(super) fn count_m(lever_m: f64) -> f64 {
+    TAU / f64::from(COUNTS_PER_TURN) / SHAFT_PER_LEVER * lever_m
 }
 
 /// A search as a sweep: stiffness commanded, swing in response.
@@ -214,12 +218,11 @@ fn recorded(sweep: &Sweep, path: &Path) -> anyhow::Result<(Probe, Found)> {
 fn write(root: &Path, bench: &Bench, regions: &[Region], screen: &Screen) -> anyhow::Result<()> {
     let study = bench.layout.study();
     let folder = root.join("reports").join(study.as_str()).join("impedance");
-    let source = "SYNTHETIC: the simulated device, not measured".to_owned();
-    let made_from = BTreeMap::from([
-        ("source".to_owned(), source),
-        ("study".to_owned(), study.to_string()),
-        ("version".to_owned(), zwidth_stability::VERSION.to_string()),
-    ]);
+    let made_from = [
+        ("source", "SYNTHETIC: the simulated device, not measured".to_owned()),
+        ("study", study.to_string()),
+        ("version", zwidth_stability::VERSION.to_string()),
+    ];
     let mut output = Output::new(&folder, made_from);
     let bounds = bounds(regions);
     let notes = [
@@ -232,14 +235,11 @@ fn write(root: &Path, bench: &Bench, regions: &[Region], screen: &Screen) -> any
     output.table("impedance", &Table::of_rows(&bounds)?)?;
     output.table("zwidth", &z_widths_table(&z_widths(regions))?)?;
     let frequencies = frequency(bench, &mut output, screen)?;
-    if screen.json {
-        return screen.listing(&regions.iter().map(region_line).collect::<Vec<_>>());
-    }
-    regions.iter().for_each(|region| screen.result(region_line(region)));
-    frequencies.iter().for_each(|line| screen.result(line));
-    let pictures = output.files.iter().filter(|path| path.extension().is_some_and(|e| e == "png"));
-    pictures.for_each(|path| screen.result(path.display().to_string()));
-    Ok(())
+    let lines: Vec<String> = regions.iter().map(region_line).collect();
+    screen.give(&lines, || {
+        lines.iter().chain(&frequencies).for_each(|line| screen.result(line));
+        screen.files(&output.files, &["png"], "");
+    })
 }
 
 /// Impedance against frequency, where the study's recorded trials tell it; one line per

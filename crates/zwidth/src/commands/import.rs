@@ -98,10 +98,6 @@ pub(crate) fn import(root: &Path, command: &ImportArgs, screen: &Screen) -> anyh
     read.finish_and_clear();
     written.finish_and_clear();
     let report = report.map_err(|findings| sum_up(&findings))?;
-    if screen.json {
-        screen.listing(&report)?;
-    } else {
-        screen.result(report.to_string());
-    }
+    screen.give(&report, || screen.result(report.to_string()))?;
     Ok(if report.is_doubtful() { Exit::Partly } else { Exit::Fine })
 }

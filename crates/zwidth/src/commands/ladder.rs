@@ -1,13 +1,14 @@
 //! `zwidth ladder`: which terms of the model a scene, or a study's condition, needs.
 
 use super::output::Output;
-use super::{no_study, study};
+use super::simulate::{check_stems, stem};
+use super::{as_lines, load, no_study};
 use crate::exit::Exit;
 use crate::limits::positive;
 use crate::screen::Screen;
 use anyhow::{Context as _, anyhow, bail};
 use serde::Serialize;
-use std::collections::BTreeMap;
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use zwidth_device::Velocity;
 use zwidth_figures::LadderRows;
@@ -16,7 +17,6 @@ use zwidth_ladder::{
     models_table, own, possible, reason, told,
 };
 use zwidth_simulate::ModelScene;
-use zwidth_store::StudyData;
 use zwidth_study::{Control, Perception, StudyId, counted};
 
 #[derive(Debug, clap::Args)]
@@ -41,7 +41,7 @@ pub(crate) struct LadderArgs {
 const THESIS_PERIOD_S: f64 = 0.0083;
 
 /// What came of a scene.
-#[derive(Serialize)]
+#[derive(Default, Serialize)]
 struct Outcome {
     scene: String,
     /// The words of the terms that it needs; none if it could not be climbed.
@@ -75,21 +75,17 @@ pub(crate) fn ladder(root: &Path, command: &LadderArgs, screen: &Screen) -> anyh
             }
             Err(error) => outcomes.push(Outcome {
                 scene: name.display().to_string(),
-                terms: None,
-                told: Vec::new(),
-                files: Vec::new(),
                 error: Some(format!("{error:#}")),
+                ..Outcome::default()
             }),
         }
     }
     let failed = outcomes.iter().filter(|outcome| outcome.error.is_some()).count();
     if failed == outcomes.len() {
         let errors = outcomes.into_iter().filter_map(|outcome| outcome.error);
-        bail!("{}", errors.collect::<Vec<_>>().join("\n       "));
+        return Err(as_lines(errors.collect(), 0));
     }
-    if screen.json {
-        screen.listing(&outcomes)?;
-    } else {
+    screen.give(&outcomes, || {
         for Outcome { scene, told, files, error, .. } in &outcomes {
             if let Some(error) = error {
                 screen.warn(format!("skipped: {error}"));
@@ -98,10 +94,9 @@ pub(crate) fn ladder(root: &Path, command: &LadderArgs, screen: &Screen) -> anyh
                 screen.result(format!("{scene}: {first}"));
                 others.iter().for_each(|line| screen.result(format!("  {line}")));
             }
-            let pictures = files.iter().filter(|path| path.extension().is_some_and(|e| e == "png"));
-            pictures.for_each(|path| screen.result(format!("  {}", path.display())));
+            screen.files(files, &["png"], "  ");
         }
-    }
+    })?;
     Ok(if failed == 0 { Exit::Fine } else { Exit::Partly })
 }
 
@@ -113,26 +108,10 @@ fn named(root: &Path, command: &LadderArgs) -> anyhow::Result<Vec<PathBuf>> {
     } else {
         command.scenes.clone()
     };
-    let mut seen: Vec<PathBuf> = Vec::new();
-    named.retain(|name| {
-        !seen.contains(name) && {
-            seen.push(name.clone());
-            true
-        }
-    });
-    // Files are named by the stem alone: a/sine.toml and b/sine.toml would be one.
-    for (i, name) in named.iter().enumerate() {
-        if let Some(other) = named[..i].iter().find(|other| stem(other) == stem(name)) {
-            let a = other.display();
-            let b = name.display();
-            bail!("{a} and {b} would write to the same files; ask for them apart, or rename one");
-        }
-    }
+    let mut seen = BTreeSet::new();
+    named.retain(|name| seen.insert(name.clone()));
+    check_stems(&named, "ask for them apart")?;
     Ok(named)
-}
-
-fn stem(path: &Path) -> String {
-    path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
 /// The ladder of a scene's file, or those of a study's conditions.
@@ -149,8 +128,8 @@ fn climb_all(
     let id = StudyId::new(id).with_context(|| {
         format!("{id} is neither a scene, which is a file that ends in .toml, nor a study")
     })?;
-    let layout = study(root, id)?;
-    let data = StudyData::load(&layout).map_err(|findings| super::join_findings(&findings))?;
+    let data = load(root, &id)?;
+    let study = data.layout.study();
     let bar = screen.bar(command.points);
     let begin = |condition: &str| {
         let points = counted(command.points, "points");
@@ -160,16 +139,16 @@ fn climb_all(
     };
     let ladders = zwidth_plan::ladders(&data, command.points, command.rate, &begin, &|| bar.inc(1));
     bar.finish_and_clear();
-    let ladders = ladders.map_err(|error| anyhow!("{}: {error}", layout.study()))?;
+    let ladders = ladders.map_err(|error| anyhow!("{study}: {error}"))?;
     if ladders.is_empty() {
         bail!(
-            "{} has no recorded trial in a spring whose force could be replayed; name a scene, or record one",
-            layout.study()
+            "{study} has no recorded trial in a spring whose force could be replayed; name a scene, or record one"
         );
     }
-    let ladders = ladders.into_iter().map(|(key, ladder, synthetic)| {
-        let name = format!("{}.{key}", layout.study());
-        Climbed { name, ladder, synthetic }
+    let ladders = ladders.into_iter().map(|(key, ladder, synthetic)| Climbed {
+        name: format!("{study}.{key}"),
+        ladder,
+        synthetic,
     });
     Ok(ladders.collect())
 }
@@ -212,16 +191,14 @@ fn write(
         true => "SYNTHETIC: model runs under a simulated force, not measured",
         false => "model runs, not measured",
     };
-    let mut made_from = BTreeMap::from([
-        ("source".to_owned(), source.to_owned()),
-        ("scene".to_owned(), ladder.scene.clone()),
-        ("points".to_owned(), ladder.points.to_string()),
-        ("version".to_owned(), zwidth_ladder::VERSION.to_string()),
-    ]);
-    if let Some(rate_hz) = command.rate {
-        made_from.insert("rate_hz".to_owned(), rate_hz.to_string());
-    }
-    let mut output = Output::new(folder, made_from);
+    let made_from = [
+        ("source", source.to_owned()),
+        ("scene", ladder.scene.clone()),
+        ("points", ladder.points.to_string()),
+        ("version", zwidth_ladder::VERSION.to_string()),
+    ];
+    let rate_hz = command.rate.map(|rate_hz| ("rate_hz", rate_hz.to_string()));
+    let mut output = Output::new(folder, made_from.into_iter().chain(rate_hz));
     let table = models_table(ladder)?;
     let figure = zwidth_figures::ladder(&rows(ladder), beside, table.notes(), *synthetic);
     output.figure(name, figure)?;

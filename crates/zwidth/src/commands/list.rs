@@ -62,11 +62,7 @@ pub(crate) fn list(root: &Path, study: Option<StudyId>, screen: &Screen) -> anyh
             Err(error) => return Err(error),
         }
     }
-    if screen.json {
-        screen.listing(&listings)?;
-    } else {
-        listings.iter().for_each(|l| screen.result(text(l)));
-    }
+    screen.give(&listings, || listings.iter().for_each(|l| screen.result(text(l))))?;
     let complete = !unreadable && listings.iter().all(|l| l.unreadable.is_empty());
     Ok(if complete { Exit::Fine } else { Exit::Partly })
 }

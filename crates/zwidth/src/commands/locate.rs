@@ -183,7 +183,7 @@ fn unknown_copy(root: &Path, typed: &Path, origins: &[String]) -> String {
 }
 
 /// What to say of a path that no job makes.
-pub(super) fn no_job(path: &str, study: &StudyId, outputs: &[&str]) -> String {
+pub(super) fn no_job(path: &str, study: &StudyId, outputs: &[String]) -> String {
     if path.ends_with("/records.json") {
         return format!(
             "{path} is the runner's own record of what was made from what; no job makes it"

@@ -6,7 +6,6 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use std::path::Path;
 use zwidth_plan as plan;
 use zwidth_report::{MethodsForm, methods as parts};
-use zwidth_store::StudyData;
 use zwidth_study::StudyId;
 
 #[derive(Debug, clap::Args)]
@@ -27,8 +26,7 @@ fn methods_forms() -> impl TypedValueParser<Value = MethodsForm> {
 }
 
 pub(crate) fn methods(root: &Path, command: &MethodsArgs, screen: &Screen) -> anyhow::Result<Exit> {
-    let layout = super::study(root, command.study.clone())?;
-    let data = StudyData::load(&layout).map_err(|findings| super::join_findings(&findings))?;
+    let data = super::load(root, &command.study)?;
     let parts = parts(&data.study, &plan::recorded(&data), env!("CARGO_PKG_VERSION"));
     screen.file(&command.format.written(&parts));
     Ok(Exit::Fine)

@@ -6,14 +6,13 @@ pub(crate) mod characterise;
 pub(crate) mod check;
 mod cluster;
 pub(crate) mod compare;
-mod device;
+pub(crate) mod device;
 pub(crate) mod figure;
 mod impedance;
 pub(crate) mod import;
 pub(crate) mod ladder;
 pub(crate) mod list;
 pub(crate) mod locate;
-pub(crate) mod merge;
 pub(crate) mod methods;
 mod near;
 pub(crate) mod new;
@@ -25,7 +24,6 @@ pub(crate) mod power;
 pub(crate) mod recover;
 pub(crate) mod run;
 pub(crate) mod said;
-mod sharded;
 pub(crate) mod shards;
 pub(crate) mod shell;
 pub(crate) mod simulate;
@@ -122,6 +120,12 @@ fn study(root: &Path, id: StudyId) -> anyhow::Result<Layout> {
     Ok(layout)
 }
 
+/// A study that must be there, with what was recorded of it.
+fn load(root: &Path, id: &StudyId) -> anyhow::Result<StudyData> {
+    let layout = study(root, id.clone())?;
+    StudyData::load(&layout).map_err(|findings| join_findings(&findings))
+}
+
 /// What to say of a name that no study can have.
 fn no_study(name: &Path) -> String {
     format!("there is no study '{}'; `zwidth list` shows them", name.display())
@@ -216,14 +220,8 @@ fn as_lines(mut lines: Vec<String>, more: usize) -> anyhow::Error {
 /// A number with commas between its thousands.
 fn thousands(number: usize) -> String {
     let digits = number.to_string();
-    let mut text = String::new();
-    for (i, digit) in digits.chars().enumerate() {
-        if i > 0 && (digits.len() - i).is_multiple_of(3) {
-            text.push(',');
-        }
-        text.push(digit);
-    }
-    text
+    let threes = digits.as_bytes().rchunks(3).rev().map(String::from_utf8_lossy);
+    threes.collect::<Vec<_>>().join(",")
 }
 
 #[cfg(test)]

@@ -5,7 +5,6 @@ use super::study;
 use crate::exit::Exit;
 use crate::screen::Screen;
 use anyhow::{Context as _, bail};
-use std::collections::BTreeMap;
 use std::io;
 use std::path::{Path, PathBuf};
 use zwidth_report::single_file;
@@ -58,43 +57,33 @@ fn write_single(layout: &Layout, file: &Path) -> anyhow::Result<()> {
     if layout.raw().canonicalize().is_ok_and(|raw| folder.starts_with(raw)) {
         bail!("{} is inside raw/; choose another folder", file.display());
     }
-    let mut report = Report { layout, left: MOST_BYTES };
-    let page = zwidth_plan::page_file(layout);
-    let html = String::from_utf8(report.read("index.html")?)
-        .with_context(|| layout.shown(&page).display().to_string())?;
-    let one = single_file(&html, |path| report.read(path))
-        .with_context(|| layout.shown(&page).display().to_string())?;
-    Output::new(&folder, BTreeMap::new()).text(name, "html", &one)
-}
-
-/// The files of a study's report that go into one. The page names them, and anybody may have edited
-/// it.
-struct Report<'a> {
-    layout: &'a Layout,
-    /// How many bytes may still be read.
-    left: u64,
-}
-
-impl Report<'_> {
-    /// A regular file of the report by its path from the report's folder on, with `/`.
-    fn read(&mut self, path: &str) -> io::Result<Vec<u8>> {
-        let study = self.layout.study();
-        let named =
-            Results::named(self.layout, &format!("reports/{study}/{path}")).map_err(|why| {
-                let what =
-                    format!("it names {path}, which is no file of this report: {why}; {AGAIN}");
-                io::Error::other(what)
-            })?;
-        let bytes = Results::new(self.layout, &RealFiles)
-            .read(&named, self.left)
+    let study = layout.study();
+    // How many bytes may still be read.
+    let mut left = MOST_BYTES;
+    // A regular file of the report by its path from the report's folder on, with `/`. The page
+    // names them, and anybody may have edited it.
+    let mut read = |path: &str| -> io::Result<Vec<u8>> {
+        let named = Results::named(layout, &format!("reports/{study}/{path}")).map_err(|why| {
+            io::Error::other(format!(
+                "it names {path}, which is no file of this report: {why}; {AGAIN}"
+            ))
+        })?;
+        let bytes = Results::new(layout, &RealFiles)
+            .read(&named, left)
             .and_then(|content| {
                 content.unwrap_or_else(|| Err(StoreError::new(&named, "it is missing", AGAIN)))
             })
             .map_err(io::Error::other)?;
         // `read` refuses more than what is left, so this cannot fall below zero.
-        self.left -= bytes.len() as u64;
+        left -= bytes.len() as u64;
         Ok(bytes)
-    }
+    };
+    let page = zwidth_plan::page_file(layout);
+    let html = String::from_utf8(read("index.html")?)
+        .with_context(|| layout.shown(&page).display().to_string())?;
+    let one =
+        single_file(&html, read).with_context(|| layout.shown(&page).display().to_string())?;
+    Output::new(&folder, []).text(name, "html", &one)
 }
 
 const AGAIN: &str = "make the report again with `zwidth run STUDY`";

@@ -1,6 +1,5 @@
 //! Where the figures and tables of model runs go.
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use zwidth_draw::{DEFAULT_DPI, Drawing, Figure, draw};
 use zwidth_runner::Provenance;
@@ -16,13 +15,15 @@ pub(in crate::commands) struct Output<'a> {
 
 impl<'a> Output<'a> {
     /// Files that say with which software and from what they were made.
-    pub(super) fn new(folder: &'a Path, made_from: BTreeMap<String, String>) -> Self {
-        let mut provenance = made_from;
-        let software = concat!("zwidth ", env!("CARGO_PKG_VERSION")).to_owned();
-        provenance.insert("software".to_owned(), software);
-        provenance
-            .entry("source".to_owned())
-            .or_insert_with(|| "model run, not measured".to_owned());
+    pub(super) fn new(
+        folder: &'a Path,
+        made_from: impl IntoIterator<Item = (&'static str, String)>,
+    ) -> Self {
+        let source = ("source", "model run, not measured".to_owned());
+        let software = ("software", concat!("zwidth ", env!("CARGO_PKG_VERSION")).to_owned());
+        // Of two values of a key the later one counts.
+        let facts = [source].into_iter().chain(made_from).chain([software]);
+        let provenance = facts.map(|(key, value)| (key.to_owned(), value)).collect();
         Self { folder, provenance, files: Vec::new() }
     }
 

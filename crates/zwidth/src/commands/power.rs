@@ -98,8 +98,8 @@ struct Spread {
 }
 
 pub(crate) fn power(root: &Path, command: &PowerArgs, screen: &Screen) -> anyhow::Result<Exit> {
-    let layout = super::study(root, command.study.clone())?;
-    let data = StudyData::load(&layout).map_err(|findings| super::join_findings(&findings))?;
+    let data = super::load(root, &command.study)?;
+    let layout = &data.layout;
     let metric = command.metric.clone().unwrap_or_else(|| data.study.compare.primary.to_string());
     let spread = spread(&data, command, &metric, screen)?;
     let repeats = usize::try_from(data.study.design.repeats)?;
@@ -161,20 +161,16 @@ pub(crate) fn power(root: &Path, command: &PowerArgs, screen: &Screen) -> anyhow
         if let Some(unread) = data.problems.iter().find(|problem| problem.by_system) {
             bail!("{unread}; no plan was written");
         }
-        let lock = lock(&layout, "zwidth power")?;
-        let raw = Raw::adds(&RealFiles, &layout, &lock);
-        let path = plan::plan_file(&layout);
+        let lock = lock(layout, "zwidth power")?;
+        let raw = Raw::adds(&RealFiles, layout, &lock);
+        let path = plan::plan_file(layout);
         if path.exists() {
             bail!("{} exists already; move it elsewhere to write a new plan", path.display());
         }
         write_new(&raw, &path, plan::plan_text(&result)?.as_bytes())?;
         screen.say(format!("{}: deposit a copy before data are taken", path.display()));
     }
-    if screen.json {
-        screen.listing(&result)?;
-    } else {
-        screen.result(sentences(&result).join("\n"));
-    }
+    screen.give(&result, || screen.result(sentences(&result).join("\n")))?;
     Ok(Exit::Fine)
 }
 
@@ -197,12 +193,8 @@ fn spread(
         (command.participant_mode_sd, command.residual_sd)
     {
         let participant = command.participant_sd.unwrap_or(0.0);
-        return Ok(Spread {
-            participant,
-            participant_mode,
-            residual,
-            source: "assumed".to_owned(),
-        });
+        let source = "assumed".to_owned();
+        return Ok(Spread { participant, participant_mode, residual, source });
     }
     if !plan::compared(data).iter().any(|compared| compared == metric) {
         bail!(

@@ -43,16 +43,14 @@ pub(crate) fn recover(root: &Path, command: &RecoverArgs, screen: &Screen) -> an
         lines.extend(accepted(&layout, &lock, command)?);
     }
     let exit = if lines.iter().all(|l| l.ok) { Exit::Fine } else { Exit::Partly };
-    if screen.json {
-        screen.listing(&lines)?;
-        return Ok(exit);
-    }
-    for line in &lines {
-        if line.ok { screen.result(&line.what) } else { screen.warn(&line.what) }
-    }
-    if lines.is_empty() {
-        screen.result(format!("{}: nothing to recover", layout.study()));
-    }
+    screen.give(&lines, || {
+        for line in &lines {
+            if line.ok { screen.result(&line.what) } else { screen.warn(&line.what) }
+        }
+        if lines.is_empty() {
+            screen.result(format!("{}: nothing to recover", layout.study()));
+        }
+    })?;
     Ok(exit)
 }
 
@@ -89,15 +87,11 @@ pub(super) fn put_in_order_and_tell(layout: &Layout, lock: &StudyLock, screen: &
 }
 
 fn put_in_order(layout: &Layout, lock: &StudyLock) -> Vec<Line> {
-    recover_study(&Raw::mends(&RealFiles, layout, lock), layout, &now())
-        .into_iter()
-        .map(|repair| match repair {
-            Ok(done) => {
-                Line { file: done.path.display().to_string(), what: done.to_string(), ok: true }
-            }
-            Err(error) => {
-                Line { file: error.path.display().to_string(), what: error.to_string(), ok: false }
-            }
-        })
-        .collect()
+    let line = |path: &Path, what: String, ok| Line { file: path.display().to_string(), what, ok };
+    let repairs = recover_study(&Raw::mends(&RealFiles, layout, lock), layout, &now()).into_iter();
+    let lines = repairs.map(|repair| match repair {
+        Ok(done) => line(&done.path, done.to_string(), true),
+        Err(error) => line(&error.path, error.to_string(), false),
+    });
+    lines.collect()
 }

@@ -61,13 +61,6 @@ struct Outcome {
     seconds: f64,
 }
 
-impl Outcome {
-    /// Whether everything is in the results, and nothing in them is in doubt.
-    fn is_clean(&self) -> bool {
-        self.failed.is_empty() && self.left_out.is_empty() && self.read_with_care.is_empty()
-    }
-}
-
 #[derive(Serialize)]
 struct Entry {
     stage: &'static str,
@@ -105,7 +98,8 @@ pub(crate) fn run(root: &Path, command: &RunArgs, screen: &Screen) -> anyhow::Re
             }
             Err(error) => return Err(error),
         };
-        if !outcome.is_clean() {
+        let Outcome { failed: not_made, left_out, read_with_care, .. } = &outcome;
+        if !(not_made.is_empty() && left_out.is_empty() && read_with_care.is_empty()) {
             exit = Exit::Partly;
         }
         outcomes.push(outcome);
@@ -157,18 +151,26 @@ fn one(layout: &Layout, command: &RunArgs, screen: &Screen) -> anyhow::Result<Ou
             "{study}: {shards} not merged, and the results are made again; `zwidth merge {study}` first"
         ));
     }
-    let bars = screen.bars(lengths(&jobs, &wanted(&jobs, &results, &options)?));
-    let done = run_jobs(&jobs, &results, &options, &|report| bars.done(report.stage, &report.name));
-    bars.clear();
-    let Done { reports, remarks } = done?;
+    let Done { reports, remarks } = run_with_bars(&jobs, &results, &options, screen)?;
     let with_care = words(&findings.with_care).chain(words(&of_plan)).chain(words(&remarks));
     let problems = reports.iter().flat_map(|r| r.problems.iter().cloned());
+    let care = reports.iter().flat_map(|r| r.care.iter().cloned());
+    let made = reports.iter().filter_map(|r| match &r.verdict {
+        JobEnd::Made(why) => Some(entry(r, why)),
+        _ => None,
+    });
+    let failed = reports.iter().filter_map(|r| match &r.verdict {
+        JobEnd::Failed(why) | JobEnd::Blocked(why) => Some(entry(r, why)),
+        _ => None,
+    });
     let outcome = Outcome {
+        study: layout.study().to_string(),
+        made: made.collect(),
+        up_to_date: reports.iter().filter(|r| r.verdict == JobEnd::UpToDate).count(),
+        failed: failed.collect(),
         left_out: sorted(left_out.into_iter().chain(problems)),
-        read_with_care: sorted(
-            with_care.chain(reports.iter().flat_map(|r| r.care.iter().cloned())),
-        ),
-        ..outcome(layout, &reports, start.elapsed().as_secs_f64())
+        read_with_care: sorted(with_care.chain(care)),
+        seconds: start.elapsed().as_secs_f64(),
     };
     if !screen.json {
         tell(layout, &reports, &outcome, command, screen);
@@ -178,17 +180,23 @@ fn one(layout: &Layout, command: &RunArgs, screen: &Screen) -> anyhow::Result<Ou
     Ok(outcome)
 }
 
-/// How many jobs of each stage a run needs.
-pub(super) fn lengths(jobs: &[Job], wanted: &[bool]) -> Vec<(&'static str, usize)> {
-    let mut lengths = Vec::new();
-    for stage in plan::STAGES {
-        let of_stage = jobs.iter().zip(wanted).filter(|(job, _)| job.stage.name == stage);
-        let n = of_stage.filter(|(_, wanted)| **wanted).count();
-        if n > 0 {
-            lengths.push((stage, n));
-        }
-    }
-    lengths
+/// Runs what is wanted of the jobs, with a bar for each stage.
+pub(super) fn run_with_bars(
+    jobs: &[Job],
+    results: &Results<'_>,
+    options: &Options,
+    screen: &Screen,
+) -> anyhow::Result<Done> {
+    let wanted = wanted(jobs, results, options)?;
+    let lengths = plan::STAGES.into_iter().map(|stage| {
+        let jobs = jobs.iter().zip(&wanted);
+        (stage, jobs.filter(|(job, wanted)| **wanted && job.stage.name == stage).count())
+    });
+    let bars = screen.bars(lengths.filter(|(_, n)| *n > 0));
+    let done = run_jobs(jobs, results, options, &|report| bars.done(report.stage, &report.name));
+    // Before an error is returned: it would be printed among the bars.
+    bars.clear();
+    Ok(done?)
 }
 
 /// The jobs among which are all that a run needs.
@@ -239,27 +247,6 @@ fn words(findings: &[StoreError]) -> impl Iterator<Item = String> {
 /// Each once, in order.
 fn sorted(lines: impl Iterator<Item = String>) -> Vec<String> {
     lines.collect::<BTreeSet<_>>().into_iter().collect()
-}
-
-/// What the jobs made and failed to make; the rest is empty.
-fn outcome(layout: &Layout, reports: &[Report], seconds: f64) -> Outcome {
-    let made = reports.iter().filter_map(|r| match &r.verdict {
-        JobEnd::Made(why) => Some(entry(r, why)),
-        _ => None,
-    });
-    let failed = reports.iter().filter_map(|r| match &r.verdict {
-        JobEnd::Failed(why) | JobEnd::Blocked(why) => Some(entry(r, why)),
-        _ => None,
-    });
-    Outcome {
-        study: layout.study().to_string(),
-        made: made.collect(),
-        failed: failed.collect(),
-        up_to_date: reports.iter().filter(|r| r.verdict == JobEnd::UpToDate).count(),
-        left_out: Vec::new(),
-        read_with_care: Vec::new(),
-        seconds,
-    }
 }
 
 fn entry(report: &Report, why: &str) -> Entry {

@@ -9,7 +9,6 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::Path;
 use zwidth_plan as plan;
-use zwidth_store::StudyData;
 use zwidth_study::StudyId;
 use zwidth_tables::{Format, Wording};
 
@@ -45,8 +44,7 @@ struct Entry {
 }
 
 pub(crate) fn table(root: &Path, command: &TableArgs, screen: &Screen) -> anyhow::Result<Exit> {
-    let layout = super::study(root, command.study.clone())?;
-    let data = StudyData::load(&layout).map_err(|findings| super::join_findings(&findings))?;
+    let data = super::load(root, &command.study)?;
     let printed: Vec<_> =
         plan::printed_tables(&data).into_iter().filter(plan::Printed::exists).collect();
     if printed.is_empty() {
@@ -61,7 +59,13 @@ pub(crate) fn table(root: &Path, command: &TableArgs, screen: &Screen) -> anyhow
                 Err(error) => unread.push(error),
             }
         }
-        list(entries, screen)?;
+        screen.give(&entries, || {
+            let width = entries.iter().map(|e| e.name.chars().count()).max().unwrap_or_default();
+            for Entry { name, title, rows } in &entries {
+                let unit = if *rows == 1 { "row" } else { "rows" };
+                screen.result(format!("{name:<width$}  {title} ({rows} {unit})"));
+            }
+        })?;
         unread.iter().for_each(|error| screen.warn(format!("unreadable: {error}")));
         return Ok(if unread.is_empty() { Exit::Fine } else { Exit::Partly });
     };
@@ -90,16 +94,4 @@ pub(crate) fn table(root: &Path, command: &TableArgs, screen: &Screen) -> anyhow
         screen.file(&String::from_utf8(bytes)?);
     }
     Ok(Exit::Fine)
-}
-
-fn list(tables: Vec<Entry>, screen: &Screen) -> anyhow::Result<()> {
-    if screen.json {
-        return screen.listing(&tables);
-    }
-    let width = tables.iter().map(|t| t.name.chars().count()).max().unwrap_or_default();
-    for Entry { name, title, rows } in tables {
-        let unit = if rows == 1 { "row" } else { "rows" };
-        screen.result(format!("{name:<width$}  {title} ({rows} {unit})"));
-    }
-    Ok(())
 }

@@ -59,11 +59,7 @@ pub(crate) fn trace(root: &Path, command: &Traced, screen: &Screen) -> anyhow::R
     let makers = find_makers(root, &command.path, screen)?;
     let traces =
         makers.iter().map(|maker| trace_behind(root, maker)).collect::<anyhow::Result<Vec<_>>>()?;
-    if screen.json {
-        screen.listing(&traces)?;
-    } else {
-        traces.iter().for_each(|behind| screen.result(text(behind)));
-    }
+    screen.give(&traces, || traces.iter().for_each(|behind| screen.result(text(behind))))?;
     Ok(Exit::Fine)
 }
 
@@ -90,7 +86,6 @@ fn find_makers(root: &Path, typed: &Path, screen: &Screen) -> anyhow::Result<Vec
     }
     let id = layout.study();
     let outputs: Vec<String> = records.outputs().map(|(path, _)| path).collect();
-    let outputs: Vec<&str> = outputs.iter().map(String::as_str).collect();
     if outputs.is_empty() {
         bail!("{id} has no record of anything made; make it with `zwidth run {id}`");
     }

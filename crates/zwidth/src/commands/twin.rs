@@ -4,7 +4,6 @@
 use super::characterise::simulated_sweep;
 use super::device::{Bench, bench, keys};
 use super::recover::lock;
-use crate::commands::characterise::Actuator;
 use crate::commands::device::Keys;
 use crate::devices::{DeviceSpec, mixed, steps_alone, twin as device};
 use crate::exit::Exit;
@@ -23,7 +22,7 @@ use zwidth_store::{
     Files as _, Layout, Raw, RealFiles, check_study_id, hex_blake3, log_sweeps, sweep_bytes,
     write_new,
 };
-use zwidth_study::{ParticipantId, SessionId, StudyId, template};
+use zwidth_study::{ActuatorKind, ParticipantId, SessionId, StudyId, template};
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct TwinArgs {
@@ -58,7 +57,7 @@ const VERSION: u32 = 3;
 /// The software, as records, trials and sweeps of a simulated study name it.
 const SOFTWARE: &str = "zwidth twin 3";
 /// Sweeps of each actuator (thesis App. D).
-const SWEEPS: [(Actuator, u32); 2] = [(Actuator::Motor, 15), (Actuator::Brake, 30)];
+const SWEEPS: [(ActuatorKind, u32); 2] = [(ActuatorKind::Motor, 15), (ActuatorKind::Brake, 30)];
 /// When the calendar of a simulated study begins, s since 1970: 1 January 2026, 09:00 UTC. Session
 /// n of a participant is n weeks later, participants a day apart; all later by as many years as
 /// there were versions before.
@@ -72,8 +71,24 @@ pub(crate) fn twin(root: &Path, command: &TwinArgs, screen: &Screen) -> anyhow::
     make_study(&layout, command)?;
     let bench = bench(root, command.study.clone(), command.rate)?;
     let lock = lock(&bench.layout, "zwidth twin")?;
-    let sessions = sessions(command)?;
-    refuse_existing(&bench.layout, &sessions)?;
+    // P01 S01, P01 S02, …
+    let mut sessions: Vec<(ParticipantId, SessionId)> = Vec::new();
+    for participant in 1..=command.participants {
+        for session in 1..=command.sessions {
+            let participant = format!("P{participant:02}").parse()?;
+            sessions.push((participant, format!("S{session:02}").parse()?));
+        }
+    }
+    let mut paths = sessions.iter().map(|(p, s)| bench.layout.session(p, s));
+    let sweeps = bench.layout.sweeps();
+    if let Some(path) = paths.find(|p| p.exists()).or_else(|| sweeps.exists().then_some(sweeps)) {
+        bail!(
+            "{} exists already, and recorded data never changes; choose another study, or, if an interrupted `zwidth \
+             twin` left it behind, remove all of {} if nothing else was recorded there",
+            path.display(),
+            bench.layout.raw().display()
+        );
+    }
     let keys = keys(&command.keys, bench.study.design.blinded)?;
     // Without waiting for the disk: what a power cut spoils can be simulated again.
     let raw = Raw::adds(&Unsynced, &bench.layout, &lock).with_vault(&keys);
@@ -129,33 +144,6 @@ fn make_study(layout: &Layout, command: &TwinArgs) -> anyhow::Result<()> {
     Ok(write_new(&Raw::new_study(&RealFiles, layout), &path, text.as_bytes())?)
 }
 
-/// P01 S01, P01 S02, …
-fn sessions(command: &TwinArgs) -> anyhow::Result<Vec<(ParticipantId, SessionId)>> {
-    let mut sessions = Vec::new();
-    for participant in 1..=command.participants {
-        for session in 1..=command.sessions {
-            sessions
-                .push((format!("P{participant:02}").parse()?, format!("S{session:02}").parse()?));
-        }
-    }
-    Ok(sessions)
-}
-
-fn refuse_existing(layout: &Layout, sessions: &[(ParticipantId, SessionId)]) -> anyhow::Result<()> {
-    let mut paths =
-        sessions.iter().map(|(participant, session)| layout.session(participant, session));
-    let sweeps = layout.sweeps();
-    if let Some(path) = paths.find(|p| p.exists()).or_else(|| sweeps.exists().then_some(sweeps)) {
-        bail!(
-            "{} exists already, and recorded data never changes; choose another study, or, if an interrupted `zwidth \
-             twin` left it behind, remove all of {} if nothing else was recorded there",
-            path.display(),
-            layout.raw().display()
-        );
-    }
-    Ok(())
-}
-
 /// One session by the simulated participant.
 fn one(
     bench: &Bench,
@@ -166,7 +154,7 @@ fn one(
     keys: &Path,
 ) -> anyhow::Result<Outcome> {
     let seed = command.seed;
-    let mut device = device(&bench.occasion(seed, participant, session), command.untidy)?;
+    let mut device = device(bench, seed, participant, session, command.untidy)?;
     let plan = Plan {
         layout: bench.layout.clone(),
         study: bench.study.clone(),
@@ -181,18 +169,8 @@ fn one(
         keys: PathBuf::from(keys),
         secret: secret(seed, participant, session)?,
     };
-    let options = Options {
-        live: false,
-        answers: true,
-        by_hand: false,
-        steps: steps_alone(&DeviceSpec::Twin),
-        ask: false,
-        no_watchdog: false,
-        by: None,
-        markers: Vec::new(),
-        stop: Default::default(),
-        quit: Default::default(),
-    };
+    let steps = steps_alone(&DeviceSpec::Twin);
+    let options = Options { answers: true, steps, ..Options::default() };
     let laid = Session::open(&plan, device.capabilities(), raw)?;
     let mut clock =
         SimulatedClock::new(mixed(seed, &["clock", participant.as_str(), session.as_str()]));
@@ -236,7 +214,7 @@ fn later(begin: Timestamp, now_s: f64) -> String {
 }
 
 fn sweep_all(bench: &Bench, raw: &Raw, seed: u64) -> anyhow::Result<()> {
-    let all: Vec<(Actuator, u32)> = SWEEPS
+    let all: Vec<(ActuatorKind, u32)> = SWEEPS
         .iter()
         .flat_map(|(actuator, n)| (1..=*n).map(|number| (*actuator, number)))
         .collect();

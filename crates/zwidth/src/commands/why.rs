@@ -57,15 +57,9 @@ struct Target {
 
 pub(crate) fn why(root: &Path, command: &Traced, screen: &Screen) -> anyhow::Result<Exit> {
     let targets = find_targets(root, &command.path, screen)?;
-    let whys = targets
-        .iter()
-        .map(|target| one(root, target, screen))
-        .collect::<anyhow::Result<Vec<_>>>()?;
-    if screen.json {
-        screen.listing(&whys)?;
-    } else {
-        whys.iter().for_each(|why| screen.result(text(why)));
-    }
+    let whys = targets.iter().map(|target| one(root, target, screen));
+    let whys = whys.collect::<anyhow::Result<Vec<_>>>()?;
+    screen.give(&whys, || whys.iter().for_each(|why| screen.result(text(why))))?;
     Ok(Exit::Fine)
 }
 
@@ -106,21 +100,14 @@ fn one(root: &Path, target: &Target, screen: &Screen) -> anyhow::Result<Why> {
         target.job.as_ref().is_some_and(|name| job.name == *name) || job.outputs.contains(&file)
     });
     let job = job.ok_or_else(|| {
-        let outputs =
-            jobs.iter().flat_map(|j| &j.outputs).map(|o| layout.shown(o).to_string_lossy());
-        let outputs: Vec<String> = outputs.map(|o| o.into_owned()).collect();
-        anyhow!(no_job(
-            &target.path,
-            layout.study(),
-            &outputs.iter().map(String::as_str).collect::<Vec<_>>()
-        ))
+        let outputs = jobs.iter().flat_map(|j| &j.outputs);
+        let outputs = outputs.map(|o| layout.shown(o).to_string_lossy().into_owned());
+        anyhow!(no_job(&target.path, layout.study(), &outputs.collect::<Vec<_>>()))
     })?;
     let records = records(layout, screen)?;
     let mut states = states(&jobs, layout.root(), &records, |j| j.name == job.name);
-    let at = states
-        .iter()
-        .position(|s| s.job.name == job.name)
-        .ok_or_else(|| anyhow!("{}: {DEFECT}", target.path))?;
+    let at = states.iter().position(|s| s.job.name == job.name);
+    let at = at.ok_or_else(|| anyhow!("{}: {DEFECT}", target.path))?;
     let own = states.remove(at);
     let record = records.get(&job.name).map(Arc::unwrap_or_clone);
     let first = states.into_iter().filter(|state| state.again() != Again::No);

@@ -1,7 +1,6 @@
 //! A line above a free break, constant below it: a dead zone.
 
 use crate::shape::{Point, Points, Quantity, Shape};
-use core::ops::{Add, Sub};
 use zwidth_results::CurveSymbol;
 
 /// Two sums of squares closer than this share of the total are the same but for rounding; then the
@@ -98,24 +97,17 @@ struct Sums {
     yy: f64,
 }
 
-impl Add for Sums {
-    type Output = Self;
-    fn add(self, o: Self) -> Self {
+impl Sums {
+    /// The sums with `sign` times others: 1 takes these in, −1 out.
+    fn and(self, sign: f64, o: Self) -> Self {
         Self {
-            w: self.w + o.w,
-            x: self.x + o.x,
-            y: self.y + o.y,
-            xx: self.xx + o.xx,
-            xy: self.xy + o.xy,
-            yy: self.yy + o.yy,
+            w: self.w + sign * o.w,
+            x: self.x + sign * o.x,
+            y: self.y + sign * o.y,
+            xx: self.xx + sign * o.xx,
+            xy: self.xy + sign * o.xy,
+            yy: self.yy + sign * o.yy,
         }
-    }
-}
-
-impl Sub for Sums {
-    type Output = Self;
-    fn sub(self, o: Self) -> Self {
-        self + Self { w: -o.w, x: -o.x, y: -o.y, xx: -o.xx, xy: -o.xy, yy: -o.yy }
     }
 }
 
@@ -146,26 +138,23 @@ fn cuts(at: &[Point], scale: &Scale, highest: f64) -> Vec<Cut> {
         let here = same.iter().fold(Sums::default(), |sums, p| {
             let y = p.response - scale.mean;
             let w = p.weight;
-            sums + Sums { w, x: w * x, y: w * y, xx: w * x * x, xy: w * x * y, yy: w * y * y }
+            let at = Sums { w, x: w * x, y: w * y, xx: w * x * x, xy: w * x * y, yy: w * y * y };
+            sums.and(1.0, at)
         });
-        below = below + here;
+        below = below.and(1.0, here);
         if same[0].command <= highest {
-            cuts.push(Cut {
-                level: x,
-                commands_below: commands + 1,
-                below,
-                above: Sums::default(),
-            });
+            let above = Sums::default();
+            cuts.push(Cut { level: x, commands_below: commands + 1, below, above });
         }
     }
     // Now `below` has all points.
-    cuts.iter_mut().for_each(|cut| cut.above = below - cut.below);
+    cuts.iter_mut().for_each(|cut| cut.above = below.and(-1.0, cut.below));
     cuts
 }
 
 impl Cut {
     fn all(&self) -> Sums {
-        self.below + self.above
+        self.below.and(1.0, self.above)
     }
 
     /// The best fit with its break at this level: a regression on h = max(x − level, 0).

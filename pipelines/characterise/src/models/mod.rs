@@ -18,11 +18,20 @@ pub use power_law::PowerLaw;
 pub use saturation::Saturation;
 pub use spline::Spline;
 use zwidth_numerics::branch::Branch;
-use zwidth_results::{CurveModel, CurveShape, CurveSymbol};
+use zwidth_results::{CommandWay, CurveModel, CurveShape, CurveSymbol};
 
 /// The candidates, by number of free parameters.
 pub fn all() -> impl Iterator<Item = Model> {
     CurveModel::ALL.iter().map(|name| Model::of(*name))
+}
+
+/// The way of the command to which a branch's curve belongs; without a branch, both.
+pub(crate) fn way(branch: Option<Branch>) -> CommandWay {
+    match branch {
+        None => CommandWay::Both,
+        Some(Branch::Up) => CommandWay::Up,
+        Some(Branch::Down) => CommandWay::Down,
+    }
 }
 
 /// A candidate: one curve for all commands, or (hysteresis) one for rising and one for falling

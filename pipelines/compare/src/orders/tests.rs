@@ -2,13 +2,13 @@
 
 use super::*;
 use crate::SessionOrder;
-use crate::tests::{Printed, compare};
+use crate::tests::{Printed, compare, measured, parameters};
 use crate::{DrawnOrder, MetricParameters};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
-use zwidth_results::{Row as _, TrialKey};
-use zwidth_study::{Contrast, Families, OrderScheme, Source as Origin};
-use zwidth_tables::{Column, Measured, Table};
+use zwidth_results::TrialKey;
+use zwidth_study::{Contrast, OrderScheme, Source as Origin};
+use zwidth_tables::Measured;
 
 const FEW: Sampling = Sampling { draws: 199, seed: 3 };
 const ENVIRONMENTS: [&str; 2] = ["spring", "wall"];
@@ -74,23 +74,17 @@ impl Demo {
         let last = MODES[modes - 1];
         let contrast = |with: &&str| Contrast { mode: mode(last), against: mode(with) };
         let step = MetricParameters {
-            metric: "step_n".parse().unwrap(),
-            primary: true,
-            better: zwidth_study::Better::Lower,
-            preregistered: None,
             bounds: vec![None; ENVIRONMENTS.len()],
-            noticed: None,
+            ..parameters().metrics[0].clone()
         };
         let parameters = Parameters {
             metrics: vec![step],
             environments: ENVIRONMENTS.map(|id| id.parse().unwrap()).to_vec(),
             modes: MODES[..modes].iter().map(|id| mode(id)).collect(),
             contrasts: MODES[..modes - 1].iter().map(contrast).collect(),
-            families: Families::Metric,
-            alpha: 0.05,
-            level: 0.95,
             effect_sizes: Vec::new(),
             orders,
+            ..parameters()
         };
         Self { trials, parameters }
     }
@@ -109,10 +103,8 @@ impl Demo {
             mode: MODES[t.mode].parse().unwrap(),
             source: Origin::Recorded,
         };
-        let mut columns = TrialKey::columns(&self.trials.iter().map(key).collect::<Vec<_>>());
-        let values = self.trials.iter().map(|t| t.value);
-        columns.push(Column::float("step_n", "N", "a step", values));
-        Measured::of(Table::new("metrics", "", columns).unwrap()).unwrap()
+        let keys: Vec<TrialKey> = self.trials.iter().map(key).collect();
+        measured(&keys, self.trials.iter().map(|t| t.value))
     }
 
     /// The tests of both environments.

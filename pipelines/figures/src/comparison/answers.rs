@@ -5,7 +5,7 @@ use super::compared::or_note;
 use crate::words::{mark, percent, plain};
 use crate::{About, FigureKind};
 use serde::Serialize;
-use zwidth_draw::style::{self, Marker};
+use zwidth_draw::style;
 use zwidth_draw::{
     Axis, Cell, Direction, Figure, Intervals, Layer, Panel, Points, Range, Reference, dodge,
 };
@@ -15,11 +15,11 @@ use zwidth_study::{
 };
 
 /// The figure [`answers_compared`].
-pub const ANSWERS_COMPARED: FigureKind = FigureKind {
-    stem: "answers",
-    shows: "answers compared: each participant, and the mean with its interval",
-    drawn_from: "answer",
-};
+pub const ANSWERS_COMPARED: FigureKind = FigureKind::new(
+    "answers",
+    "answers compared: each participant, and the mean with its interval",
+    "answer",
+);
 
 /// Panels that fit on a page: two columns of six.
 const A_PAGE: usize = 12;
@@ -107,13 +107,8 @@ fn panel(
     participants: &[PersonSuperiority],
     modes: &[Mode],
 ) -> Panel {
-    let mut layers = vec![Layer::Reference(Reference {
-        direction: Direction::Vertical,
-        at: 0.5,
-        label: None,
-        stroke: style::zero(),
-        name: None,
-    })];
+    let mut layers =
+        vec![Layer::Reference(Reference::new(Direction::Vertical, 0.5, style::zero()))];
     for (place, row) in rows.iter().enumerate() {
         let own = participants.iter().filter(|person| {
             (&person.environment, &person.question, &person.contrast)
@@ -122,40 +117,37 @@ fn panel(
         let mut x: Vec<f64> = own.map(|person| person.superiority).collect();
         // Equal shares must be neighbours, to be set beside each other.
         x.sort_by(f64::total_cmp);
-        let y = beside_each_other(&x).into_iter().map(|aside| place as f64 + aside).collect();
-        layers.push(Layer::Points(Points {
-            x,
-            y,
-            colour: style::GREY,
-            opacity: 0.6,
-            ..Points::default()
-        }));
+        layers.push(beside_each_other(x, place));
     }
-    layers.push(Layer::Intervals(Intervals {
-        direction: Direction::Horizontal,
-        at: (0..rows.len()).map(|place| place as f64 + BELOW).collect(),
-        estimate: rows.iter().map(|row| row.superiority.unwrap_or(f64::NAN)).collect(),
-        low: rows.iter().map(|row| row.superiority_ci_low.unwrap_or(f64::NAN)).collect(),
-        high: rows.iter().map(|row| row.superiority_ci_high.unwrap_or(f64::NAN)).collect(),
-        colour: style::INK,
-        marker: Marker::Disc,
-        name: None,
-    }));
+    let numbers = |pick: fn(&AnswerDifference) -> Option<f64>| -> Vec<f64> {
+        rows.iter().map(|row| pick(row).unwrap_or(f64::NAN)).collect()
+    };
+    layers.push(Layer::Intervals(Intervals::new(
+        Direction::Horizontal,
+        (0..rows.len()).map(|place| place as f64 + BELOW).collect(),
+        [
+            numbers(|row| row.superiority),
+            numbers(|row| row.superiority_ci_low),
+            numbers(|row| row.superiority_ci_high),
+        ],
+    )));
     let x = Axis {
         range: Range::Fixed(-0.04, 1.04),
         ..Axis::new("share of pairs of answers", "").linked("share")
     };
     let names = rows.iter().map(|row| contrast_label(modes, &row.contrast));
     let y = Axis::categories(names.map(|name| plain(&name.replace(Contrast::MINUS, " above "))));
-    let height_mm = Some(CONTRAST_MM * (rows.len() as f64 + 0.5));
-    Panel { height_mm, ..Panel::new(cell, x, y, layers).titled(plain(title)) }
+    let height_mm = CONTRAST_MM * (rows.len() as f64 + 0.5);
+    Panel::new(cell, x, y, layers).titled(plain(title)).tall(height_mm)
 }
 
-/// Where equal values lie so that all of them are seen, in lines: values in order.
-fn beside_each_other(values: &[f64]) -> Vec<f64> {
+/// Values in order as grey points of a row, equal ones beside each other so that all are seen.
+pub(super) fn beside_each_other(x: Vec<f64>, row: usize) -> Layer {
     // Shares of pairs that are equal may come from other sums.
-    let equal = values.chunk_by(|a, b| (a - b).abs() < 1e-9);
-    equal.flat_map(|ties| (0..ties.len()).map(|i| dodge(i, ties.len()))).collect()
+    let equal = x.chunk_by(|a, b| (a - b).abs() < 1e-9);
+    let aside = equal.flat_map(|ties| (0..ties.len()).map(|i| dodge(i, ties.len())));
+    let y = aside.map(|aside| row as f64 + aside).collect();
+    Layer::Points(Points { x, y, colour: style::GREY, opacity: 0.6, ..Points::default() })
 }
 
 #[cfg(test)]
@@ -164,8 +156,9 @@ mod tests {
 
     #[test]
     fn equal_shares_lie_beside_each_other_and_others_on_the_line() {
-        let aside = beside_each_other(&[0.25, 0.5, 0.5, 0.75]);
-        assert_eq!((aside[0], aside[3]), (0.0, 0.0));
-        assert!(aside[1] < 0.0 && aside[2] > 0.0, "{aside:?}");
+        let points = beside_each_other(vec![0.25, 0.5, 0.5, 0.75], 0);
+        let Layer::Points(Points { y, .. }) = points else { panic!("{points:?}") };
+        assert_eq!((y[0], y[3]), (0.0, 0.0));
+        assert!(y[1] < 0.0 && y[2] > 0.0, "{y:?}");
     }
 }

@@ -4,7 +4,7 @@
 use crate::words::{mark, percent, plain};
 use crate::{About, FigureKind};
 use std::collections::BTreeMap;
-use zwidth_draw::style::{self, Marker, Stroke};
+use zwidth_draw::style::{self, Stroke};
 use zwidth_draw::{
     Axis, Band, Cell, Direction, Figure, Intervals, Layer, Line, Panel, Points, Reference, dodge,
 };
@@ -19,32 +19,23 @@ use zwidth_study::{
 use zwidth_tables::{in_coordinate, p_value, shown_unit};
 
 /// The figure [`modes_compared`].
-pub const MODES_COMPARED: FigureKind = FigureKind {
-    stem: "compare",
-    shows: "modes compared: means, and differences with their intervals",
-    drawn_from: "trial",
-};
+pub const MODES_COMPARED: FigureKind = FigureKind::new(
+    "compare",
+    "modes compared: means, and differences with their intervals",
+    "trial",
+);
 
 /// The figure [`participants_compared`].
-pub const PARTICIPANTS_COMPARED: FigureKind = FigureKind {
-    stem: "participants",
-    shows: "each participant's difference between modes",
-    drawn_from: "trial",
-};
+pub const PARTICIPANTS_COMPARED: FigureKind =
+    FigureKind::new("participants", "each participant's difference between modes", "trial");
 
 /// The figure [`sessions_compared`].
-pub const SESSIONS_COMPARED: FigureKind = FigureKind {
-    stem: "sessions",
-    shows: "each participant's change between sessions",
-    drawn_from: "trial",
-};
+pub const SESSIONS_COMPARED: FigureKind =
+    FigureKind::new("sessions", "each participant's change between sessions", "trial");
 
 /// The figure [`repeats_compared`].
-pub const REPEATS_COMPARED: FigureKind = FigureKind {
-    stem: "learning",
-    shows: "mean at each repeat of a condition",
-    drawn_from: "trial",
-};
+pub const REPEATS_COMPARED: FigureKind =
+    FigureKind::new("learning", "mean at each repeat of a condition", "trial");
 
 /// Height of a panel, mm.
 const PANEL_MM: f64 = 52.0;
@@ -139,7 +130,7 @@ pub fn modes_compared(
         let title = plain(&environment.label);
         let layers = means(about, &environment.id, &shown, compared);
         let panel = Panel::new(Cell::at(row, 0), modes, shown.axis("mean"), layers);
-        panels.push(Panel { height_mm: Some(PANEL_MM), ..panel.titled(title) });
+        panels.push(panel.titled(title).tall(PANEL_MM));
         let contrasts: Vec<&ModeDifference> =
             compared.contrasts.iter().filter(|row| row.environment == environment.id).collect();
         let are_few = contrasts.len() <= FEW_CONTRASTS;
@@ -154,7 +145,7 @@ pub fn modes_compared(
             true => Panel::with_note(cell, Axis::new("", ""), y, "no two modes to compare"),
             false => Panel::new(cell, names, y, differences(&contrasts, &shown, compared)),
         };
-        panels.push(Panel { height_mm: Some(PANEL_MM), ..panel });
+        panels.push(panel.tall(PANEL_MM));
         if !are_few {
             let all: Vec<String> = contrasts.iter().map(|row| verdict(&about.modes, row)).collect();
             verdicts.push(plain(&format!("{}: {}.", environment.label, all.join("; "))));
@@ -162,6 +153,7 @@ pub fn modes_compared(
     }
     let intervals = compared.means.iter().any(|mean| mean.ci_low.is_some());
     let level = percent(about.confidence);
+    let of_one = compared.metric.unit_of_analysis != UnitOfAnalysis::Participants;
     let what = match (&compared.metric.unit_of_analysis, intervals) {
         (UnitOfAnalysis::Participants, true) => {
             format!("A line joins one person's means. Whiskers: {level} intervals, not adjusted.")
@@ -175,7 +167,6 @@ pub fn modes_compared(
             "Left, dots: repeats; one value per mode has no interval.".to_owned()
         }
     };
-    let of_one = compared.metric.unit_of_analysis != UnitOfAnalysis::Participants;
     let against = (!compared.redrawn.is_empty() && of_one).then(|| {
         "Right, grey: the differences in a hundred orders of the trials that the design could have \
          drawn, had no trial depended on mode; disc: the difference. p is the share of orders at \
@@ -194,9 +185,8 @@ pub fn modes_compared(
     Figure {
         title: Some(plain(&format!("{}: {}", about.title, shown.words))),
         description: format!(
-            "{}, modes compared: means by mode and differences between modes, with {} intervals.",
-            shown.words,
-            percent(about.confidence)
+            "{}, modes compared: means by mode and differences between modes, with {level} intervals.",
+            shown.words
         ),
         panels: or_note(panels),
         column_weights: WEIGHTS.to_vec(),
@@ -208,12 +198,13 @@ pub fn modes_compared(
 
 /// The modes' labels; of one without any value in this environment, that it has none.
 fn mode_names(about: &About, environment: &EnvironmentId, compared: &MetricResults) -> Vec<String> {
-    let names = about.modes.iter().map(|mode| {
+    let mut names = Vec::new();
+    for mode in &about.modes {
         let mut means = compared.means.iter();
         let has_mean = means.any(|mean| (&mean.environment, &mean.mode) == (environment, &mode.id));
-        plain(&mode.label) + if has_mean { "" } else { " (no value)" }
-    });
-    names.collect()
+        names.push(plain(&mode.label) + if has_mean { "" } else { " (no value)" });
+    }
+    names
 }
 
 /// Everybody's means, joined, and the mean over them.
@@ -232,54 +223,41 @@ fn means(
         own.resize(about.modes.len(), Vec::new());
         own[place].extend(cell.mean.map(|mean| mean * shown.factor));
     }
-    let mut layers: Vec<Layer> = people
-        .values()
-        .map(|modes| {
-            // A mode without the metric is a gap in the line.
-            Layer::Line(Line {
-                x: (0..modes.len()).map(|place| place as f64).collect(),
-                y: modes.iter().map(|values| mean(values)).collect(),
-                stroke: Stroke { opacity: 0.45, ..style::faint(style::GREY) },
-                ..Line::default()
-            })
-        })
-        .collect();
-    let mut contrasts = compared.contrasts.iter().filter(|row| row.environment == *environment);
-    if let Some(commanded) = contrasts.find_map(|row| row.commanded) {
-        layers.push(Layer::Reference(Reference {
-            direction: Direction::Horizontal,
-            at: commanded * shown.factor,
-            label: None,
-            stroke: style::reference(),
-            name: Some("commanded value".to_owned()),
+    let mut layers = Vec::new();
+    for modes in people.values() {
+        // A mode without the metric is a gap in the line.
+        layers.push(Layer::Line(Line {
+            x: (0..modes.len()).map(|place| place as f64).collect(),
+            y: modes.iter().map(|values| mean(values)).collect(),
+            stroke: Stroke { opacity: 0.45, ..style::faint(style::GREY) },
+            ..Line::default()
         }));
     }
+    let mut contrasts = compared.contrasts.iter().filter(|row| row.environment == *environment);
+    if let Some(commanded) = contrasts.find_map(|row| row.commanded) {
+        let at = commanded * shown.factor;
+        let line = Reference::new(Direction::Horizontal, at, style::reference());
+        let name = Some("commanded value".to_owned());
+        layers.push(Layer::Reference(Reference { name, ..line }));
+    }
     for (index, mode) in about.modes.iter().enumerate() {
-        let repeats = compared.repeats.iter();
-        let repeats =
-            repeats.filter(|row| (&row.environment, &row.mode) == (environment, &mode.id));
+        let key = (environment, &mode.id);
+        let colour = style::mode_colour(index);
+        let repeats = compared.repeats.iter().filter(|row| (&row.environment, &row.mode) == key);
         // Of one person the repeats are the units; of several, the people.
         let dots: Vec<f64> = match people.len() {
             1 => repeats.map(|row| shown.number(row.mean)).collect(),
             _ => people.values().map(|modes| mean(&modes[index])).collect(),
         };
-        layers.push(Layer::Points(Points {
-            x: vec![index as f64; dots.len()],
-            y: dots,
-            colour: style::mode_colour(index),
-            opacity: 0.55,
-            ..Points::default()
-        }));
-        let means = compared.means.iter();
-        let means = means.filter(|row| (&row.environment, &row.mode) == (environment, &mode.id));
-        let mut at = Vec::new();
-        let mut estimates = Vec::new();
-        for row in means {
-            at.push(index as f64 + ASIDE);
-            estimates.push([Some(row.mean), row.ci_low, row.ci_high]);
-        }
-        let colour = style::mode_colour(index);
-        layers.push(Layer::Intervals(Intervals { at, colour, ..intervals(&estimates, shown) }));
+        let x = vec![index as f64; dots.len()];
+        let dots = Points { x, y: dots, colour, opacity: 0.55, ..Points::default() };
+        layers.push(Layer::Points(dots));
+        let means = compared.means.iter().filter(|row| (&row.environment, &row.mode) == key);
+        let estimates: Vec<_> =
+            means.map(|row| [Some(row.mean), row.ci_low, row.ci_high]).collect();
+        let at = vec![index as f64 + ASIDE; estimates.len()];
+        let marks = intervals(Direction::Vertical, at, &estimates, shown);
+        layers.push(Layer::Intervals(Intervals { colour, ..marks }));
     }
     layers
 }
@@ -298,20 +276,15 @@ const NAMED_REPEATS: f64 = 12.0;
 /// How far a mean stands beside what it is the mean of, in categories.
 const ASIDE: f64 = 0.18;
 
-/// Estimates with the ends of their intervals, upright, in ink.
-fn intervals(estimates: &[[Option<f64>; 3]], shown: &Shown) -> Intervals {
-    let [estimate, low, high] =
-        [0, 1, 2].map(|i| estimates.iter().map(|row| shown.number(row[i])).collect());
-    Intervals {
-        direction: Direction::Vertical,
-        at: Vec::new(),
-        estimate,
-        low,
-        high,
-        colour: style::INK,
-        marker: Marker::Disc,
-        name: None,
-    }
+/// Estimates with the ends of their intervals, in ink.
+fn intervals(
+    direction: Direction,
+    at: Vec<f64>,
+    estimates: &[[Option<f64>; 3]],
+    shown: &Shown,
+) -> Intervals {
+    let column = |i: usize| estimates.iter().map(|row| shown.number(row[i])).collect();
+    Intervals::new(direction, at, [column(0), column(1), column(2)])
 }
 
 /// What is drawn of an environment's contrasts: what is not felt, zero, everybody's differences, the
@@ -346,13 +319,9 @@ fn differences(
         }
         let people = compared.participants.iter().filter(|r| (&r.environment, &r.contrast) == key);
         let y: Vec<f64> = people.map(|person| person.difference * shown.factor).collect();
-        layers.push(Layer::Points(Points {
-            x: vec![place as f64; y.len()],
-            y,
-            colour: style::GREY,
-            opacity: 0.55,
-            ..Points::default()
-        }));
+        let x = vec![place as f64; y.len()];
+        let dots = Points { x, y, colour: style::GREY, opacity: 0.55, ..Points::default() };
+        layers.push(Layer::Points(dots));
     }
     let aside = if several { ASIDE } else { ASIDE / 2.0 };
     let at = (0..contrasts.len()).map(|place| place as f64 + aside).collect();
@@ -361,7 +330,7 @@ fn differences(
         false => [Some(row.difference), None, None],
     });
     let estimates: Vec<[Option<f64>; 3]> = estimates.collect();
-    layers.push(Layer::Intervals(Intervals { at, ..intervals(&estimates, shown) }));
+    layers.push(Layer::Intervals(intervals(Direction::Vertical, at, &estimates, shown)));
     layers
 }
 
@@ -408,13 +377,7 @@ pub(super) fn stacked(place: f64, differences: &[f64]) -> Layer {
 }
 
 pub(super) fn zero(direction: Direction) -> Layer {
-    Layer::Reference(Reference {
-        direction,
-        at: 0.0,
-        label: None,
-        stroke: style::zero(),
-        name: None,
-    })
+    Layer::Reference(Reference::new(direction, 0.0, style::zero()))
 }
 
 /// Participants compared: each participant's difference with its interval within the participant,
@@ -469,25 +432,18 @@ fn caterpillar(contrast: &ModeDifference, shown: &Shown, compared: &MetricResult
         n if n < MANY => (Axis::categories(names), PERSON_MM * n as f64 + PERSON_MM),
         _ => (Axis::new("participants, in order", ""), MANY as f64 * PERSON_MM),
     };
-    let estimates = people
+    let estimates: Vec<_> = people
         .iter()
-        .map(|row| [Some(row.difference), row.difference_ci_low, row.difference_ci_high]);
-    let whiskers = intervals(&estimates.collect::<Vec<_>>(), shown);
+        .map(|row| [Some(row.difference), row.difference_ci_low, row.difference_ci_high])
+        .collect();
     let at = (0..people.len()).map(|row| row as f64).collect();
-    let mean = Reference {
-        direction: Direction::Vertical,
-        at: contrast.difference * shown.factor,
-        label: None,
-        stroke: style::reference(),
-        name: None,
-    };
+    let mean = contrast.difference * shown.factor;
     let layers = vec![
         zero(Direction::Vertical),
-        Layer::Reference(mean),
-        Layer::Intervals(Intervals { at, direction: Direction::Horizontal, ..whiskers }),
+        Layer::Reference(Reference::new(Direction::Vertical, mean, style::reference())),
+        Layer::Intervals(intervals(Direction::Horizontal, at, &estimates, shown)),
     ];
-    let panel = Panel::new(Cell::at(0, 0), shown.axis("difference"), y, layers);
-    Panel { height_mm: Some(height), ..panel }
+    Panel::new(Cell::at(0, 0), shown.axis("difference"), y, layers).tall(height)
 }
 
 /// Learning: the mean at each repeat of a condition, one panel per environment, one line per mode.
@@ -518,26 +474,21 @@ pub fn repeats_compared(
             let colour = style::mode_colour(index);
             let marker = style::marker(index);
             let aside = dodge(index, about.modes.len()) / 2.0;
-            let at: Vec<f64> = rows.iter().map(|row| row.repeat as f64 - first + aside).collect();
-            let estimates = rows.iter().map(|row| [row.mean, row.ci_low, row.ci_high]);
-            let marks = intervals(&estimates.collect::<Vec<_>>(), &shown);
-            let name = Some(plain(&mode.label));
+            let x: Vec<f64> = rows.iter().map(|row| row.repeat as f64 - first + aside).collect();
+            let estimates: Vec<_> =
+                rows.iter().map(|row| [row.mean, row.ci_low, row.ci_high]).collect();
+            let marks = intervals(Direction::Vertical, x.clone(), &estimates, &shown);
             let y = marks.estimate.clone();
             let stroke = style::single(colour).dashed(style::dash(index));
-            layers.push(Layer::Line(Line {
-                x: at.clone(),
-                y,
-                stroke,
-                name: name.clone(),
-                ..Line::default()
-            }));
-            layers.push(Layer::Intervals(Intervals { at, colour, marker, name, ..marks }));
+            let name = Some(plain(&mode.label));
+            let line = Line { x, y, stroke, name: name.clone(), ..Line::default() };
+            layers.push(Layer::Line(line));
+            layers.push(Layer::Intervals(Intervals { colour, marker, name, ..marks }));
         }
         if !layers.is_empty() {
             let cell = Cell::at(0, panels.len());
             let panel = Panel::new(cell, repeat.clone(), shown.axis("mean"), layers);
-            let panel = panel.titled(plain(&environment.label));
-            panels.push(Panel { height_mm: Some(PANEL_MM), ..panel });
+            panels.push(panel.titled(plain(&environment.label)).tall(PANEL_MM));
         }
     }
     Figure {
@@ -546,9 +497,8 @@ pub fn repeats_compared(
         panels: or_note(panels),
         footnotes: compared
             .notes_below(RepeatMean::NAME)
-            .next()
+            .take(1)
             .map(|note| plain(&note.note.to_string()))
-            .into_iter()
             .collect(),
         mark: mark(sources.iter().copied()),
         ..Figure::default()
@@ -579,7 +529,7 @@ pub fn sessions_compared(
             let x = Axis::new("mean of both", shown.unit.as_str()).linked("mean");
             let y = shown.axis("change");
             let panel = Panel::new(Cell::at(row, column), x, y, layers).titled(plain(&title));
-            panels.push(Panel { height_mm: Some(PANEL_MM), ..panel });
+            panels.push(panel.tall(PANEL_MM));
             column += 1;
         }
         row += usize::from(column > 0);
@@ -624,13 +574,9 @@ fn bland_altman(
     };
     let mut layers = vec![zero(Direction::Horizontal)];
     for at in [change.change, change.limit_low, change.limit_high].into_iter().flatten() {
-        layers.push(Layer::Reference(Reference {
-            direction: Direction::Horizontal,
-            at: at * shown.factor,
-            label: None,
-            stroke: style::reference(),
-            name: None,
-        }));
+        let at = at * shown.factor;
+        let line = Reference::new(Direction::Horizontal, at, style::reference());
+        layers.push(Layer::Reference(line));
     }
     layers.push(Layer::Points(dots));
     layers

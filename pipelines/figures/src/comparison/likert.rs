@@ -13,15 +13,15 @@ use zwidth_study::{
 };
 
 /// The figure of answers by environment or group.
-pub const LIKERT: FigureKind = FigureKind {
-    stem: "likert",
-    shows: "answers, diverging bars: counts of one person, a strip a person of several",
-    drawn_from: "answer",
-};
+pub const LIKERT: FigureKind = FigureKind::new(
+    "likert",
+    "answers, diverging bars: counts of one person, a strip a person of several",
+    "answer",
+);
 
 /// The figure of answers by question.
 pub const LIKERT_ITEMS: FigureKind =
-    FigureKind { stem: "likert_items", shows: "answers to each question", drawn_from: "answer" };
+    FigureKind::new("likert_items", "answers to each question", "answer");
 
 /// Panels that fit on a page: two columns of six.
 const A_PAGE: usize = 12;
@@ -62,7 +62,7 @@ struct Wanted {
     /// What was answered.
     scale: AnswerScale,
     /// Whether an answer of it was turned round.
-    pub(crate) reversed: bool,
+    reversed: bool,
     /// The question's wording, where the heading is another.
     wording: Option<String>,
 }
@@ -180,9 +180,20 @@ pub fn likert(
     };
     let drawn =
         panels.iter().enumerate().map(|(i, p)| panel(p, Cell::at(i / columns, i % columns), scale));
+    let answered = scale_of(wanted);
+    let [first, last] = [answered.lowest(), answered.highest()].map(|answer| match &answered {
+        AnswerScale::Numbers(_) => answered.worded(answer),
+        named => named.word(answer).unwrap_or_default().to_owned(),
+    });
+    let middle = match answered.points() % 2 {
+        0 => "zero lies between the two halves",
+        _ => "the neutral answers straddle zero",
+    };
     Figure {
         title: Some(plain(title)),
-        description: describe(title, &scale_of(wanted)),
+        description: format!(
+            "{title}: answers from {first} to {last}, a row of boxes each; {middle}."
+        ),
         width_mm: if columns == 1 { 120.0 } else { zwidth_draw::TWO_COLUMNS_MM },
         panels: drawn.collect(),
         footnotes: footnotes(wanted, people).iter().map(|n| plain(n)).collect(),
@@ -194,18 +205,6 @@ pub fn likert(
 /// The one scale of a page.
 fn scale_of(page: &[Wanted]) -> AnswerScale {
     page.first().map(|w| w.scale.clone()).unwrap_or_default()
-}
-
-fn describe(title: &str, scale: &AnswerScale) -> String {
-    let [first, last] = [scale.lowest(), scale.highest()].map(|answer| match scale {
-        AnswerScale::Numbers(_) => scale.worded(answer),
-        named => named.word(answer).unwrap_or_default().to_owned(),
-    });
-    let middle = match scale.points() % 2 {
-        0 => "zero lies between the two halves",
-        _ => "the neutral answers straddle zero",
-    };
-    format!("{title}: answers from {first} to {last}, a row of boxes each; {middle}.")
 }
 
 /// One row per mode, in the study's order; people by their mean answer, the highest at the top.
@@ -303,10 +302,7 @@ fn panel(p: &Counted, cell: Cell, scale: LikertScale) -> Panel {
         AnswerScale::Numbers(_) => "answers, lower ← → higher",
         _ => "answers, against ← → in favour",
     };
-    let unit = match scale {
-        LikertScale::Counts => "",
-        LikertScale::Percent => "%",
-    };
+    let unit = if scale == LikertScale::Percent { "%" } else { "" };
     let x = Axis { ticks: Ticks::Magnitudes, ..Axis::new(label, unit) }.linked("answers");
     let y = Axis::categories(p.rows.iter().map(|(label, _)| plain(label)));
     let bars = Likert {
@@ -317,7 +313,7 @@ fn panel(p: &Counted, cell: Cell, scale: LikertScale) -> Panel {
     let panel = Panel::new(cell, x, y, vec![Layer::Likert(bars)]).titled(plain(&p.title));
     let strips = p.rows.iter().map(|(_, strips)| strips.len()).max().unwrap_or(1);
     let row_mm = (STRIP_MM * strips as f64).clamp(ROW_MM, TALL_ROW_MM);
-    Panel { height_mm: Some(row_mm * p.rows.len() as f64), ..panel }
+    panel.tall(row_mm * p.rows.len() as f64)
 }
 
 /// An answer in the legend: its word, with its number before it on a scale by numbers; the number

@@ -1,23 +1,22 @@
 //! Answers on scales of many points: each answer, with median, quartiles and mean.
 
-use crate::comparison::likert::shown;
+use super::answers::beside_each_other;
+use super::likert::shown;
 use crate::words::{mark, plain};
 use crate::{About, FigureKind};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use zwidth_draw::style::{self, Marker};
-use zwidth_draw::{
-    Axis, Cell, Direction, Figure, Intervals, Layer, Panel, Points, Range, Reference, dodge,
-};
+use zwidth_draw::{Axis, Cell, Direction, Figure, Intervals, Layer, Panel, Range, Reference};
 use zwidth_results::{AnswerTally, GivenAnswer};
 use zwidth_study::{Environment, EnvironmentId, Mode, ModeId, Question, QuestionId, Source};
 
 /// The figure [`ratings`].
-pub const RATINGS: FigureKind = FigureKind {
-    stem: "ratings",
-    shows: "answers on scales of many points: each, with median, quartiles and mean",
-    drawn_from: "answer",
-};
+pub const RATINGS: FigureKind = FigureKind::new(
+    "ratings",
+    "answers on scales of many points: each, with median, quartiles and mean",
+    "answer",
+);
 
 /// Panels that fit on a page: two columns of four.
 const A_PAGE: usize = 8;
@@ -114,23 +113,10 @@ fn panel(
     let scores = scores(answers, wanted);
     let shown: Vec<&Mode> = modes.iter().filter(|mode| scores.contains_key(&mode.id)).collect();
     let middle = f64::from(scale.ends_together()) / 2.0;
-    let mut layers = vec![Layer::Reference(Reference {
-        direction: Direction::Vertical,
-        at: middle,
-        label: None,
-        stroke: style::zero(),
-        name: None,
-    })];
+    let mut layers =
+        vec![Layer::Reference(Reference::new(Direction::Vertical, middle, style::zero()))];
     for (place, mode) in shown.iter().enumerate() {
-        let x = scores.get(&mode.id).cloned().unwrap_or_default();
-        let y = beside_each_other(&x).into_iter().map(|aside| place as f64 + aside).collect();
-        layers.push(Layer::Points(Points {
-            x,
-            y,
-            colour: style::GREY,
-            opacity: 0.6,
-            ..Points::default()
-        }));
+        layers.push(beside_each_other(scores.get(&mode.id).cloned().unwrap_or_default(), place));
     }
     layers.extend(summaries(tally, wanted, &shown));
     let [low, high] = [scale.lowest(), scale.highest()];
@@ -142,8 +128,8 @@ fn panel(
     let turned = if wanted.question.reversed { " (reversed)" } else { "" };
     let names = shown.iter().map(|mode| plain(&format!("{}{turned}", mode.label)));
     let y = Axis::categories(names);
-    let panel = Panel::new(cell, x, y, layers).titled(plain(&wanted.title));
-    Panel { height_mm: Some(ROW_MM * (shown.len() as f64 + 0.5)), ..panel }
+    let height_mm = ROW_MM * (shown.len() as f64 + 0.5);
+    Panel::new(cell, x, y, layers).titled(plain(&wanted.title)).tall(height_mm)
 }
 
 /// The answers by mode, as scored, in rising order.
@@ -177,25 +163,16 @@ fn summaries(tally: &[AnswerTally], wanted: &Wanted, modes: &[&Mode]) -> [Layer;
     };
     let at: Vec<f64> = (0..modes.len()).map(|place| place as f64 + BELOW).collect();
     let none = vec![f64::NAN; modes.len()];
-    let quartiles = Intervals {
-        direction: Direction::Horizontal,
-        at: at.clone(),
-        estimate: numbers(|row| Some((row.median_low?.get() + row.median_high?.get()) / 2.0)),
-        low: numbers(|row| row.quartile_1),
-        high: numbers(|row| row.quartile_3),
-        colour: style::INK,
-        marker: Marker::Disc,
-        name: None,
-    };
+    let median = numbers(|row| Some((row.median_low?.get() + row.median_high?.get()) / 2.0));
+    let quartiles = [median, numbers(|row| row.quartile_1), numbers(|row| row.quartile_3)];
+    let mean = [numbers(|row| row.mean), none.clone(), none];
     let mean = Intervals {
-        estimate: numbers(|row| row.mean),
-        low: none.clone(),
-        high: none,
         marker: Marker::Diamond,
         colour: style::mode_colour(1),
-        ..quartiles.clone()
+        ..Intervals::new(Direction::Horizontal, at.clone(), mean)
     };
-    [Layer::Intervals(quartiles), Layer::Intervals(mean)]
+    let quartiles = Intervals::new(Direction::Horizontal, at, quartiles);
+    [quartiles, mean].map(Layer::Intervals)
 }
 
 /// A score with the word of the answer that it stands for: of a reversed question that at the other
@@ -205,10 +182,4 @@ fn worded(question: &Question, score: i16) -> String {
     let answer = question.scale.score(score, question.reversed);
     let word = question.scale.word(answer).map(|word| format!(" {word}"));
     format!("{}{}", shown(score), word.unwrap_or_default())
-}
-
-/// Where equal answers lie so that all of them are seen, in rows: values in order.
-fn beside_each_other(values: &[f64]) -> Vec<f64> {
-    let equal = values.chunk_by(|a, b| a - b == 0.0);
-    equal.flat_map(|ties| (0..ties.len()).map(|i| dodge(i, ties.len()))).collect()
 }

@@ -4,7 +4,8 @@
 use super::compared::{MetricResults, Shown, or_note, stacked, zero};
 use crate::words::{mark, percent, plain};
 use crate::{About, FigureKind};
-use zwidth_draw::style::{self, Marker};
+use std::collections::BTreeSet;
+use zwidth_draw::style;
 use zwidth_draw::{
     Axis, Band, Cell, Direction, Figure, Intervals, Layer, ONE_COLUMN_MM, Panel, Points,
     TWO_COLUMNS_MM, Text, TextPlace,
@@ -14,11 +15,11 @@ use zwidth_study::{Better, Environment, ModeId, Source, contrast_label, in_a_sen
 use zwidth_tables::{number, with_unit};
 
 /// The figure [`verdicts`].
-pub const VERDICTS: FigureKind = FigureKind {
-    stem: "verdicts",
-    shows: "the answer in one glance: every difference between modes over what a person can feel",
-    drawn_from: "trial",
-};
+pub const VERDICTS: FigureKind = FigureKind::new(
+    "verdicts",
+    "the answer in one glance: every difference between modes over what a person can feel",
+    "trial",
+);
 
 /// The figure [`verdicts`] in one column, whose subject this is.
 pub const IN_ONE_COLUMN: &str = "column";
@@ -138,14 +139,12 @@ fn row(
         mode.map_or_else(|| id.to_string(), |mode| in_a_sentence(&mode.label))
     });
     let size = contrast.size.map(|size| format!(", {}", size.as_str()));
+    let label = contrast_label(&about.modes, &contrast.contrast);
+    let whose = if of_one { "trials" } else { "people" };
     Some(VerdictRow {
         metric: shown.words.clone(),
         role: found.metric.role,
-        place: format!(
-            "{}: {}",
-            environment.label,
-            contrast_label(&about.modes, &contrast.contrast)
-        ),
+        place: format!("{}: {label}", environment.label),
         by,
         estimate: contrast.difference / unit,
         ends: ends.map(|(low, high)| [low / unit, high / unit]),
@@ -154,10 +153,7 @@ fn row(
         value: with_unit(&rounded(contrast.difference), &shown.unit)
             + &interval.unwrap_or_default(),
         verdict: format!("{}{}", contrast.verdict.as_str(), size.unwrap_or_default()),
-        who: match &contrast.unit_of_analysis {
-            UnitOfAnalysis::Participants => format!("{} people", contrast.n),
-            UnitOfAnalysis::TrialsOf(_) => format!("{} trials", contrast.n),
-        },
+        who: format!("{} {whose}", contrast.n),
         better: found.metric.better,
         best,
     })
@@ -182,9 +178,7 @@ fn differences_of_repeats(found: &MetricResults, contrast: &ModeDifference) -> V
         let mut rows = found.repeats.iter();
         rows.find(|row| (&row.environment, &row.mode, row.repeat) == key)?.mean
     };
-    let mut repeats: Vec<u32> = found.repeats.iter().map(|row| row.repeat).collect();
-    repeats.sort_unstable();
-    repeats.dedup();
+    let repeats: BTreeSet<u32> = found.repeats.iter().map(|row| row.repeat).collect();
     let modes = &contrast.contrast;
     repeats
         .into_iter()
@@ -226,9 +220,8 @@ pub fn verdicts(
         _ => format!("Dots: people. Disc and whiskers: mean and {level} interval, not adjusted."),
     }];
     if rows.iter().any(|row| row.by == MeasuredBy::Jnd) {
-        footnotes.push(
-            "Band: within ± 1 just noticeable difference (JND), below what is felt.".to_owned(),
-        );
+        let note = "Band: within ± 1 just noticeable difference (JND), below what is felt.";
+        footnotes.push(note.to_owned());
     }
     if rows.iter().any(|row| row.by == MeasuredBy::Deviation) {
         footnotes.push(
@@ -275,7 +268,7 @@ fn both_panels(line: usize, by: MeasuredBy, rows: &[&VerdictRow], is_narrow: boo
     }
     let height = names.len();
     let row_mm = if is_narrow { NARROW_ROW_MM } else { ROW_MM };
-    let height_mm = Some(row_mm * height as f64);
+    let height_mm = row_mm * height as f64;
     let mut layers = Vec::new();
     if by == MeasuredBy::Jnd {
         layers.push(Layer::Band(Band {
@@ -299,17 +292,10 @@ fn both_panels(line: usize, by: MeasuredBy, rows: &[&VerdictRow], is_narrow: boo
             ..Points::default()
         }));
     }
+    let estimates = rows.iter().map(|row| row.estimate).collect();
     let end = |i: usize| rows.iter().map(|row| row.ends.map_or(f64::NAN, |e| e[i])).collect();
-    layers.push(Layer::Intervals(Intervals {
-        direction: Direction::Horizontal,
-        at: places.clone(),
-        estimate: rows.iter().map(|row| row.estimate).collect(),
-        low: end(0),
-        high: end(1),
-        colour: style::INK,
-        marker: Marker::Disc,
-        name: None,
-    }));
+    let estimates = [estimates, end(0), end(1)];
+    layers.push(Layer::Intervals(Intervals::new(Direction::Horizontal, places.clone(), estimates)));
     let label = match by {
         MeasuredBy::Jnd => "difference, in just noticeable differences",
         MeasuredBy::Deviation => "difference, in standard deviations",
@@ -332,7 +318,7 @@ fn both_panels(line: usize, by: MeasuredBy, rows: &[&VerdictRow], is_narrow: boo
     let layers = std::iter::once(rows_of_plot).chain(words).collect();
     let blank = Axis::categories(vec![String::new(); height]);
     let beside = Panel::new(Cell::at(line, 1), Axis::bare(0.0, 1.0), blank, layers);
-    [plot, beside].map(|panel| Panel { height_mm, ..panel })
+    [plot, beside].map(|panel| panel.tall(height_mm))
 }
 
 /// Discs that stand beside a place of x, as discs above a place of y.

@@ -1,7 +1,7 @@
 //! What the figures of trials are made from.
 
 use crate::About;
-use crate::words::plain;
+use crate::words::{Words, plain};
 use zwidth_results::{AveragedTime, LoopAngle, Row};
 use zwidth_store::{Signal, Trial};
 use zwidth_study::{Alignment, Environment, Source};
@@ -122,19 +122,19 @@ pub struct EnvironmentData<'a> {
 
 impl EnvironmentData<'_> {
     /// Where all repeats come from.
-    pub(crate) fn sources(&self) -> impl Iterator<Item = Source> + '_ {
-        self.modes.iter().flat_map(|m| &m.repeats).map(|r| r.trial.meta.source)
+    pub(crate) fn sources(&self) -> impl Iterator<Item = Source> {
+        self.repeats().map(|repeat| repeat.trial.meta.source)
     }
 
     /// Whether any repeat has the signal.
     pub(crate) fn has(&self, signal: Signal) -> bool {
-        self.modes.iter().flat_map(|m| &m.repeats).any(|r| r.signal(signal).is_some())
+        self.repeats().any(|repeat| repeat.signal(signal).is_some())
     }
 
     /// Whether time counts from movement onset: where some repeat has one, those without are not
     /// drawn over time.
     pub(crate) fn aligned(&self) -> bool {
-        self.modes.iter().flat_map(|m| &m.repeats).any(|r| r.onset_s.is_some())
+        self.repeats().any(|repeat| repeat.onset_s.is_some())
     }
 
     /// Label of the time axis. By landmarks it is the scale of their mean times, to which repeats
@@ -149,6 +149,11 @@ impl EnvironmentData<'_> {
         }
     }
 
+    /// The words of its axes.
+    pub(crate) fn words(&self) -> Words {
+        Words::new(self.about.coordinate)
+    }
+
     /// The level of the study's intervals, in per cent: `95 %`.
     pub(crate) fn level(&self) -> String {
         crate::words::percent(self.about.confidence)
@@ -156,19 +161,16 @@ impl EnvironmentData<'_> {
 
     /// The force, or the torque where no lever length made it one.
     pub(crate) fn load(&self) -> Signal {
-        if self.has(Signal::ForceEx) || !self.has(Signal::TorqueEx) {
-            Signal::ForceEx
-        } else {
-            Signal::TorqueEx
+        match self.has(Signal::ForceEx) || !self.has(Signal::TorqueEx) {
+            true => Signal::ForceEx,
+            false => Signal::TorqueEx,
         }
     }
-}
 
-/// A column of an average with its band; null becomes a gap.
-pub(crate) struct MeanCurve {
-    pub(crate) mean: Vec<f64>,
-    pub(crate) low: Vec<f64>,
-    pub(crate) high: Vec<f64>,
+    /// All repeats of all modes.
+    pub(crate) fn repeats(&self) -> impl Iterator<Item = &Repeat<'_>> {
+        self.modes.iter().flat_map(|mode| &mode.repeats)
+    }
 }
 
 /// The signals of a trial that figures show besides time.
@@ -205,15 +207,8 @@ pub(crate) fn mean_loop_of(
     table: &Table,
     load: Signal,
 ) -> Result<Option<[Vec<f64>; 2]>, TableError> {
-    let name = mean_column(load, "mean");
-    if !table.fields().any(|field| field.name == name) {
-        return Ok(None);
-    }
+    let Some(force) = mean_values(table, load)? else { return Ok(None) };
     let points = table.to_rows::<LoopAngle>()?;
-    let force = gaps(table.floats(&name)?);
-    if force.iter().all(|force| force.is_nan()) {
-        return Ok(None);
-    }
     let mut x = Vec::new();
     let mut y = Vec::new();
     for (row, point) in points.iter().enumerate() {
@@ -233,23 +228,28 @@ pub(crate) fn mean_loop_of(
 /// Branches whose ends are closer than this, rad (0.3°), are drawn as one line.
 const APART_RAD: f64 = 0.005;
 
-/// The mean of a signal and its band; `None` if the average has no such signal.
-pub(crate) fn mean_curve(average: &Table, signal: Signal) -> Result<Option<MeanCurve>, TableError> {
-    let [mean, low, high] = ["mean", "ci_low", "ci_high"].map(|what| mean_column(signal, what));
-    if !average.fields().any(|f| f.name == mean) {
+/// The mean of a signal and the ends of its band; `None` if the average has no such signal.
+pub(crate) fn mean_curve(
+    average: &Table,
+    signal: Signal,
+) -> Result<Option<[Vec<f64>; 3]>, TableError> {
+    let Some(mean) = mean_values(average, signal)? else { return Ok(None) };
+    let [low, high] = ["ci_low", "ci_high"].map(|what| average.floats(&mean_column(signal, what)));
+    Ok(Some([mean, gaps(low?), gaps(high?)]))
+}
+
+/// The means of a signal; `None` if a table has none.
+fn mean_values(table: &Table, signal: Signal) -> Result<Option<Vec<f64>>, TableError> {
+    let name = mean_column(signal, "mean");
+    if !table.fields().any(|field| field.name == name) {
         return Ok(None);
     }
-    let mean = gaps(average.floats(&mean)?);
+    let mean = gaps(table.floats(&name)?);
     // A table may have the column where no repeat has the signal.
-    if mean.iter().all(|v| v.is_nan()) {
-        return Ok(None);
-    }
-    let low = gaps(average.floats(&low)?);
-    let high = gaps(average.floats(&high)?);
-    Ok(Some(MeanCurve { mean, low, high }))
+    Ok(Some(mean).filter(|mean| !mean.iter().all(|value| value.is_nan())))
 }
 
 /// Null becomes a gap in a curve.
-pub(crate) fn gaps(values: Vec<Option<f64>>) -> Vec<f64> {
+fn gaps(values: Vec<Option<f64>>) -> Vec<f64> {
     values.into_iter().map(|v| v.unwrap_or(f64::NAN)).collect()
 }

@@ -1,7 +1,7 @@
 //! One environment of one session as it was read, from which the figures of trials are drawn.
 
 use crate::{About, EnvironmentData, ModeData, Repeat};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use zwidth_numerics::activity::activity;
 use zwidth_results::AveragedTime;
 use zwidth_store::{Signal, Trial};
@@ -77,7 +77,13 @@ impl<'a> Loaded<'a> {
         let Averages { over_time, over_position } = &self.averages;
         let modes = self.about.modes.iter().enumerate().filter_map(|(index, mode)| {
             let mine = (0..self.trials.len()).filter(|i| self.trials[*i].meta.mode == mode.id);
-            let repeats: Vec<_> = mine.map(|i| self.repeat(i)).collect();
+            let repeats: Vec<Repeat> = mine
+                .map(|i| Repeat {
+                    trial: &self.trials[i],
+                    onset_s: self.onsets[i],
+                    warped_s: self.warped_s[i].as_deref(),
+                })
+                .collect();
             let [average, loop_average] = [over_time, over_position]
                 .map(|averages| averages.get(&mode.id).filter(|table| table.height() > 0));
             let data = ModeData { index, label: &mode.label, repeats, average, loop_average };
@@ -90,14 +96,6 @@ impl<'a> Loaded<'a> {
             modes: modes.collect(),
             alignment: self.alignment,
             notes: self.notes.clone(),
-        }
-    }
-
-    fn repeat(&self, i: usize) -> Repeat<'_> {
-        Repeat {
-            trial: &self.trials[i],
-            onset_s: self.onsets[i],
-            warped_s: self.warped_s[i].as_deref(),
         }
     }
 }
@@ -119,9 +117,8 @@ fn footnotes(averages: &Averages) -> Result<Vec<String>, TableError> {
     let kept = all
         .flat_map(Table::notes_by_kind)
         .filter(|(kind, _)| !matches!(kind, NoteKind::Extent | NoteKind::Alignment));
-    let mut notes: Vec<String> = kept.map(|(_, note)| note.to_owned()).collect();
-    notes.sort();
-    notes.dedup();
+    let notes: BTreeSet<&str> = kept.map(|(_, note)| note).collect();
+    let mut notes: Vec<String> = notes.into_iter().map(str::to_owned).collect();
     let mut ends = Vec::new();
     for average in over_time.values().filter(|t| t.height() > 0) {
         if average.notes_by_kind().any(|(kind, _)| kind == NoteKind::Extent) {

@@ -2,7 +2,7 @@
 //! discrepancy at a glance.
 
 use crate::course::data::{AT_THE_ANGLE, EnvironmentData, ModeData, repeats_averaged};
-use crate::course::panels::{axis, mean_loop, repeat_loop, wall_line};
+use crate::course::panels::{axis, mean_loop, recorded_word, repeat_loop, wall_line};
 use crate::words::{Words, keep_together, mark, plain};
 use crate::{About, FigureKind};
 use zwidth_draw::style::{self, Stroke};
@@ -11,11 +11,8 @@ use zwidth_store::Signal;
 use zwidth_tables::TableError;
 
 /// The figure [`loops`].
-pub const LOOPS: FigureKind = FigureKind {
-    stem: "loops",
-    shows: "force against position, all environments",
-    drawn_from: "trial",
-};
+pub const LOOPS: FigureKind =
+    FigureKind::new("loops", "force against position, all environments", "trial");
 
 /// Height of a panel, mm.
 const PANEL_MM: f64 = 55.0;
@@ -24,7 +21,7 @@ const PANEL_MM: f64 = 55.0;
 pub fn loops(about: &About, scenes: &[EnvironmentData]) -> Result<Figure, TableError> {
     let words = Words::new(about.coordinate);
     let load = scenes.first().map_or(Signal::ForceEx, EnvironmentData::load);
-    let load_word = if load == Signal::TorqueEx { "torque" } else { "force" };
+    let load_word = recorded_word(words, load);
     let who = scenes.first().map(|s| s.who.as_str()).unwrap_or_default();
     let mut panels = Vec::new();
     for (index, mode) in about.modes.iter().enumerate() {
@@ -34,7 +31,7 @@ pub fn loops(about: &About, scenes: &[EnvironmentData]) -> Result<Figure, TableE
             let wall = wall_line(scene.environment, words, Direction::Vertical);
             layers.splice(0..0, wall); // behind the data
             let pen = style::mean(style::environment_colour(i)).dashed(style::dash(i));
-            layers.extend(loop_layers(scene, words, data, pen)?);
+            layers.extend(loop_layers(scene, data, pen)?);
         }
         if layers.is_empty() {
             continue;
@@ -42,8 +39,7 @@ pub fn loops(about: &About, scenes: &[EnvironmentData]) -> Result<Figure, TableE
         let cell = Cell::at(0, panels.len());
         let y = axis(words, load).linked("force");
         let x = words.position_axis().linked("position");
-        let panel = Panel::new(cell, x, y, layers).titled(plain(&mode.label));
-        panels.push(Panel { height_mm: Some(PANEL_MM), ..panel });
+        panels.push(Panel::new(cell, x, y, layers).titled(plain(&mode.label)).tall(PANEL_MM));
     }
     let footnotes = footnotes(scenes, &panels);
     Ok(Figure {
@@ -78,8 +74,7 @@ fn footnotes(scenes: &[EnvironmentData], panels: &[Panel]) -> Vec<String> {
         };
         format!("Lines: {what} ({n}), {AT_THE_ANGLE}")
     });
-    let mut layers = panels.iter().flat_map(|panel| &panel.layers);
-    let dotted = layers.any(|l| matches!(l, Layer::Line(line) if line.dotted.contains(&true)));
+    let dotted = panels.iter().flat_map(Panel::lines).any(|line| line.dotted.contains(&true));
     let dots = dotted.then(|| "dotted: at the wall or past it".to_owned());
     let pens: Vec<String> = means.into_iter().chain(dots).collect();
     let pens = (!pens.is_empty()).then(|| format!("{}.", pens.join("; ")));
@@ -94,21 +89,19 @@ const WHOSE: &str = "*F*: the user's force. The gap between the two ways is also
 /// The mean loop, or every repeat's where there is no mean.
 fn loop_layers(
     scene: &EnvironmentData,
-    words: Words,
     mode: &ModeData,
     pen: Stroke,
 ) -> Result<Vec<Layer>, TableError> {
-    let load = scene.load();
     let name = plain(&scene.environment.label);
     // One repeat is no mean: it is drawn in the thin pen.
     let mean = match mode.repeats.len() {
         0 | 1 => None,
-        _ => mean_loop(scene, words, mode, load, pen)?,
+        _ => mean_loop(scene, mode, pen)?,
     };
     let single = style::single(pen.colour).dashed(pen.dash);
     let lines: Vec<Line> = match mean {
         Some(line) => vec![line],
-        None => mode.repeats.iter().filter_map(|r| repeat_loop(words, r, load, single)).collect(),
+        None => mode.repeats.iter().filter_map(|r| repeat_loop(scene, r, single)).collect(),
     };
     let named = lines.into_iter().map(|line| Line { name: Some(name.clone()), ..line });
     Ok(named.map(Layer::Line).collect())

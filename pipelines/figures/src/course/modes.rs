@@ -8,7 +8,7 @@ use crate::course::panels::{
     axis, mean_loop, mean_over_time, recorded_word, repeat_loop, repeat_over_time, wall_line,
 };
 use crate::extent::{at_wall, shared, shared_time};
-use crate::words::{Words, keep_together, mark, plain, time_axis};
+use crate::words::{keep_together, mark, plain, time_axis};
 use zwidth_draw::style::{self, Dash, Stroke};
 use zwidth_draw::{Axis, Cell, Direction, Figure, Layer, Panel, Range};
 use zwidth_store::Signal;
@@ -16,11 +16,11 @@ use zwidth_study::{Alignment, in_a_sentence};
 use zwidth_tables::TableError;
 
 /// The figure [`modes`].
-pub const MODES: FigureKind = FigureKind {
-    stem: "modes",
-    shows: "position, force and velocity against time, force against position",
-    drawn_from: "trial",
-};
+pub const MODES: FigureKind = FigureKind::new(
+    "modes",
+    "position, force and velocity against time, force against position",
+    "trial",
+);
 
 /// The note below a figure of trials that have a set-point.
 const UNDRAWN: &str = "The set-point (channel reference_rad) is not drawn, neither against time nor as a line or band on \
@@ -32,7 +32,7 @@ const PANEL_MM: f64 = 30.0;
 /// The four-panel figure of one environment. Its axes also cover what was recorded in the
 /// environments `beside` it, so that their figures can be compared.
 pub fn modes(scene: &EnvironmentData, beside: &[EnvironmentData]) -> Result<Figure, TableError> {
-    let words = Words::new(scene.about.coordinate);
+    let words = scene.words();
     let load = scene.load();
     // A torque and a force have no axis in common.
     let all: Vec<&EnvironmentData> =
@@ -42,18 +42,24 @@ pub fn modes(scene: &EnvironmentData, beside: &[EnvironmentData]) -> Result<Figu
         let label = if row == 2 { scene.time_label() } else { "" };
         let axes = [
             time_axis(label).ranged(shared_time(&all)),
-            axis(words, signal).ranged(shared(&all, words, signal)),
+            axis(words, signal).ranged(shared(&all, signal)),
         ];
-        panels.push(over_time(scene, words, Cell::at(row, 0), axes, signal)?);
+        panels.push(over_time(scene, Cell::at(row, 0), axes, signal)?);
     }
-    let axes = [Signal::Theta, load].map(|s| axis(words, s).ranged(shared(&all, words, s)));
-    let near = at_wall(scene, words).filter(|_| scene.has(load));
+    let axes = [Signal::Theta, load].map(|s| axis(words, s).ranged(shared(&all, s)));
+    let near = at_wall(scene).filter(|_| scene.has(load));
     // The panel at the wall takes the lowest of the three rows.
     let cell = Cell::at(0, 1).spanning(if near.is_some() { 2 } else { 3 }, 1);
-    panels.push(loop_panel(scene, words, cell, axes.clone())?);
+    let [x, y] = axes;
+    panels.push(match [Signal::Theta, load].into_iter().find(|signal| !scene.has(*signal)) {
+        Some(missing) => {
+            let note = format!("no {} was recorded", recorded_word(words, missing));
+            Panel::with_note(cell, x.clone(), y.clone(), note)
+        }
+        None => Panel::new(cell, x.clone(), y.clone(), loop_layers(scene)?),
+    });
     if let Some((from, to)) = near {
-        let [x, y] = axes;
-        let mut layers = loop_layers(scene, words)?;
+        let mut layers = loop_layers(scene)?;
         for layer in &mut layers {
             // In each mode's own dashes, not dotted: all of this panel is at the wall.
             if let Layer::Line(line) = layer {
@@ -62,7 +68,7 @@ pub fn modes(scene: &EnvironmentData, beside: &[EnvironmentData]) -> Result<Figu
         }
         let x = x.ranged(Range::Fixed(from, to));
         let panel = Panel::new(Cell::at(2, 1), x, y, layers).titled("at the wall");
-        panels.push(Panel { height_mm: Some(PANEL_MM), ..panel });
+        panels.push(panel.tall(PANEL_MM));
     }
     let counts: Vec<String> = scene
         .modes
@@ -110,7 +116,7 @@ fn footnotes(scene: &EnvironmentData) -> Vec<String> {
         if scene.modes.iter().any(|m| m.average.is_some() && m.repeats.len() > 1) {
             legend += &format!(", with its pointwise {} band", scene.level());
         }
-        let position = Words::new(scene.about.coordinate).position_word();
+        let position = scene.words().position_word();
         legend += &format!("; force against {position} {AT_THE_ANGLE}");
         legend += match scene.alignment {
             Alignment::Onset => "; thin: every repeat",
@@ -149,75 +155,55 @@ fn rhythms(scene: &EnvironmentData) -> String {
 
 fn over_time(
     scene: &EnvironmentData,
-    words: Words,
     cell: Cell,
     [time, y]: [Axis; 2],
     signal: Signal,
 ) -> Result<Panel, TableError> {
     if !scene.has(signal) {
-        let note = format!("no {} was recorded", recorded_word(words, signal));
-        return Ok(Panel { height_mm: Some(PANEL_MM), ..Panel::with_note(cell, time, y, note) });
+        let note = format!("no {} was recorded", recorded_word(scene.words(), signal));
+        return Ok(Panel::with_note(cell, time, y, note).tall(PANEL_MM));
     }
-    let mut layers = Vec::new();
-    if signal == Signal::Theta {
-        layers.extend(wall_line(scene.environment, words, Direction::Horizontal));
-    }
+    let wall = wall_line(scene.environment, scene.words(), Direction::Horizontal);
+    let mut layers = Vec::from_iter(wall.filter(|_| signal == Signal::Theta));
     // Every repeat before any mean: a mean lies over the repeats of all modes.
     for mode in &scene.modes {
         let single = mode.average.is_none();
         let stroke = pen(mode, single);
-        let lines =
-            mode.repeats.iter().filter_map(|r| repeat_over_time(scene, words, r, signal, stroke));
+        let repeats = mode.repeats.iter();
+        let lines = repeats.filter_map(|r| repeat_over_time(scene, r, signal, stroke));
         layers.extend(lines.enumerate().map(|(i, mut line)| {
             line.name = (single && i == 0).then(|| mode.name());
             Layer::Line(line)
         }));
     }
     for mode in &scene.modes {
-        layers.extend(mean_over_time(scene, words, mode, signal)?);
+        layers.extend(mean_over_time(scene, mode, signal)?);
     }
-    Ok(Panel { height_mm: Some(PANEL_MM), ..Panel::new(cell, time, y, layers) })
+    Ok(Panel::new(cell, time, y, layers).tall(PANEL_MM))
 }
 
 /// The pen of a mode's repeats: faint behind a mean.
 fn pen(mode: &ModeData, single: bool) -> Stroke {
     let colour = style::mode_colour(mode.index);
-    if single {
-        style::single(colour).dashed(style::dash(mode.index))
-    } else {
-        style::faint(colour)
+    match single {
+        true => style::single(colour).dashed(style::dash(mode.index)),
+        false => style::faint(colour),
     }
-}
-
-fn loop_panel(
-    scene: &EnvironmentData,
-    words: Words,
-    cell: Cell,
-    [x, y]: [Axis; 2],
-) -> Result<Panel, TableError> {
-    let load = scene.load();
-    if !(scene.has(Signal::Theta) && scene.has(load)) {
-        let missing = if scene.has(Signal::Theta) { load } else { Signal::Theta };
-        let note = format!("no {} was recorded", recorded_word(words, missing));
-        return Ok(Panel::with_note(cell, x, y, note));
-    }
-    Ok(Panel::new(cell, x, y, loop_layers(scene, words)?))
 }
 
 /// The wall, every repeat, and the means on them.
-fn loop_layers(scene: &EnvironmentData, words: Words) -> Result<Vec<Layer>, TableError> {
-    let load = scene.load();
+fn loop_layers(scene: &EnvironmentData) -> Result<Vec<Layer>, TableError> {
     // The wall first, so that what lies along it is seen on it.
-    let mut layers = Vec::new();
-    layers.extend(wall_line(scene.environment, words, Direction::Vertical));
+    let wall = wall_line(scene.environment, scene.words(), Direction::Vertical);
+    let mut layers = Vec::from_iter(wall);
     for mode in &scene.modes {
         let stroke = pen(mode, mode.loop_average.is_none());
-        let loops = mode.repeats.iter().filter_map(|r| repeat_loop(words, r, load, stroke));
+        let loops = mode.repeats.iter().filter_map(|r| repeat_loop(scene, r, stroke));
         layers.extend(loops.map(Layer::Line));
     }
     for mode in &scene.modes {
         let stroke = style::mean(style::mode_colour(mode.index)).dashed(style::dash(mode.index));
-        layers.extend(mean_loop(scene, words, mode, load, stroke)?.map(Layer::Line));
+        layers.extend(mean_loop(scene, mode, stroke)?.map(Layer::Line));
     }
     Ok(layers)
 }

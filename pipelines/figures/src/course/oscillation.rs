@@ -37,13 +37,13 @@ pub fn oscillation(
         layers.push(Layer::Line(Line { x, y, name, stroke, ..Line::default() }));
     }
     let x = Axis::new("time", "s").ranged(Range::Fixed(from_s, to_s));
-    let panel = Panel::new(Cell::at(0, 0), x, Axis::new("lever angle *θ*", "°"), layers);
+    let y = Axis::new("lever angle *θ*", "°");
     Figure {
         title: Some("A recorded oscillation, and the loop run again".to_owned()),
         description: "Lever angle against time about a recorded oscillation: as recorded, of the loop of device and \
                       controller with the user's recorded force, and with the slow part of that force alone."
             .to_owned(),
-        panels: vec![Panel { height_mm: Some(PANEL_MM), ..panel }],
+        panels: vec![Panel::new(Cell::at(0, 0), x, y, layers).tall(PANEL_MM)],
         footnotes: notes.iter().map(|note| plain(note)).collect(),
         mark,
         ..Figure::default()
@@ -53,26 +53,16 @@ pub fn oscillation(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use zwidth_draw::draw;
 
     #[test]
     fn what_lies_about_the_swings_is_drawn_with_its_name() {
         let t: Vec<f64> = (0..400).map(|i| f64::from(i) * 0.01).collect();
         let y: Vec<f64> = t.iter().map(|t| libm::sin(50.0 * t)).collect();
         let figure = oscillation(&[(&t[..], &y[..]); 3], [1.0, 2.0], 0.125, &[], None);
-        let lines = figure.panels[0].layers.iter().map(|layer| match layer {
-            Layer::Line(line) => (line.name.clone().unwrap_or_default(), line.x.len()),
-            _ => (String::new(), 0),
-        });
-        let lines: Vec<_> = lines.collect();
-        assert_eq!(lines[0], ("recorded".to_owned(), 251), "{lines:?}");
-        assert_eq!(lines.len(), 3);
-        let dashes = figure.panels[0].layers.iter().filter_map(|layer| match layer {
-            Layer::Line(line) => Some(line.stroke.dash),
-            _ => None,
-        });
-        let dashes: Vec<_> = dashes.collect();
-        assert!(dashes[1] != dashes[2], "told apart without colour: {dashes:?}");
-        draw(&figure).unwrap();
+        let lines: Vec<&Line> = figure.panels[0].lines().collect();
+        assert_eq!((lines[0].name.as_deref(), lines[0].x.len()), (Some("recorded"), 251));
+        assert_eq!((lines.len(), figure.panels[0].layers.len()), (3, 3));
+        assert!(lines[1].stroke.dash != lines[2].stroke.dash, "told apart without colour");
+        zwidth_draw::draw(&figure).unwrap();
     }
 }

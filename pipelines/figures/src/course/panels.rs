@@ -29,17 +29,14 @@ pub(crate) fn axis(words: Words, signal: Signal) -> Axis {
 }
 
 /// Which samples lie at or past the wall; empty without a wall or an angle.
-pub(crate) fn past_wall(scene: &EnvironmentData, theta_rad: &[f64]) -> Vec<bool> {
-    match scene.environment.scene.wall_rad() {
-        Some(wall) => theta_rad.iter().map(|theta| *theta >= wall).collect(),
-        None => Vec::new(),
-    }
+fn past_wall(scene: &EnvironmentData, theta_rad: &[f64]) -> Vec<bool> {
+    let wall = scene.environment.scene.wall_rad();
+    wall.map_or(Vec::new(), |wall| theta_rad.iter().map(|theta| *theta >= wall).collect())
 }
 
 /// One repeat's signal against time.
 pub(crate) fn repeat_over_time(
     scene: &EnvironmentData,
-    words: Words,
     repeat: &Repeat,
     signal: Signal,
     stroke: Stroke,
@@ -47,25 +44,23 @@ pub(crate) fn repeat_over_time(
     if scene.aligned() && repeat.onset_s.is_none() {
         return None; // it never moved: it has no place on this axis
     }
-    let y = on_axis(words, signal, repeat.signal(signal)?);
+    let y = on_axis(scene.words(), signal, repeat.signal(signal)?);
     Some(Line { x: repeat.time(), y, stroke, ..Line::default() })
 }
 
 /// One repeat's force against position.
 pub(crate) fn repeat_loop(
-    words: Words,
+    scene: &EnvironmentData,
     repeat: &Repeat,
-    load: Signal,
     stroke: Stroke,
 ) -> Option<Line> {
-    let x = on_axis(words, Signal::Theta, repeat.signal(Signal::Theta)?);
-    Some(Line { x, y: repeat.signal(load)?.to_vec(), stroke, ..Line::default() })
+    let x = on_axis(scene.words(), Signal::Theta, repeat.signal(Signal::Theta)?);
+    Some(Line { x, y: repeat.signal(scene.load())?.to_vec(), stroke, ..Line::default() })
 }
 
 /// The mean of a mode's repeats against time, with its band; dotted past the wall.
 pub(crate) fn mean_over_time(
     scene: &EnvironmentData,
-    words: Words,
     mode: &ModeData,
     signal: Signal,
 ) -> Result<Vec<Layer>, TableError> {
@@ -75,34 +70,30 @@ pub(crate) fn mean_over_time(
     let x: Vec<f64> = times.iter().map(|time| time.t_s).collect();
     let colour = style::mode_colour(mode.index);
     // Whether a sample lies past the wall its mean angle says, whatever signal is drawn.
-    let dotted =
-        mean_curve(average, Signal::Theta)?.map_or(Vec::new(), |c| past_wall(scene, &c.mean));
-    let shown = |values: &[f64]| on_axis(words, signal, values);
+    let dotted = mean_curve(average, Signal::Theta)?
+        .map_or(Vec::new(), |[mean, ..]| past_wall(scene, &mean));
+    let [y, low, high] = curve.map(|values| on_axis(scene.words(), signal, &values));
     let name = Some(mode.name());
     let mut layers = Vec::new();
     // The mean of one repeat has no band.
-    if curve.low.iter().any(|v| v.is_finite()) {
-        let low = shown(&curve.low);
-        let high = shown(&curve.high);
+    if low.iter().any(|v| v.is_finite()) {
         layers.push(Layer::Band(Band { x: x.clone(), low, high, colour, name: name.clone() }));
     }
     let stroke = style::mean(colour).dashed(style::dash(mode.index));
-    layers.push(Layer::Line(Line { x, y: shown(&curve.mean), dotted, stroke, name }));
+    layers.push(Layer::Line(Line { x, y, dotted, stroke, name }));
     Ok(layers)
 }
 
 /// The mean force of a mode's repeats at each position, drawn with `stroke`; dotted past the wall.
 pub(crate) fn mean_loop(
     scene: &EnvironmentData,
-    words: Words,
     mode: &ModeData,
-    load: Signal,
     stroke: Stroke,
 ) -> Result<Option<Line>, TableError> {
     let Some(average) = mode.loop_average else { return Ok(None) };
-    let Some([theta, y]) = mean_loop_of(average, load)? else { return Ok(None) };
+    let Some([theta, y]) = mean_loop_of(average, scene.load())? else { return Ok(None) };
     Ok(Some(Line {
-        x: on_axis(words, Signal::Theta, &theta),
+        x: on_axis(scene.words(), Signal::Theta, &theta),
         y,
         dotted: past_wall(scene, &theta),
         stroke,
@@ -117,18 +108,12 @@ pub(crate) fn wall_line(
     direction: Direction,
 ) -> Option<Layer> {
     let wall = environment.scene.wall_rad()?;
+    let line = Reference::new(direction, words.position(wall), style::reference());
     let label = match direction {
         Direction::Vertical => Some(format!("wall {}", words.place(wall))),
         Direction::Horizontal => None,
     };
-    let at = words.position(wall);
-    Some(Layer::Reference(Reference {
-        direction,
-        at,
-        label,
-        stroke: style::reference(),
-        name: None,
-    }))
+    Some(Layer::Reference(Reference { label, ..line }))
 }
 
 /// What a signal is called where it is missing.

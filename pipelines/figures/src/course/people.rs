@@ -2,7 +2,7 @@
 //! mean over them thick.
 
 use crate::course::data::{AT_THE_ANGLE, mean_loop_of};
-use crate::course::panels::{axis, on_axis, wall_line};
+use crate::course::panels::{axis, on_axis, recorded_word, wall_line};
 use crate::words::{Words, mark, plain};
 use crate::{About, FigureKind};
 use zwidth_draw::style::{self, Stroke};
@@ -13,11 +13,8 @@ use zwidth_study::{Environment, Source};
 use zwidth_tables::{Table, TableError};
 
 /// The figure [`mean_loops`].
-pub const MEAN_LOOPS: FigureKind = FigureKind {
-    stem: "mean_loops",
-    shows: "force against position, mean over participants",
-    drawn_from: "trial",
-};
+pub const MEAN_LOOPS: FigureKind =
+    FigureKind::new("mean_loops", "force against position, mean over participants", "trial");
 
 /// Height of a panel, mm.
 const PANEL_MM: f64 = 62.0;
@@ -66,12 +63,12 @@ pub fn mean_loops(
         has_force |= mean_loop_of(mode.mean, Signal::ForceEx)?.is_some();
     }
     let load = if has_force { Signal::ForceEx } else { Signal::TorqueEx };
-    let load_word = if load == Signal::TorqueEx { "torque" } else { "force" };
+    let load_word = recorded_word(words, load);
     let sessions: usize = modes.iter().map(|mode| mode.sessions.len()).max().unwrap_or(0);
     let mut panels = Vec::new();
     for (place, people) in environments.iter().enumerate() {
-        let mut thin = Vec::new();
-        thin.extend(wall_line(people.environment, words, Direction::Vertical));
+        let wall = wall_line(people.environment, words, Direction::Vertical);
+        let mut thin = Vec::from_iter(wall);
         let mut thick = Vec::new();
         for mode in &people.modes {
             let colour = style::mode_colour(mode.index);
@@ -91,8 +88,7 @@ pub fn mean_loops(
             true => Panel::with_note(cell, x, y, "nobody's repeats have a mean"),
             false => Panel::new(cell, x, y, thin.into_iter().chain(thick).collect()),
         };
-        let panel = panel.titled(plain(&people.environment.label));
-        panels.push(Panel { height_mm: Some(PANEL_MM), ..panel });
+        panels.push(panel.titled(plain(&people.environment.label)).tall(PANEL_MM));
     }
     let each = "; thin: the mean of one person's repeats in one session, as far as they go";
     let note = format!(
@@ -169,14 +165,13 @@ mod tests {
     }
 
     fn lines(figure: &Figure) -> Vec<&Line> {
-        let layers = figure.panels.iter().flat_map(|panel| &panel.layers);
-        layers.filter_map(|l| if let Layer::Line(line) = l { Some(line) } else { None }).collect()
+        figure.panels.iter().flat_map(Panel::lines).collect()
     }
 
     #[test]
     fn everybodys_loop_is_thin_and_the_mean_says_of_whom_it_is() {
-        let (mean, sessions) =
-            (average(1.0, "force_ex"), [average(0.9, "force_ex"), average(1.1, "force_ex")]);
+        let [mean, one, other] = [1.0, 0.9, 1.1].map(|scale| average(scale, "force_ex"));
+        let sessions = [one, other];
         let figure = drawn(&mean, &sessions);
         let lines = lines(&figure);
         assert_eq!(lines.len(), 3);

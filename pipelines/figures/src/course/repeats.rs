@@ -1,7 +1,7 @@
 //! Figures 36–41: every repeat of one condition; the commanded force is dotted.
 
 use crate::FigureKind;
-use crate::course::data::{EnvironmentData, ModeData};
+use crate::course::data::{EnvironmentData, ModeData, Repeat};
 use crate::course::panels::{
     axis, on_axis, recorded_word, repeat_loop, repeat_over_time, wall_line,
 };
@@ -15,36 +15,33 @@ use zwidth_study::in_a_sentence;
 
 /// The figure [`repeats`].
 pub const REPEATS: FigureKind =
-    FigureKind { stem: "repeats", shows: "every repeat of one condition", drawn_from: "trial" };
+    FigureKind::new("repeats", "every repeat of one condition", "trial");
 
 /// Height of a panel, mm.
 const PANEL_MM: f64 = 45.0;
 
 /// Force against position, position and velocity against time, of every repeat of `mode`.
 pub fn repeats(scene: &EnvironmentData, mode: &ModeData) -> Figure {
-    let words = Words::new(scene.about.coordinate);
-    let load = scene.load();
+    let words = scene.words();
     let alone = EnvironmentData { modes: vec![mode.clone()], ..scene.clone() };
-    let near = at_wall(&alone, words).filter(|_| scene.has(load));
+    let near = at_wall(&alone).filter(|_| scene.has(scene.load()));
     // Four panels find no room in a row.
     let places = match near {
         Some(_) => [Cell::at(0, 0), Cell::at(1, 0), Cell::at(1, 1)],
         None => [Cell::at(0, 0), Cell::at(0, 1), Cell::at(0, 2)],
     };
     let mut panels = vec![
-        force_panel(scene, words, mode, load, places[0]),
-        time_panel(scene, words, mode, places[1], Signal::Theta),
-        time_panel(scene, words, mode, places[2], Signal::ThetaDot),
+        force_panel(scene, mode, places[0]),
+        time_panel(scene, mode, places[1], Signal::Theta),
+        time_panel(scene, mode, places[2], Signal::ThetaDot),
     ];
     panels.extend(near.map(|(from, to)| {
-        let panel = force_panel(scene, words, mode, load, Cell::at(0, 1)).titled("at the wall");
-        let x = panel.x.clone().ranged(Range::Fixed(from, to));
-        let mut layers = panel.layers.clone();
-        layers.retain(|layer| !matches!(layer, Layer::Text(_)));
-        Panel { x, layers, ..panel }
+        let mut panel = force_panel(scene, mode, Cell::at(0, 1)).titled("at the wall");
+        panel.x.range = Range::Fixed(from, to);
+        panel.layers.retain(|layer| !matches!(layer, Layer::Text(_)));
+        panel
     }));
-    let mut repeats = mode.repeats.iter();
-    let dotted = match repeats.any(|repeat| repeat.signal(Signal::ForceCmd).is_some()) {
+    let dotted = match alone.has(Signal::ForceCmd) {
         true => " Dotted: the commanded feedback force of the repeat that goes furthest.",
         false => "",
     };
@@ -66,7 +63,7 @@ pub fn repeats(scene: &EnvironmentData, mode: &ModeData) -> Figure {
         ),
         panels,
         legend: LegendPlace::Below, // beside the mark seven entries find no room in a row
-        mark: mark(mode.repeats.iter().map(|r| r.trial.meta.source)),
+        mark: mark(alone.sources()),
         ..Figure::default()
     }
 }
@@ -80,18 +77,10 @@ fn strokes(mode: &ModeData) -> Vec<style::Stroke> {
         .collect()
 }
 
-fn name(mode: &ModeData, i: usize) -> String {
-    format!("repeat {}", mode.repeats[i].trial.meta.repeat)
-}
-
 /// Force against position. A command far beyond what was felt is cut, and said in words.
-fn force_panel(
-    scene: &EnvironmentData,
-    words: Words,
-    mode: &ModeData,
-    load: Signal,
-    cell: Cell,
-) -> Panel {
+fn force_panel(scene: &EnvironmentData, mode: &ModeData, cell: Cell) -> Panel {
+    let words = scene.words();
+    let load = scene.load();
     let x = words.position_axis();
     let y = axis(words, load).linked("force");
     let [felt, commands] = [load, Signal::ForceCmd].map(|signal| {
@@ -99,12 +88,9 @@ fn force_panel(
         signals.flat_map(|values| values.iter().copied())
     });
     let cut = without_excess(felt, commands);
-    let mut layers = Vec::new();
-    layers.extend(wall_line(scene.environment, words, Direction::Vertical));
-    for (i, (repeat, stroke)) in mode.repeats.iter().zip(strokes(mode)).enumerate() {
-        if let Some(line) = repeat_loop(words, repeat, load, stroke) {
-            layers.push(Layer::Line(Line { name: Some(name(mode, i)), ..line }));
-        }
+    let mut layers = Vec::from_iter(wall_line(scene.environment, words, Direction::Vertical));
+    for (repeat, stroke) in mode.repeats.iter().zip(strokes(mode)) {
+        layers.extend(named(repeat, repeat_loop(scene, repeat, stroke)));
     }
     layers.extend(commanded(words, mode));
     layers.extend(cut.map(|(_, most)| {
@@ -125,13 +111,11 @@ fn commanded(words: Words, mode: &ModeData) -> Option<Layer> {
         Some((furthest, theta, r.signal(Signal::ForceCmd)?))
     });
     let (_, theta, force) = commands.max_by(|(a, ..), (b, ..)| a.total_cmp(b))?;
-    let x = on_axis(words, Signal::Theta, theta);
-    let name = Some("commanded force".to_owned());
     Some(Layer::Line(Line {
-        x,
+        x: on_axis(words, Signal::Theta, theta),
         y: once(theta, force),
         stroke: style::commanded(),
-        name,
+        name: Some("commanded force".to_owned()),
         ..Line::default()
     }))
 }
@@ -143,12 +127,11 @@ fn once(theta: &[f64], force: &[f64]) -> Vec<f64> {
     let turn = (0..theta.len()).max_by(|a, b| theta[*a].total_cmp(&theta[*b])).unwrap_or(0);
     let same_n = SAME * force.iter().copied().fold(0.0, f64::max);
     // Angles that only rise, whatever trembling there is in a recording: they can be searched.
-    let mut highest = f64::NEG_INFINITY;
-    let reached: Vec<f64> = theta[..(turn + 1).min(theta.len())]
-        .iter()
-        .map(|t| {
-            highest = highest.max(*t);
-            highest
+    let way_there = theta.iter().take(turn + 1);
+    let reached: Vec<f64> = way_there
+        .scan(f64::NEG_INFINITY, |highest, theta| {
+            *highest = highest.max(*theta);
+            Some(*highest)
         })
         .collect();
     let mut drawn = force.to_vec();
@@ -169,32 +152,28 @@ fn once(theta: &[f64], force: &[f64]) -> Vec<f64> {
     drawn
 }
 
-fn time_panel(
-    scene: &EnvironmentData,
-    words: Words,
-    mode: &ModeData,
-    cell: Cell,
-    signal: Signal,
-) -> Panel {
-    let lines =
-        mode.repeats.iter().zip(strokes(mode)).enumerate().filter_map(|(i, (repeat, stroke))| {
-            let line = repeat_over_time(scene, words, repeat, signal, stroke)?;
-            Some(Layer::Line(Line { name: Some(name(mode, i)), ..line }))
-        });
-    let mut layers = Vec::new();
-    if signal == Signal::Theta {
-        layers.extend(wall_line(scene.environment, words, Direction::Horizontal));
+fn time_panel(scene: &EnvironmentData, mode: &ModeData, cell: Cell, signal: Signal) -> Panel {
+    let words = scene.words();
+    let wall = wall_line(scene.environment, words, Direction::Horizontal);
+    let mut layers = Vec::from_iter(wall.filter(|_| signal == Signal::Theta));
+    for (repeat, stroke) in mode.repeats.iter().zip(strokes(mode)) {
+        layers.extend(named(repeat, repeat_over_time(scene, repeat, signal, stroke)));
     }
-    layers.extend(lines);
     let panel = Panel::new(cell, time_axis(scene.time_label()), axis(words, signal), layers);
     finished(panel, words, signal)
+}
+
+/// The line of a repeat with its name.
+fn named(repeat: &Repeat, line: Option<Line>) -> Option<Layer> {
+    let name = Some(format!("repeat {}", repeat.trial.meta.repeat));
+    line.map(|line| Layer::Line(Line { name, ..line }))
 }
 
 /// A panel without data says which signal is missing.
 fn finished(panel: Panel, words: Words, missing: Signal) -> Panel {
     let note = panel.layers.iter().all(|l| matches!(l, Layer::Reference(_)));
     let note = note.then(|| format!("no {} was recorded", recorded_word(words, missing)));
-    Panel { height_mm: Some(PANEL_MM), note, ..panel }
+    Panel { note, ..panel.tall(PANEL_MM) }
 }
 
 #[cfg(test)]

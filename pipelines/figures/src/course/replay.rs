@@ -10,11 +10,8 @@ use zwidth_results::{CourseSample, CourseSeries};
 use zwidth_study::{Environment, Mode, Source};
 
 /// The figure [`replay`].
-pub const REPLAY: FigureKind = FigureKind {
-    stem: "replay",
-    shows: "recorded trials and the model given their external force",
-    drawn_from: "trial",
-};
+pub const REPLAY: FigureKind =
+    FigureKind::new("replay", "recorded trials and the model given their external force", "trial");
 
 /// Height of a panel, mm.
 const PANEL_MM: f64 = 32.0;
@@ -71,7 +68,7 @@ fn replayed(courses: &[CourseSample], mode: &Mode) -> Option<Replayed> {
         [CourseSeries::Recorded, CourseSeries::ByEye, CourseSeries::Fitted].map(|series| {
             motion(courses.iter().filter(|row| row.mode == mode.id && row.series == series))
         });
-    let fitted = (!fitted.t_s.is_empty()).then_some(fitted);
+    let fitted = Some(fitted).filter(|motion| !motion.t_s.is_empty());
     let title = format!("{}, trial {}", mode.label, first.trial);
     Some(Replayed { title, source: first.source, recorded, by_eye, fitted })
 }
@@ -107,9 +104,19 @@ fn figure(
     let cut = without_excess(acting, commanded);
     let mut panels = Vec::new();
     for (column, trial) in trials.iter().enumerate() {
-        panels.push(forces(trial, column, cut));
-        panels.push(position(words, wall_rad, trial, column));
-        panels.push(velocity(words, trial, column));
+        let force = Axis::new("*F*", "N").linked("force");
+        let force = force.ranged(cut.map_or(Range::Auto, |(range, _)| range));
+        let position = words.position_axis().linked("position");
+        let velocity = words.velocity_axis().linked("velocity");
+        let at_wall = wall_rad.map(|wall| words.position(wall));
+        let angles = motions(words, trial, at_wall, |motion| &motion.theta_rad);
+        let speeds = motions(words, trial, Some(0.0), |motion| &motion.theta_dot_rad_s);
+        let panel = |row: usize, time: &str, y: Axis, layers: Vec<Layer>| {
+            Panel::new(Cell::at(row, column), time_axis(time), y, layers).tall(PANEL_MM)
+        };
+        panels.push(panel(0, "", force, forces(trial)).titled(plain(&trial.title)));
+        panels.push(panel(1, "", position, angles));
+        panels.push(panel(2, "time", velocity, speeds));
     }
     let wall =
         wall_rad.map(|_| format!("Dashed line across the {}: the wall.", words.position_word()));
@@ -130,8 +137,7 @@ fn figure(
             words.position_word(),
         ),
         panels,
-        footnotes: [own.to_owned() + &beyond.unwrap_or_default()]
-            .into_iter()
+        footnotes: std::iter::once(own.to_owned() + &beyond.unwrap_or_default())
             .chain(wall)
             .chain(notes.iter().map(|n| plain(n)))
             .collect(),
@@ -152,7 +158,7 @@ fn models(trial: &Replayed) -> impl Iterator<Item = (&Motion, Stroke, &'static s
     [(&trial.by_eye, by_eye, "model, by eye")].into_iter().chain(fitted)
 }
 
-fn forces(trial: &Replayed, column: usize, cut: Option<(Range, f64)>) -> Panel {
+fn forces(trial: &Replayed) -> Vec<Layer> {
     let line = |motion: &Motion, y: &[f64], stroke, name: &str| {
         let x = motion.t_s.clone();
         let y = y.to_vec();
@@ -168,50 +174,29 @@ fn forces(trial: &Replayed, column: usize, cut: Option<(Range, f64)>) -> Panel {
     // Last, so that its dots are seen on every curve.
     let commanded = &recorded.feedback_n;
     layers.extend(line(recorded, commanded, style::commanded(), "feedback commanded"));
-    let axis = Axis::new("*F*", "N").linked("force");
-    let axis = axis.ranged(cut.map_or(Range::Auto, |(range, _)| range));
-    let panel =
-        Panel::new(Cell::at(0, column), time_axis(""), axis, layers).titled(plain(&trial.title));
-    Panel { height_mm: Some(PANEL_MM), ..panel }
+    layers
 }
 
-fn position(words: Words, wall_rad: Option<f64>, trial: &Replayed, column: usize) -> Panel {
-    let mut layers: Vec<Layer> =
-        wall_rad.map(|wall| level(words.position(wall))).into_iter().collect();
-    layers.extend(lines(words, trial, |m| &m.theta_rad));
-    let axis = words.position_axis().linked("position");
-    let panel = Panel::new(Cell::at(1, column), time_axis(""), axis, layers);
-    Panel { height_mm: Some(PANEL_MM), ..panel }
-}
-
-fn velocity(words: Words, trial: &Replayed, column: usize) -> Panel {
-    let layers =
-        [level(0.0)].into_iter().chain(lines(words, trial, |m| &m.theta_dot_rad_s)).collect();
-    let axis = words.velocity_axis().linked("velocity");
-    let panel = Panel::new(Cell::at(2, column), time_axis("time"), axis, layers);
-    Panel { height_mm: Some(PANEL_MM), ..panel }
-}
-
-/// The recording and the models on it.
-fn lines(
+/// The recording and the models on it, with a line across where there is a level.
+fn motions(
     words: Words,
     trial: &Replayed,
+    level_at: Option<f64>,
     pick: fn(&Motion) -> &Vec<f64>,
-) -> impl Iterator<Item = Layer> {
+) -> Vec<Layer> {
     let recorded = [(&trial.recorded, RECORDED, "recorded")];
-    recorded.into_iter().chain(models(trial)).map(move |(motion, stroke, name)| {
+    let lines = recorded.into_iter().chain(models(trial)).map(|(motion, stroke, name)| {
         let x = motion.t_s.clone();
         let y = words.positions(pick(motion).iter().copied().map(Some));
         let name = Some(name.to_owned());
         Layer::Line(Line { x, y, stroke, name, ..Line::default() })
-    })
+    });
+    level_at.map(level).into_iter().chain(lines).collect()
 }
 
 /// A line across at a value.
 fn level(at: f64) -> Layer {
-    let direction = Direction::Horizontal;
-    let stroke = style::reference();
-    Layer::Reference(Reference { direction, at, label: None, stroke, name: None })
+    Layer::Reference(Reference::new(Direction::Horizontal, at, style::reference()))
 }
 
 #[cfg(test)]
@@ -243,13 +228,7 @@ mod tests {
     }
 
     fn names(panel: &Panel) -> Vec<&str> {
-        let name = |layer: &'_ Layer| match layer {
-            Layer::Line(line) => line.name.as_deref().map(str::to_owned),
-            _ => None,
-        };
-        let known = ["feedback commanded", "model, fitted", "model, by eye", "recorded"];
-        let drawn: Vec<String> = panel.layers.iter().filter_map(name).collect();
-        known.into_iter().filter(|k| drawn.iter().any(|d| d == k)).collect()
+        panel.lines().filter_map(|line| line.name.as_deref()).collect()
     }
 
     #[test]
@@ -257,7 +236,7 @@ mod tests {
         let figure = drawn(true);
         assert_eq!(figure.panels.len(), 6);
         assert_eq!(names(&figure.panels[0]).len(), 4);
-        assert_eq!(names(&figure.panels[4]), ["model, fitted", "model, by eye", "recorded"]);
+        assert_eq!(names(&figure.panels[4]), ["recorded", "model, by eye", "model, fitted"]);
         assert!(figure.mark.as_deref().unwrap().starts_with("SYNTHETIC"));
         assert!(zwidth_draw::draw(&figure).is_ok());
     }

@@ -8,11 +8,11 @@ use zwidth_results::BowTieSample;
 use zwidth_study::Coordinate;
 
 /// The bow tie of a scene of the model.
-pub const SCENE_BOW_TIE: FigureKind = FigureKind {
-    stem: "scenes",
-    shows: "forces of two unequal actuators along the way there and back",
-    drawn_from: "scene",
-};
+pub const SCENE_BOW_TIE: FigureKind = FigureKind::new(
+    "scenes",
+    "forces of two unequal actuators along the way there and back",
+    "scene",
+);
 
 /// Height of the panel, mm.
 const PANEL_MM: f64 = 60.0;
@@ -25,12 +25,9 @@ const UNDER_PT: f64 = 3.0;
 pub fn bow_tie(scene: &str, samples: &[BowTieSample], note: &str) -> Figure {
     let words = Words::new(Coordinate::Rotational);
     let theta = words.positions(samples.iter().map(|sample| Some(sample.theta_rad)));
-    let mut layers = Vec::new();
-    for direction in [Direction::Horizontal, Direction::Vertical] {
-        let stroke = style::reference();
-        let zero = Reference { direction, at: 0.0, label: None, stroke, name: None };
-        layers.push(Layer::Reference(zero));
-    }
+    let mut layers = [Direction::Horizontal, Direction::Vertical]
+        .map(|direction| Layer::Reference(Reference::new(direction, 0.0, style::reference())))
+        .to_vec();
     let brake = acting(samples.iter().map(|sample| -sample.force_brake_n));
     let motor = acting(samples.iter().map(|sample| -sample.force_motor_n));
     let total: Vec<f64> = samples.iter().map(|sample| -sample.force_total_n).collect();
@@ -49,12 +46,8 @@ pub fn bow_tie(scene: &str, samples: &[BowTieSample], note: &str) -> Figure {
         name: Some("total".to_owned()),
         ..Line::default()
     }));
-    let panel = Panel::new(
-        Cell::at(0, 0),
-        words.position_axis(),
-        Axis::new("resisting force *F*", "N"),
-        layers,
-    );
+    let y = Axis::new("resisting force *F*", "N");
+    let panel = Panel::new(Cell::at(0, 0), words.position_axis(), y, layers).tall(PANEL_MM);
     Figure {
         title: Some(plain(scene)),
         description: format!(
@@ -62,7 +55,7 @@ pub fn bow_tie(scene: &str, samples: &[BowTieSample], note: &str) -> Figure {
              of it; where they change over, the force jumps."
         ),
         width_mm: ONE_COLUMN_MM,
-        panels: vec![Panel { height_mm: Some(PANEL_MM), ..panel }],
+        panels: vec![panel],
         footnotes: vec![plain(note)],
         mark: model_mark(),
         ..Figure::default()
@@ -95,11 +88,7 @@ mod tests {
             force_motor_n,
         };
         let figure = bow_tie("Bow tie", &[sample(-3.0, 0.0), sample(0.0, -1.0)], "a model");
-        let lines: Vec<&Line> = figure.panels[0]
-            .layers
-            .iter()
-            .filter_map(|layer| if let Layer::Line(line) = layer { Some(line) } else { None })
-            .collect();
+        let lines: Vec<&Line> = figure.panels[0].lines().collect();
         assert_eq!((lines[0].y[0], lines[0].stroke.dash), (3.0, Dash::Dotted));
         assert_eq!((lines[1].y[1], lines[1].stroke.dash), (1.0, Dash::Dashed));
         assert!(lines[0].y[1].is_nan() && lines[1].y[0].is_nan());

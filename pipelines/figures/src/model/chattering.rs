@@ -29,13 +29,17 @@ pub fn chattering(title: &str, runs: &[ChatteringRun], note: &str) -> Figure {
     let curves = curves(runs);
     let swinging: Vec<&Curve> = curves.iter().filter(|curve| curve.swings()).collect();
     let counted = merged(&curves);
+    let counted: Vec<&Curve> = counted.iter().collect();
     let panels = vec![
         panel(0, "amplitude of swings", "°", &swinging, |curve| &curve.amplitude_deg),
         panel(1, "largest angle beyond the exact one", "°", &swinging, |curve| &curve.excess_deg),
-        panel(2, "number of reversals", "", &counted.iter().collect::<Vec<_>>(), |curve| {
-            &curve.reversals
-        }),
+        panel(2, "number of reversals", "", &counted, |curve| &curve.reversals),
     ];
+    let mut footnotes = vec![plain(note)];
+    let still: Vec<&str> = curves.iter().filter(|c| !c.swings()).map(|c| c.name.as_str()).collect();
+    if !still.is_empty() {
+        footnotes.push(plain(&format!("No oscillation at any step: {}.", still.join(", "))));
+    }
     Figure {
         title: Some(plain(title)),
         description: format!(
@@ -43,7 +47,7 @@ pub fn chattering(title: &str, runs: &[ChatteringRun], note: &str) -> Figure {
              solver's, number of reversals. All axes are logarithmic."
         ),
         panels,
-        footnotes: notes(note, &curves),
+        footnotes,
         mark: model_mark(),
         ..Figure::default()
     }
@@ -68,16 +72,6 @@ fn merged(curves: &[Curve]) -> Vec<Curve> {
         }
     }
     merged
-}
-
-/// The note, and who does not swing.
-fn notes(note: &str, curves: &[Curve]) -> Vec<String> {
-    let still: Vec<&str> = curves.iter().filter(|c| !c.swings()).map(|c| c.name.as_str()).collect();
-    let mut notes = vec![plain(note)];
-    if !still.is_empty() {
-        notes.push(plain(&format!("No oscillation at any step: {}.", still.join(", "))));
-    }
-    notes
 }
 
 fn curves(runs: &[ChatteringRun]) -> Vec<Curve> {
@@ -126,8 +120,8 @@ fn panel(
     // What is 0 has no place on an axis of powers, and an axis without a place no ends.
     let nothing = !curves.iter().flat_map(|curve| pick(curve)).any(|value| *value > 0.0);
     let note = nothing.then(|| "none".to_owned());
-    let panel = Panel::new(Cell::at(0, column), x, y, layers.collect());
-    Panel { height_mm: Some(PANEL_MM), note, ..panel }
+    let panel = Panel::new(Cell::at(0, column), x, y, layers.collect()).tall(PANEL_MM);
+    Panel { note, ..panel }
 }
 
 /// A solver as people write it.
@@ -166,18 +160,10 @@ mod tests {
         chattering("Chattering", &runs, "a model")
     }
 
-    fn line(layer: &Layer) -> Option<&Line> {
-        if let Layer::Line(line) = layer { Some(line) } else { None }
-    }
-
-    fn lines(panel: &Panel) -> Vec<&Line> {
-        panel.layers.iter().filter_map(line).collect()
-    }
-
     #[test]
     fn axes_carry_logarithms_of_milliseconds_and_degrees() {
         let figure = figure();
-        let amplitude = lines(&figure.panels[0])[0];
+        let amplitude = figure.panels[0].lines().next().unwrap();
         assert!((amplitude.x[0] - 1.0).abs() < 1e-12 && (amplitude.x[1] - 0.0).abs() < 1e-12);
         assert!((10_f64.powf(amplitude.y[0]) - 0.1_f64.to_degrees()).abs() < 1e-12);
         assert!(
@@ -196,9 +182,9 @@ mod tests {
     fn solvers_that_do_not_swing_share_a_line_of_reversals_and_are_named_below() {
         let figure = figure();
         let names: Vec<_> =
-            lines(&figure.panels[2]).iter().filter_map(|line| line.name.clone()).collect();
+            figure.panels[2].lines().filter_map(|line| line.name.as_deref()).collect();
         assert_eq!(names, ["exact, Moreau–Jean", "RK4, switched per step"]);
-        assert_eq!(lines(&figure.panels[1]).len(), 1);
+        assert_eq!(figure.panels[1].lines().count(), 1);
         assert!(
             figure.footnotes.concat().contains("No oscillation at any step: exact, Moreau–Jean.")
         );

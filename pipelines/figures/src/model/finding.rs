@@ -38,28 +38,25 @@ pub struct Felt<'a> {
 /// The finding. `runs` are the coarsest first, the one that finds events last; `settings` are those
 /// of the scene.
 pub fn finding(runs: &[TradeRun], settings: &[TradeSetting], felt: &Felt) -> Figure {
-    let runs: Vec<Run> = runs.iter().map(Run::of).collect();
     let steps = Steps::of(settings, felt.solver);
-    let changes = runs.iter().find(|run| run.step_ms.is_none()).map_or(0, |run| run.changes);
+    let exact = runs.iter().find(|run| run.step_s.is_none());
+    let changes = exact.map_or(0, |run| run.motion_changes);
     let size = steps_panel(
         Cell::at(1, 0),
         powers_axis("size of a swing", "°"),
         [&steps.step_ms, &steps.amplitude_deg],
         felt.solver,
         "found by events: none".to_owned(),
-    );
+    )
+    .titled("**b**  Half the step: a quarter of the swing …");
     let number = steps_panel(
         Cell::at(1, 1),
         powers_axis("changes of direction", ""),
         [&steps.step_ms, &steps.reversals],
         felt.solver,
         format!("found by events: {changes} changes"),
-    );
-    let panels = vec![
-        courses_panel(&runs),
-        size.titled("**b**  Half the step: a quarter of the swing …"),
-        number.titled("**c**  … and twice as many"),
-    ];
+    )
+    .titled("**c**  … and twice as many");
     Figure {
         title: Some("The oscillation is the method’s, not the device’s".to_owned()),
         description: format!(
@@ -68,61 +65,47 @@ pub fn finding(runs: &[TradeRun], settings: &[TradeSetting], felt: &Felt) -> Fig
             felt.title
         ),
         width_mm: TWO_COLUMNS_MM,
-        panels,
+        panels: vec![courses_panel(runs), size, number],
         footnotes: vec![plain(&felt.sentence)],
         mark: model_mark(),
         ..Figure::default()
     }
 }
 
-/// A run as it stands on the axes.
-struct Run {
-    step_ms: Option<f64>,
-    changes: usize,
-    t_s: Vec<f64>,
-    theta_deg: Vec<f64>,
-}
-
-impl Run {
-    fn of(run: &TradeRun) -> Self {
-        Self {
-            step_ms: run.step_s.map(|step_s| MS_PER_S * step_s),
-            changes: run.motion_changes,
-            t_s: run.t_s.clone(),
-            theta_deg: run.theta_rad.iter().map(|rad| rad.to_degrees()).collect(),
-        }
-    }
+/// The angle of a run as it stands on the axis.
+fn theta_deg(run: &TradeRun) -> impl Iterator<Item = f64> {
+    run.theta_rad.iter().map(|rad| rad.to_degrees())
 }
 
 /// The angle while the lever should rest at its top, and a little before and after, of each run.
-fn courses_panel(runs: &[Run]) -> Panel {
+fn courses_panel(runs: &[TradeRun]) -> Panel {
     // What finds events is right; without it, the finest step is nearest to it.
-    let right = runs.iter().rev().find(|run| run.step_ms.is_none()).or(runs.last());
+    let right = runs.iter().rev().find(|run| run.step_s.is_none()).or(runs.last());
     let Rest { top_deg, from_s, to_s } =
         right.map_or(Rest { top_deg: 0.0, from_s: 0.0, to_s: 1.0 }, rest);
-    let layers = runs.iter().enumerate().map(|(i, run)| {
-        let pairs = run.t_s.iter().copied().zip(run.theta_deg.iter().copied());
+    let mut layers = Vec::new();
+    for (i, run) in runs.iter().enumerate() {
+        let pairs = run.t_s.iter().copied().zip(theta_deg(run));
         let (x, y) = pairs.filter(|(t, _)| (from_s..=to_s).contains(t)).unzip();
-        let (name, stroke) = match run.step_ms {
-            Some(step_ms) => {
-                let pen = style::mean(style::environment_colour(i));
-                (format!("RK4, step {step_ms} ms"), pen)
-            }
-            None => {
-                let pen = Stroke { width_pt: 1.8, ..style::mean(style::INK) };
-                (format!("events found: {} changes of motion", run.changes), pen)
-            }
+        let (name, stroke) = match run.step_s {
+            Some(step_s) => (
+                format!("RK4, step {} ms", MS_PER_S * step_s),
+                style::mean(style::environment_colour(i)),
+            ),
+            None => (
+                format!("events found: {} changes of motion", run.motion_changes),
+                Stroke { width_pt: 1.8, ..style::mean(style::INK) },
+            ),
         };
-        Layer::Line(Line { x, y, stroke, name: Some(plain(&name)), ..Line::default() })
-    });
-    let highest = runs.iter().flat_map(|run| run.theta_deg.iter().copied()).fold(top_deg, f64::max);
+        let name = Some(plain(&name));
+        layers.push(Layer::Line(Line { x, y, stroke, name, ..Line::default() }));
+    }
+    let highest = runs.iter().flat_map(theta_deg).fold(top_deg, f64::max);
     let room = Range::Fixed(top_deg - BELOW_DEG, highest + ABOVE_DEG);
     let x = Axis::new("*t*", "s").ranged(Range::Fixed(from_s, to_s));
     let y = Axis::new("*θ*", "°").ranged(room);
-    let cell = Cell { row: 0, column: 0, rows: 1, columns: 2 };
     let title = "**a**  One scene, three runs: the lever should stop and stay";
-    let panel = Panel::new(cell, x, y, layers.collect()).titled(title);
-    Panel { height_mm: Some(COURSES_MM), ..panel }
+    Panel::new(Cell::at(0, 0).spanning(1, 2), x, y, layers).titled(title).tall(COURSES_MM)
 }
 
 /// The top of a run, and from when to when it is near it, with some room.
@@ -132,10 +115,11 @@ struct Rest {
     to_s: f64,
 }
 
-fn rest(run: &Run) -> Rest {
-    let top_deg = run.theta_deg.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let pairs = run.t_s.iter().zip(&run.theta_deg);
-    let mut near = pairs.filter(|(_, theta)| **theta > top_deg - NEAR_DEG).map(|(t, _)| *t);
+fn rest(run: &TradeRun) -> Rest {
+    let top_deg = theta_deg(run).fold(f64::NEG_INFINITY, f64::max);
+    let pairs = run.t_s.iter().zip(&run.theta_rad);
+    let near = pairs.filter(|(_, theta)| theta.to_degrees() > top_deg - NEAR_DEG);
+    let mut near = near.map(|(t, _)| *t);
     let first = near.next().unwrap_or(0.0);
     // Whatever lies between: a lever that chatters leaves its top now and then.
     let last = near.next_back().unwrap_or(first);
@@ -159,11 +143,11 @@ fn steps_panel(
     let words = Text { lines: vec![exact], place: TextPlace::EmptiestCorner };
     let layers = vec![Layer::Line(line), Layer::Points(points), Layer::Text(words)];
     let x_axis = powers_axis("step *h*", "ms").linked("step");
-    let panel = Panel::new(cell, x_axis, y_axis, layers);
-    Panel { height_mm: Some(STEPS_MM), ..panel }
+    Panel::new(cell, x_axis, y_axis, layers).tall(STEPS_MM)
 }
 
 /// Swings by step of one solver.
+#[derive(Default)]
 struct Steps {
     step_ms: Vec<f64>,
     amplitude_deg: Vec<f64>,
@@ -173,11 +157,9 @@ struct Steps {
 impl Steps {
     /// Those of a solver that swings.
     fn of(settings: &[TradeSetting], solver: &str) -> Self {
-        let mut steps = Self { step_ms: vec![], amplitude_deg: vec![], reversals: vec![] };
-        for setting in settings.iter().filter(|setting| *setting.solver == *solver) {
-            if setting.swings.is_none_or(|swings| swings == 0) {
-                continue;
-            }
+        let mut steps = Self::default();
+        let own = settings.iter().filter(|setting| *setting.solver == *solver);
+        for setting in own.filter(|setting| setting.swings.is_some_and(|swings| swings > 0)) {
             let amplitude_rad = setting.swing_amplitude_rad.filter(|rad| *rad > LEAST_RAD);
             steps.step_ms.push(setting.step_s.map_or(f64::NAN, |step_s| MS_PER_S * step_s));
             steps.amplitude_deg.push(amplitude_rad.map_or(f64::NAN, f64::to_degrees));
@@ -208,7 +190,7 @@ mod tests {
 
     #[test]
     fn the_top_panel_shows_the_time_at_which_the_lever_should_rest() {
-        let Rest { top_deg, from_s: from, to_s: to } = rest(&Run::of(&courses()[1]));
+        let Rest { top_deg, from_s: from, to_s: to } = rest(&courses()[1]);
         assert!((top_deg - 0.2_f64.to_degrees()).abs() < 1e-9);
         assert!((from - 0.65).abs() < 0.05 && (to - 2.35).abs() < 0.05, "{from} {to}");
     }

@@ -3,16 +3,16 @@
 
 use crate::words::{mark, percent, plain};
 use crate::{About, FigureKind};
-use zwidth_draw::style::{self, Marker};
+use zwidth_draw::style;
 use zwidth_draw::{Axis, Cell, Direction, Figure, Intervals, Layer, Panel, dodge};
 use zwidth_results::FreePlane;
 
 /// The figure [`free_motion`].
-pub const FREE_MOTION: FigureKind = FigureKind {
-    stem: "free_motion",
-    shows: "plane fits of free motion, sessions and modes side by side",
-    drawn_from: "trial",
-};
+pub const FREE_MOTION: FigureKind = FigureKind::new(
+    "free_motion",
+    "plane fits of free motion, sessions and modes side by side",
+    "trial",
+);
 
 /// Height of a panel, mm.
 const PANEL_MM: f64 = 48.0;
@@ -21,38 +21,48 @@ const PANEL_MM: f64 = 48.0;
 struct Coefficient {
     label: &'static str,
     unit: &'static str,
-    estimate: fn(&FreePlane) -> f64,
-    low: fn(&FreePlane) -> f64,
-    high: fn(&FreePlane) -> f64,
+    estimate_and_ends: [fn(&FreePlane) -> f64; 3],
 }
 
 const COEFFICIENTS: [Coefficient; 3] = [
     Coefficient {
         label: "offset *c*",
         unit: "N·m",
-        estimate: |fit| fit.offset_nm,
-        low: |fit| fit.offset_ci_low_nm,
-        high: |fit| fit.offset_ci_high_nm,
+        estimate_and_ends: [
+            |fit| fit.offset_nm,
+            |fit| fit.offset_ci_low_nm,
+            |fit| fit.offset_ci_high_nm,
+        ],
     },
     Coefficient {
         label: "inertia *I*",
         unit: "kg·m²",
-        estimate: |fit| fit.inertia_kg_m2,
-        low: |fit| fit.inertia_ci_low_kg_m2,
-        high: |fit| fit.inertia_ci_high_kg_m2,
+        estimate_and_ends: [
+            |fit| fit.inertia_kg_m2,
+            |fit| fit.inertia_ci_low_kg_m2,
+            |fit| fit.inertia_ci_high_kg_m2,
+        ],
     },
     Coefficient {
         label: "damping *b*",
         unit: "N·m·s/rad",
-        estimate: |fit| fit.damping_nm_s_per_rad,
-        low: |fit| fit.damping_ci_low_nm_s_per_rad,
-        high: |fit| fit.damping_ci_high_nm_s_per_rad,
+        estimate_and_ends: [
+            |fit| fit.damping_nm_s_per_rad,
+            |fit| fit.damping_ci_low_nm_s_per_rad,
+            |fit| fit.damping_ci_high_nm_s_per_rad,
+        ],
     },
 ];
 
 /// One panel per coefficient of torque = c + I·acc + b·vel, with the notes of the fits below.
 pub fn free_motion(about: &About, fits: &[FreePlane], notes: &[String]) -> Figure {
-    let keys = keys(fits);
+    // The participant is left out where there is only one.
+    let one = fits.windows(2).all(|pair| pair[0].participant == pair[1].participant);
+    let key = |fit: &FreePlane| match one {
+        true => fit.session.to_string(),
+        false => format!("{} {}", fit.participant, fit.session),
+    };
+    let keys: Vec<String> = fits.iter().map(key).collect();
     let mut sessions = keys.clone();
     sessions.sort();
     sessions.dedup();
@@ -66,26 +76,19 @@ pub fn free_motion(about: &About, fits: &[FreePlane], notes: &[String]) -> Figur
                 let session = sessions.iter().position(|session| session == *key).unwrap_or(0);
                 session as f64 + dodge(index, about.modes.len())
             });
-            let [estimate, low, high] = [coefficient.estimate, coefficient.low, coefficient.high]
+            let estimates = coefficient
+                .estimate_and_ends
                 .map(|pick| own.iter().map(|(fit, _)| pick(fit)).collect());
             layers.push(Layer::Intervals(Intervals {
-                direction: Direction::Vertical,
-                at: at.collect(),
-                estimate,
-                low,
-                high,
                 colour: style::mode_colour(index),
-                marker: [Marker::Disc, Marker::Square, Marker::Diamond][index % 3],
+                marker: style::marker(index),
                 name: Some(plain(&mode.label)),
+                ..Intervals::new(Direction::Vertical, at.collect(), estimates)
             }));
         }
-        let panel = Panel::new(
-            Cell::at(0, i),
-            Axis::categories(sessions.clone()),
-            Axis::new(coefficient.label, coefficient.unit),
-            layers,
-        );
-        panels.push(Panel { height_mm: Some(PANEL_MM), ..panel });
+        let x = Axis::categories(sessions.clone());
+        let y = Axis::new(coefficient.label, coefficient.unit);
+        panels.push(Panel::new(Cell::at(0, i), x, y, layers).tall(PANEL_MM));
     }
     Figure {
         title: Some(plain(&format!("{}: plane fits of free motion", about.title))),
@@ -99,15 +102,4 @@ pub fn free_motion(about: &About, fits: &[FreePlane], notes: &[String]) -> Figur
         mark: mark(fits.iter().map(|fit| fit.source)),
         ..Figure::default()
     }
-}
-
-/// Participant and session of each row; the participant is left out where there is only one.
-fn keys(fits: &[FreePlane]) -> Vec<String> {
-    let one = fits.windows(2).all(|pair| pair[0].participant == pair[1].participant);
-    fits.iter()
-        .map(|fit| match one {
-            true => fit.session.to_string(),
-            false => format!("{} {}", fit.participant, fit.session),
-        })
-        .collect()
 }

@@ -1,7 +1,6 @@
 //! Impedance against frequency with its coherence, one column per environment.
 
-use crate::words::{logarithm, plain, powers_axis};
-use std::sync::Arc;
+use crate::words::{distinct, lettered, logarithm, plain, powers_axis};
 use zwidth_draw::style;
 use zwidth_draw::{Axis, Band, Cell, Figure, Layer, Line, Panel, Range};
 use zwidth_results::{ImpedancePoint, Row};
@@ -18,8 +17,9 @@ enum Shows {
 }
 
 /// One mode of an environment, as it stands on the axes.
+#[derive(Default)]
 struct Curve {
-    mode: Arc<str>,
+    mode: String,
     frequency: Vec<f64>,
     /// NaN where the coherence may be chance.
     magnitude: Vec<[f64; 3]>,
@@ -41,13 +41,12 @@ pub fn impedance_frequency(
         let own: Vec<&ImpedancePoint> =
             points.iter().filter(|point| point.environment == *environment).collect();
         let modes = distinct(own.iter().map(|point| &point.mode));
-        let curves: Vec<Curve> = modes.into_iter().map(|mode| Curve::of(mode, &own)).collect();
+        let curves: Vec<Curve> = modes.iter().map(|mode| Curve::of(mode, &own)).collect();
         let all = [Shows::Magnitude, Shows::Phase, Shows::Coherence];
         panels.extend(all.into_iter().enumerate().map(|(row, shows)| {
-            let panel = panel(&curves, shows, Cell::at(row, column));
-            let letter = char::from(b'a' + ((row * environments.len() + column) % 26) as u8);
             let name = if row == 0 { plain(environment) } else { String::new() };
-            panel.titled(format!("**{letter}**  {name}"))
+            let title = lettered(row * environments.len() + column, &name);
+            panel(&curves, shows, Cell::at(row, column)).titled(title)
         }));
     }
     Figure {
@@ -62,28 +61,11 @@ pub fn impedance_frequency(
     }
 }
 
-fn distinct<'a>(names: impl Iterator<Item = &'a Arc<str>>) -> Vec<Arc<str>> {
-    let mut seen: Vec<Arc<str>> = Vec::new();
-    for name in names {
-        if !seen.contains(name) {
-            seen.push(name.clone());
-        }
-    }
-    seen
-}
-
 impl Curve {
     /// That of a mode, from the points of its environment.
-    fn of(mode: Arc<str>, points: &[&ImpedancePoint]) -> Self {
-        let mut curve = Self {
-            mode,
-            frequency: Vec::new(),
-            magnitude: Vec::new(),
-            phase: Vec::new(),
-            coherence: Vec::new(),
-            chance: Vec::new(),
-        };
-        for point in points.iter().filter(|point| point.mode == curve.mode) {
+    fn of(mode: &str, points: &[&ImpedancePoint]) -> Self {
+        let mut curve = Self { mode: plain(mode), ..Self::default() };
+        for point in points.iter().filter(|point| *point.mode == *mode) {
             curve.frequency.push(logarithm(point.frequency_hz));
             curve.coherence.push(point.coherence);
             curve.chance.push(point.chance);
@@ -108,7 +90,7 @@ fn panel(curves: &[Curve], shows: Shows, cell: Cell) -> Panel {
     let mut layers = Vec::new();
     for (i, curve) in curves.iter().enumerate() {
         let colour = style::mode_colour(i);
-        let name = Some(plain(&curve.mode));
+        let name = Some(curve.mode.clone());
         let x = curve.frequency.clone();
         let stroke = style::mean(colour);
         let values = match shows {
@@ -134,7 +116,7 @@ fn panel(curves: &[Curve], shows: Shows, cell: Cell) -> Panel {
         Shows::Phase => Axis::new("phase of *Z*", "°").ranged(Range::Fixed(-200.0, 200.0)),
         Shows::Coherence => Axis::new("coherence *γ*²", "").ranged(Range::Fixed(0.0, 1.0)),
     };
-    Panel { height_mm: Some(PANEL_MM), ..Panel::new(cell, x, y, layers) }
+    Panel::new(cell, x, y, layers).tall(PANEL_MM)
 }
 
 #[cfg(test)]

@@ -1,9 +1,8 @@
 //! The Z-width of a device: the stiffest wall against its damping, mode by mode, one panel per
 //! push.
 
-use crate::words::{logarithm, mark, plain, powers_axis};
-use std::sync::Arc;
-use zwidth_draw::style::{self, Dash, Marker};
+use crate::words::{distinct, lettered, logarithm, mark, plain, powers_axis};
+use zwidth_draw::style::{self, Dash};
 use zwidth_draw::{Axis, Cell, Direction, Figure, Intervals, Layer, Line, Panel, Text, TextPlace};
 use zwidth_results::{Row, WallBound};
 use zwidth_study::Source;
@@ -45,26 +44,24 @@ fn panel(bounds: &[WallBound], linear: &[[f64; 2]], number: usize, push_m: f64) 
         name: Some("large push (lifted map)".to_owned()),
         ..Line::default()
     })];
-    let mut modes: Vec<&Arc<str>> = Vec::new();
-    for bound in bounds {
-        if !modes.contains(&&bound.mode) {
-            modes.push(&bound.mode);
-        }
-    }
-    for (k, mode) in modes.into_iter().enumerate() {
+    for (k, mode) in distinct(bounds.iter().map(|bound| &bound.mode)).iter().enumerate() {
         let own: Vec<&WallBound> = bounds
             .iter()
             .filter(|bound| bound.push_m.to_bits() == push_m.to_bits() && bound.mode == *mode)
             .collect();
+        let at = own.iter().map(|bound| bound.damping_ns_per_m).collect();
+        let logarithms = |pick: fn(&WallBound) -> f64| -> Vec<f64> {
+            own.iter().map(|bound| logarithm(pick(bound))).collect()
+        };
+        let ends = [
+            logarithms(|bound| bound.stiffness_n_per_m),
+            logarithms(|bound| bound.ci_low),
+            logarithms(|bound| bound.ci_high),
+        ];
         layers.push(Layer::Intervals(Intervals {
-            direction: Direction::Vertical,
-            at: own.iter().map(|bound| bound.damping_ns_per_m).collect(),
-            estimate: own.iter().map(|bound| logarithm(bound.stiffness_n_per_m)).collect(),
-            low: own.iter().map(|bound| logarithm(bound.ci_low)).collect(),
-            high: own.iter().map(|bound| logarithm(bound.ci_high)).collect(),
             colour: style::mode_colour(k),
-            marker: Marker::default(),
             name: Some(plain(mode)),
+            ..Intervals::new(Direction::Vertical, at, ends)
         }));
         layers.extend(own.iter().filter(|bound| bound.is_censored).map(|bound| {
             let stiffness = logarithm(bound.stiffness_n_per_m);
@@ -72,12 +69,10 @@ fn panel(bounds: &[WallBound], linear: &[[f64; 2]], number: usize, push_m: f64) 
             Layer::Text(Text { lines: vec!["≥".to_owned()], place })
         }));
     }
-    let letter = char::from(b'a' + (number % 26) as u8);
     let x = Axis::new("wall damping *B*", "N s/m").linked("damping");
     let y = powers_axis("stiffest wall *K*", "N/m").linked("stiffness");
-    let title = format!("**{letter}**  push of {} mm", 1e3 * push_m);
-    let panel = Panel::new(Cell::at(0, number), x, y, layers).titled(title);
-    Panel { height_mm: Some(PANEL_MM), ..panel }
+    let title = lettered(number, &format!("push of {} mm", 1e3 * push_m));
+    Panel::new(Cell::at(0, number), x, y, layers).titled(title).tall(PANEL_MM)
 }
 
 #[cfg(test)]

@@ -3,18 +3,18 @@
 
 use crate::about::FigureKind;
 use crate::extent::holding;
-use crate::words::{mark, model_mark, plain, powers_axis};
+use crate::words::{just_felt, mark, model_mark, plain, powers_axis};
 use zwidth_draw::style;
-use zwidth_draw::{Axis, Cell, Direction, Figure, Layer, Panel, Points, Reference};
+use zwidth_draw::{Axis, Cell, Direction, Figure, Layer, Panel, Points};
 use zwidth_results::{LadderModel, LadderTerm, TermEffect};
 use zwidth_study::Source;
 
 /// Which terms a scene needs.
-pub const LADDER: FigureKind = FigureKind {
-    stem: "ladder",
-    shows: "which terms of the model the condition needs: cost against error, and the error without each term",
-    drawn_from: "trial",
-};
+pub const LADDER: FigureKind = FigureKind::new(
+    "ladder",
+    "which terms of the model the condition needs: cost against error, and the error without each term",
+    "trial",
+);
 
 /// Height of a panel, mm.
 const PANEL_MM: f64 = 62.0;
@@ -68,14 +68,7 @@ fn place(off: Option<f64>) -> f64 {
 
 /// The models of a scene, on the axes of all.
 fn costs(models: &[LadderModel], all: &[&LadderRows]) -> Panel {
-    let just_felt = Reference {
-        direction: Direction::Horizontal,
-        at: 0.0,
-        label: Some("just felt".to_owned()),
-        stroke: style::reference(),
-        name: None,
-    };
-    let mut layers = vec![Layer::Reference(just_felt)];
+    let mut layers = vec![just_felt(Direction::Horizontal)];
     let (far, enough) = (style::environment_colour(4), style::environment_colour(0));
     let off = models.iter().filter(|model| !model.is_enough);
     let unchosen = models.iter().filter(|model| model.is_enough && !model.is_chosen);
@@ -95,13 +88,12 @@ fn costs(models: &[LadderModel], all: &[&LadderRows]) -> Panel {
             ..Points::default()
         }));
     }
-    let shown: Vec<&LadderModel> = all.iter().flat_map(|ladder| &ladder.models).collect();
-    let works = shown.iter().map(|model| libm::log10(model.evaluations));
-    let offs = shown.iter().map(|model| place(model.furthest_off));
+    let shown = all.iter().flat_map(|ladder| &ladder.models);
+    let works = shown.clone().map(|model| libm::log10(model.evaluations));
+    let offs = shown.map(|model| place(model.furthest_off));
     let x = powers_axis("work of a run, evaluations", "").ranged(holding(works));
     let y = powers_axis("largest error over what is felt", "").ranged(holding(offs));
-    let panel = Panel::new(Cell::at(0, 0), x, y, layers).titled("**a**  models");
-    Panel { height_mm: Some(PANEL_MM), ..panel }
+    Panel::new(Cell::at(0, 0), x, y, layers).titled("**a**  models").tall(PANEL_MM)
 }
 
 /// A term, the place of the largest error of the model that decides about it, and whether it is
@@ -115,7 +107,7 @@ struct Decided {
 /// The terms of a scene, on the axis of all.
 fn terms(effects: &[TermEffect], all: &[&LadderRows]) -> Panel {
     let judged = all.iter().flat_map(|ladder| &ladder.effects).filter(|effect| effect.is_judged);
-    let shown: Vec<f64> = judged.map(|effect| place(effect.deciding_off)).collect();
+    let shown = judged.map(|effect| place(effect.deciding_off));
     let mut terms: Vec<Decided> = Vec::new();
     for effect in effects.iter().filter(|effect| effect.is_judged) {
         let off = place(effect.deciding_off);
@@ -128,14 +120,7 @@ fn terms(effects: &[TermEffect], all: &[&LadderRows]) -> Panel {
         }
     }
     terms.sort_by(|a, b| b.off.total_cmp(&a.off));
-    let just_felt = Reference {
-        direction: Direction::Vertical,
-        at: 0.0,
-        label: Some("just felt".to_owned()),
-        stroke: style::reference(),
-        name: None,
-    };
-    let mut layers = vec![Layer::Reference(just_felt)];
+    let mut layers = vec![just_felt(Direction::Vertical)];
     for (is_kept, name, colour) in
         [(true, "kept", style::INK), (false, "left out", style::environment_colour(0))]
     {
@@ -148,8 +133,7 @@ fn terms(effects: &[TermEffect], all: &[&LadderRows]) -> Panel {
     }
     let x = powers_axis("largest error without it", "").ranged(holding(shown));
     let y = Axis::categories(terms.iter().map(|decided| decided.term.title()));
-    let panel = Panel::new(Cell::at(0, 1), x, y, layers).titled("**b**  terms");
-    Panel { height_mm: Some(PANEL_MM), ..panel }
+    Panel::new(Cell::at(0, 1), x, y, layers).titled("**b**  terms").tall(PANEL_MM)
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use crate::about::FigureKind;
 use crate::words::{plain, powers_axis};
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use zwidth_draw::style::{self, Colour, Marker};
+use zwidth_draw::style::{self, Colour};
 use zwidth_draw::{
     Axis, Cell, Direction, Figure, Intervals, Layer, Panel, Reference, TWO_COLUMNS_MM, dodge,
 };
@@ -15,11 +15,11 @@ use zwidth_study::Source;
 use zwidth_tables::{TableError, split_unit};
 
 /// What less of the recordings does.
-pub const LESS: FigureKind = FigureKind {
-    stem: "trade_data",
-    shows: "less of the recordings: the change of each metric, over what is just felt",
-    drawn_from: "trial",
-};
+pub const LESS: FigureKind = FigureKind::new(
+    "trade_data",
+    "less of the recordings: the change of each metric, over what is just felt",
+    "trial",
+);
 
 /// Height of a row, mm, and of a panel without rows.
 const ROW_MM: f64 = 5.4;
@@ -125,16 +125,13 @@ impl Rows {
 
     /// `before` degrees stand in the panels to the left.
     fn panel(&self, column: usize, before: usize, kind: LessKind, less: &[Arc<str>]) -> Panel {
-        let direction = Direction::Vertical;
-        let stroke = style::reference();
-        let felt = Reference { direction, at: 0.0, label: None, stroke, name: None };
+        let felt = Reference::new(Direction::Vertical, 0.0, style::reference());
         let mut layers = vec![Layer::Reference(felt)];
-        let degrees = less.len();
-        layers.extend(less.iter().enumerate().map(|(number, less)| {
+        for (number, degree) in less.iter().enumerate() {
             let mut median = Vec::new();
             let mut p90 = Vec::new();
             for (metric, _) in &self.names {
-                let shares = self.most.get(&(less.clone(), metric.clone()));
+                let shares = self.most.get(&(degree.clone(), metric.clone()));
                 // A metric without a change keeps its row, and has no mark in it.
                 let [of_median, of_p90] = shares.map_or([f64::NAN; 2], |shares| {
                     shares.map(|share| libm::log10(share.max(LEAST)))
@@ -142,27 +139,22 @@ impl Rows {
                 median.push(of_median);
                 p90.push(of_p90);
             }
-            Layer::Intervals(Intervals {
-                direction: Direction::Horizontal,
-                at: (0..self.names.len()).map(|row| row as f64 + dodge(number, degrees)).collect(),
-                estimate: median.clone(),
-                low: median,
-                high: p90,
+            let aside = dodge(number, less.len());
+            let at = (0..self.names.len()).map(|row| row as f64 + aside).collect();
+            layers.push(Layer::Intervals(Intervals {
                 colour: colour(before + number),
-                marker: MARKERS[number % MARKERS.len()],
-                name: Some(plain(less)),
-            })
-        }));
+                marker: style::marker(number),
+                name: Some(plain(degree)),
+                ..Intervals::new(Direction::Horizontal, at, [median.clone(), median, p90])
+            }));
+        }
         let x = powers_axis("change ÷ just felt", "").linked("share");
         let y =
             Axis::categories(self.names.iter().map(|(_, words)| words.clone())).linked("metric");
-        let panel = Panel::new(Cell::at(0, column), x, y, layers).titled(plain(kind.as_str()));
-        Panel { height_mm: Some(FRAME_MM + ROW_MM * self.names.len() as f64), ..panel }
+        let height_mm = FRAME_MM + ROW_MM * self.names.len() as f64;
+        Panel::new(Cell::at(0, column), x, y, layers).titled(plain(kind.as_str())).tall(height_mm)
     }
 }
-
-/// Shapes of the degrees of one kind.
-const MARKERS: [Marker; 3] = [Marker::Disc, Marker::Square, Marker::Diamond];
 
 /// Another colour for each degree of a figure, up to thirteen.
 fn colour(number: usize) -> Colour {
@@ -212,13 +204,11 @@ mod tests {
 
     fn intervals(figure: &Figure) -> Vec<&Intervals> {
         let layers = figure.panels.iter().flat_map(|panel| &panel.layers);
-        layers
-            .filter_map(
-                |layer| {
-                    if let Layer::Intervals(found) = layer { Some(found) } else { None }
-                },
-            )
-            .collect()
+        let found = layers.filter_map(|layer| match layer {
+            Layer::Intervals(intervals) => Some(intervals),
+            _ => None,
+        });
+        found.collect()
     }
 
     #[test]

@@ -11,11 +11,11 @@ use zwidth_draw::{
 use zwidth_study::{ActuatorKind, Calibration, Characteristic, Mode, Source};
 
 /// The figure [`rendering_range`].
-pub const RENDERING_RANGE: FigureKind = FigureKind {
-    stem: "rendering_range",
-    shows: "forces that each mode can render, compressing and decompressing",
-    drawn_from: "trial",
-};
+pub const RENDERING_RANGE: FigureKind = FigureKind::new(
+    "rendering_range",
+    "forces that each mode can render, compressing and decompressing",
+    "trial",
+);
 
 /// Height of a panel, mm.
 const PANEL_MM: f64 = 55.0;
@@ -37,16 +37,6 @@ const FROM_SWEEPS: &str = "Near the highest voltage of a sweep, where the comman
 enum Way {
     Compression,
     Decompression,
-}
-
-/// An actuator of a mode at work: its curve, its highest voltage, and which signs of force it can
-/// make.
-struct Acting<'a> {
-    curve: &'a Characteristic,
-    max_v: f64,
-    /// Least and largest force as shares of the curve: −1 and 1 for either sign, one of them 0 for
-    /// one sign alone.
-    shares: (f64, f64),
 }
 
 /// The force that each actuator gives for a command, and for each mode and way the range of forces
@@ -92,18 +82,20 @@ pub fn rendering_range(
     })
 }
 
-/// What acts, and what it can.
-fn acting<'a>(mode: &Mode, way: Way, calibration: &'a Calibration) -> Option<Acting<'a>> {
+/// The least and the largest force of what acts at the mode's highest voltage: of either sign, or one
+/// of them 0 where it makes one sign alone.
+fn reached_n(mode: &Mode, way: Way, calibration: &Calibration) -> Option<[f64; 2]> {
     let [compressing, releasing] = mode.law()?.drives();
     let (drive, brake_shares) = match way {
-        Way::Compression => (compressing, (0.0, 1.0)),
-        Way::Decompression => (releasing, (-1.0, 0.0)),
+        Way::Compression => (compressing, [0.0, 1.0]),
+        Way::Decompression => (releasing, [-1.0, 0.0]),
     };
     let (curve, max_v, shares) = match drive {
-        ActuatorKind::Motor => (&calibration.motor, mode.motor_max_v, (-1.0, 1.0)),
+        ActuatorKind::Motor => (&calibration.motor, mode.motor_max_v, [-1.0, 1.0]),
         ActuatorKind::Brake => (&calibration.brake, mode.brake_max_v, brake_shares),
     };
-    Some(Acting { curve, max_v: max_v?, shares })
+    let full_n = curve.force_n(max_v?);
+    Some(shares.map(|share| share * full_n))
 }
 
 /// The voltage that a mode goes up to with one actuator.
@@ -132,10 +124,8 @@ fn commands(about: &About, calibration: &Calibration) -> Panel {
         layers.push(Layer::Line(Line { x, y, stroke, name, ..Line::default() }));
         layers.extend(ends(about, curve, max_v));
     }
-    let x = Axis::new("command", "V");
     let y = Axis::new("*F*", "N").linked("force");
-    let panel = Panel::new(Cell::at(0, 0), x, y, layers);
-    Panel { height_mm: Some(PANEL_MM), ..panel }
+    Panel::new(Cell::at(0, 0), Axis::new("command", "V"), y, layers).tall(PANEL_MM)
 }
 
 /// A point at each voltage that modes go up to, with their names.
@@ -166,10 +156,8 @@ fn bars(about: &About, way: Way, calibration: &Calibration, column: usize) -> Pa
     let mut layers = vec![reference(Direction::Horizontal, 0.0, None)];
     let mut most_n: f64 = 0.0;
     for (index, mode) in about.modes.iter().enumerate() {
-        let reaches = match acting(mode, way, calibration) {
-            Some(Acting { curve, max_v, shares }) => {
-                let full_n = curve.force_n(max_v);
-                let (low_n, high_n) = (shares.0 * full_n, shares.1 * full_n);
+        let reaches = match reached_n(mode, way, calibration) {
+            Some([low_n, high_n]) => {
                 most_n = most_n.max(high_n).max(-low_n);
                 layers.extend(bar(index, low_n, high_n));
                 range(low_n, high_n)
@@ -186,22 +174,15 @@ fn bars(about: &About, way: Way, calibration: &Calibration, column: usize) -> Pa
         return Panel::with_note(cell, x, y, "no actuator on this way").titled(title);
     }
     let y = y.ranged(Range::Holding(-ROOM * most_n, ROOM * most_n));
-    Panel { height_mm: Some(PANEL_MM), ..Panel::new(cell, x, y, layers).titled(title) }
+    Panel::new(cell, x, y, layers).titled(title).tall(PANEL_MM)
 }
 
 /// The bar of a mode and its edge.
 fn bar(index: usize, low_n: f64, high_n: f64) -> Vec<Layer> {
     let colour = style::mode_colour(index);
-    let at = index as f64;
-    let left = at - HALF_BAR;
-    let right = at + HALF_BAR;
-    let area = Band {
-        x: vec![left, right],
-        low: vec![low_n; 2],
-        high: vec![high_n; 2],
-        colour,
-        name: None,
-    };
+    let [left, right] = [-HALF_BAR, HALF_BAR].map(|aside| index as f64 + aside);
+    let [low, high] = [low_n, high_n].map(|force_n| vec![force_n; 2]);
+    let area = Band { x: vec![left, right], low, high, colour, name: None };
     let edge = Line {
         x: vec![left, right, right, left, left],
         y: vec![low_n, low_n, high_n, high_n, low_n],
@@ -221,8 +202,8 @@ fn range(low_n: f64, high_n: f64) -> String {
 }
 
 fn reference(direction: Direction, at: f64, label: Option<String>) -> Layer {
-    let stroke = style::reference().dashed(Dash::Dotted);
-    Layer::Reference(Reference { direction, at, label, stroke, name: None })
+    let line = Reference::new(direction, at, style::reference().dashed(Dash::Dotted));
+    Layer::Reference(Reference { label, ..line })
 }
 
 #[cfg(test)]
@@ -266,23 +247,16 @@ mod tests {
     #[test]
     fn a_command_gives_one_force_and_below_the_gap_of_the_brake_none() {
         let figure = figure(&[]);
-        let curves: Vec<&Line> = figure.panels[0]
-            .layers
-            .iter()
-            .filter_map(|layer| if let Layer::Line(line) = layer { Some(line) } else { None })
-            .collect();
+        let curves: Vec<&Line> = figure.panels[0].lines().collect();
         let [motor, brake] = curves[..] else { panic!("{curves:?}") };
         assert!((brake.x[0] - 1.0).abs() < 1e-12 && brake.y[0].abs() < 1e-12);
         assert_eq!((motor.x[0], motor.y[0]), (0.0, 0.0));
         assert!((motor.y[PIECES] - 4.16).abs() < 1e-9 && (brake.y[PIECES] - 13.0).abs() < 1e-9);
-        let labels: Vec<&str> = figure.panels[0]
-            .layers
-            .iter()
-            .filter_map(|layer| match layer {
-                Layer::Reference(line) => line.label.as_deref(),
-                _ => None,
-            })
-            .collect();
+        let labels = figure.panels[0].layers.iter().filter_map(|layer| match layer {
+            Layer::Reference(line) => line.label.as_deref(),
+            _ => None,
+        });
+        let labels: Vec<&str> = labels.collect();
         assert_eq!(labels, ["brake: none below 1.00 V"], "the motor has no gap");
         assert!(zwidth_draw::draw(&figure).is_ok());
     }

@@ -13,17 +13,14 @@ use zwidth_results::{ModelRun, ModelSample};
 use zwidth_study::Coordinate;
 
 /// Runs of scenes of the model, side by side.
-pub const SCENE_RUNS: FigureKind = FigureKind {
-    stem: "scenes",
-    shows: "runs of the model: forces against angle and time, and the angle",
-    drawn_from: "scene",
-};
+pub const SCENE_RUNS: FigureKind = FigureKind::new(
+    "scenes",
+    "runs of the model: forces against angle and time, and the angle",
+    "scene",
+);
 /// Their inputs.
-pub const SCENE_INPUTS: FigureKind = FigureKind {
-    stem: "scenes",
-    shows: "external force of runs of the model against time",
-    drawn_from: "scene",
-};
+pub const SCENE_INPUTS: FigureKind =
+    FigureKind::new("scenes", "external force of runs of the model against time", "scene");
 
 /// Height of a panel of forces against angle, mm.
 const LOOP_MM: f64 = 58.0;
@@ -85,7 +82,7 @@ pub fn simulation(runs: &[&ModelRun], compared: &[&ModelRun]) -> Figure {
         let others = self::columns(compared);
         for row in 0..columns[0].len() {
             let all: Vec<&Line> =
-                columns.iter().chain(&others).flat_map(|column| lines(&column[row])).collect();
+                columns.iter().chain(&others).flat_map(|column| column[row].lines()).collect();
             let x = ends(all.iter().flat_map(|line| line.x.iter().copied()));
             let y = ends(all.iter().flat_map(|line| line.y.iter().copied()));
             for column in &mut columns {
@@ -115,40 +112,25 @@ pub fn simulation(runs: &[&ModelRun], compared: &[&ModelRun]) -> Figure {
 fn columns(runs: &[&ModelRun]) -> Vec<[Panel; 3]> {
     let mut columns = Vec::new();
     for (column, run) in runs.iter().enumerate() {
-        let mut layers = vec![Layer::Reference(Reference {
-            direction: Direction::Horizontal,
-            at: 0.0,
-            label: None,
-            stroke: style::reference(),
-            name: None,
-        })];
+        let zero = Reference::new(Direction::Horizontal, 0.0, style::reference());
+        let mut layers = vec![Layer::Reference(zero)];
         layers.extend(parts(run).into_iter().map(|part| part.line(angles(run))));
         let x = words().position_axis().linked("angle");
-        let mut loops = Panel::new(Cell::at(0, column), x, force_axis().linked("forces"), layers);
+        let y = Axis::new("*F*", "N").linked("forces");
+        let mut loops = Panel::new(Cell::at(0, column), x, y, layers).tall(LOOP_MM);
         if runs.len() > 1 {
             loops.title = Some(plain(&run.scene));
         }
         let mut layers = vec![Part::external(run).line(times(run))];
         layers.extend(acting(Part::tissue(run)).map(|part| part.line(times(run))));
-        let y = force_axis().linked("force");
+        let y = Axis::new("*F*", "N").linked("force");
         let forces = Panel::new(Cell::at(1, column), time_axis(""), y, layers);
         let line = Line { x: times(run), y: angles(run), ..Line::default() };
         let y = words().position_axis().linked("angle in time");
         let angle = Panel::new(Cell::at(2, column), time_axis("*t*"), y, vec![Layer::Line(line)]);
-        columns.push([
-            Panel { height_mm: Some(LOOP_MM), ..loops },
-            Panel { height_mm: Some(TIME_MM), ..forces },
-            Panel { height_mm: Some(TIME_MM), ..angle },
-        ]);
+        columns.push([loops, forces.tall(TIME_MM), angle.tall(TIME_MM)]);
     }
     columns
-}
-
-fn lines(panel: &Panel) -> impl Iterator<Item = &Line> {
-    panel.layers.iter().filter_map(|layer| match layer {
-        Layer::Line(line) => Some(line),
-        _ => None,
-    })
 }
 
 /// Makes room for these values on an axis.
@@ -172,7 +154,7 @@ pub fn inputs(runs: &[&ModelRun]) -> Figure {
         let layers = vec![Layer::Line(Line { x: times(run), y, stroke, ..Line::default() })];
         let y = Axis::new("*F*_{ex}", "N").linked("input");
         let panel = Panel::new(cell, time_axis("*t*"), y, layers).titled(plain(&run.scene));
-        panels.push(Panel { height_mm: Some(INPUT_MM), ..panel });
+        panels.push(panel.tall(INPUT_MM));
     }
     let names: Vec<&str> = runs.iter().map(|run| run.scene.as_str()).collect();
     Figure {
@@ -200,10 +182,6 @@ fn notes(runs: &[&ModelRun]) -> Vec<String> {
 
 fn words() -> Words {
     Words::new(Coordinate::Rotational)
-}
-
-fn force_axis() -> Axis {
-    Axis::new("*F*", "N")
 }
 
 fn times(run: &ModelRun) -> Vec<f64> {
@@ -290,7 +268,7 @@ mod tests {
         let (with, without) = (run("with", true, "a"), run("without", false, "a"));
         let figure = simulation(&[&with, &without], &[]);
         assert_eq!(
-            figure.panels.iter().map(|panel| lines(panel).count()).collect::<Vec<_>>(),
+            figure.panels.iter().map(|panel| panel.lines().count()).collect::<Vec<_>>(),
             [3, 2, 1, 2, 1, 1]
         );
         for figure in [figure, simulation(&[&with], &[]), inputs(&[&with, &without])] {
@@ -313,10 +291,7 @@ mod tests {
             TermForce::new("gravity", "", vec![0.0, 0.0]),
         ];
         let figure = simulation(&[&ModelRun { terms, ..of("terms", &[], samples) }], &[]);
-        let names = figure.panels[0].layers.iter().filter_map(|layer| match layer {
-            Layer::Line(line) => line.name.clone(),
-            _ => None,
-        });
+        let names = figure.panels[0].lines().filter_map(|line| line.name.as_deref());
         assert_eq!(names.collect::<Vec<_>>(), ["external force", "stop", "friction", "spring bed"]);
     }
 

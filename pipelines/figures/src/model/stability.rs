@@ -1,6 +1,6 @@
 //! Which walls a sampled device can render: each limit is a line of its own.
 
-use crate::words::{model_mark, plain, solver_colour};
+use crate::words::{lettered, model_mark, plain, solver_colour};
 use zwidth_draw::style::{self, Dash, Marker, Stroke};
 use zwidth_draw::{
     Axis, Band, Cell, Direction, Figure, Intervals, Layer, Line, Panel, Points, Range, Reference,
@@ -67,9 +67,8 @@ impl Side {
 }
 
 /// One limit of a panel.
-struct Limit {
-    name: LimitName,
-    kind: LimitKind,
+struct Limit<'a> {
+    first: &'a LimitPoint,
     label: String,
     x: Vec<f64>,
     y: Vec<f64>,
@@ -111,8 +110,7 @@ fn panel(curves: &[LimitPoint], number: usize, sides: &StabilityPanel, count: us
     let x = sides.x.axis();
     let y = sides.y.axis();
     let cell = Cell::at(number / 2, number % 2);
-    let letter = char::from(b'a' + (number % 26) as u8);
-    let title = format!("**{letter}**  {} and {}", sides.x.label, sides.y.label);
+    let title = lettered(number, &format!("{} and {}", sides.x.label, sides.y.label));
     let panel = if limits.is_empty() {
         let note = match sides.stable.is_empty() {
             true => "no limit crosses this range",
@@ -122,8 +120,7 @@ fn panel(curves: &[LimitPoint], number: usize, sides: &StabilityPanel, count: us
     } else {
         Panel::new(cell, x, y, layers)
     };
-    let panel = if count > 1 { panel.titled(title) } else { panel };
-    Panel { height_mm: Some(PANEL_MM), ..panel }
+    if count > 1 { panel.titled(title).tall(PANEL_MM) } else { panel.tall(PANEL_MM) }
 }
 
 /// The device as a diamond; as a line where only its place along x is known.
@@ -134,23 +131,15 @@ fn device(sides: &StabilityPanel) -> Option<Layer> {
     });
     let name = Some("this device".to_owned());
     Some(match (x, y) {
-        (Some(x), Some(y)) => Layer::Intervals(Intervals {
-            direction: Direction::Vertical,
-            at: vec![x],
-            estimate: vec![y],
-            low: vec![y],
-            high: vec![y],
-            colour: style::INK,
-            marker: Marker::Diamond,
-            name,
-        }),
-        (Some(at), None) if sides.device[1].is_none() => Layer::Reference(Reference {
-            direction: Direction::Vertical,
-            at,
-            label: None,
-            stroke: style::reference().dashed(Dash::Dotted),
-            name,
-        }),
+        (Some(x), Some(y)) => {
+            let place = Intervals::new(Direction::Vertical, vec![x], [y; 3].map(|y| vec![y]));
+            Layer::Intervals(Intervals { marker: Marker::Diamond, name, ..place })
+        }
+        (Some(at), None) if sides.device[1].is_none() => {
+            let pen = style::reference().dashed(Dash::Dotted);
+            let line = Reference::new(Direction::Vertical, at, pen);
+            Layer::Reference(Reference { name, ..line })
+        }
         _ => return None,
     })
 }
@@ -171,7 +160,7 @@ fn label(limit: WallLimit) -> Option<&'static str> {
     }
 }
 
-fn limits(curves: &[LimitPoint], sides: &StabilityPanel) -> Vec<Limit> {
+fn limits<'a>(curves: &'a [LimitPoint], sides: &StabilityPanel) -> Vec<Limit<'a>> {
     let axes = (sides.x.quantity, sides.y.quantity);
     let own = curves.iter().filter(|point| (point.x_quantity, point.y_quantity) == axes);
     let mut limits: Vec<Limit> = Vec::new();
@@ -184,10 +173,8 @@ fn limits(curves: &[LimitPoint], sides: &StabilityPanel) -> Vec<Limit> {
         };
         let Some(label) = label else { continue };
         // The points of one limit come one after the other.
-        if limits.last().is_none_or(|last| last.name != point.limit) {
-            let name = point.limit.clone();
-            let kind = point.kind;
-            limits.push(Limit { name, kind, label, x: Vec::new(), y: Vec::new() });
+        if limits.last().is_none_or(|last| last.first.limit != point.limit) {
+            limits.push(Limit { first: point, label, x: Vec::new(), y: Vec::new() });
             piece = point.piece;
         }
         let Some(limit) = limits.last_mut() else { continue };
@@ -207,14 +194,14 @@ fn layer(limit: &Limit) -> Layer {
     let x = limit.x.clone();
     let y = limit.y.clone();
     let name = Some(limit.label.clone());
-    if limit.kind == LimitKind::Measured {
+    if limit.first.kind == LimitKind::Measured {
         return Layer::Points(Points { x, y, name, diameter_pt: 4.0, ..Points::default() });
     }
     Layer::Line(Line { x, y, name, stroke: stroke(limit), ..Line::default() })
 }
 
 fn stroke(limit: &Limit) -> Stroke {
-    match (limit.kind, &limit.name) {
+    match (limit.first.kind, &limit.first.limit) {
         (LimitKind::Exact, _) => style::mean(style::INK),
         (LimitKind::Passivity, _) => style::mean(style::environment_colour(0)),
         (LimitKind::Others, _) => style::mean(style::environment_colour(4)),
@@ -256,7 +243,7 @@ pub fn boundaries(
     let y = Axis::new("wall stiffness *K*", "as measured");
     let own = Panel::new(Cell::at(0, 0), x, y, own.collect());
     let map = linear.map(|points| {
-        let (x, y) = points.iter().map(|p| (p[0], p[1])).unzip();
+        let (x, y) = points.iter().map(|[x, y]| (*x, *y)).unzip();
         let name = Some("this device, exact (lifted map)".to_owned());
         Layer::Line(Line { x, y, name, stroke: style::mean(style::INK), ..Line::default() })
     });
@@ -271,18 +258,17 @@ pub fn boundaries(
     } else {
         Panel::new(Cell::at(0, 1), x, y, shares)
     };
-    let panels =
-        [own.titled("**a**  as measured"), shares.titled("**b**  in shares of their own ends")];
+    let panels = vec![
+        own.titled(lettered(0, "as measured")).tall(PANEL_MM),
+        shares.titled(lettered(1, "in shares of their own ends")).tall(PANEL_MM),
+    ];
     Figure {
         title: Some("Stiffest walls, measured by others".to_owned()),
         description:
             "The stiffest wall without sustained oscillation against the wall's damping, as others \
                       measured it, and in shares of its own ends beside the exact one of this device."
                 .to_owned(),
-        panels: panels
-            .into_iter()
-            .map(|panel| Panel { height_mm: Some(PANEL_MM), ..panel })
-            .collect(),
+        panels,
         footnotes: notes.iter().map(|note| plain(note)).collect(),
         ..Figure::default()
     }
@@ -290,9 +276,10 @@ pub fn boundaries(
 
 /// The `i`-th boundary, a line with its points on it.
 fn boundary(i: usize, name: &str, points: &[[f64; 2]]) -> [Layer; 2] {
-    let (x, y): (Vec<f64>, Vec<f64>) = points.iter().map(|p| (p[0], p[1])).unzip();
+    let (x, y): (Vec<f64>, Vec<f64>) = points.iter().map(|[x, y]| (*x, *y)).unzip();
     let colour = style::environment_colour(i);
-    let (stroke, name) = (style::single(colour), Some(plain(name)));
+    let stroke = style::single(colour);
+    let name = Some(plain(name));
     let line = Line { x: x.clone(), y: y.clone(), stroke, name, ..Line::default() };
     let points = Points { x, y, colour, diameter_pt: 4.0, ..Points::default() };
     [Layer::Line(line), Layer::Points(points)]
@@ -339,11 +326,8 @@ mod tests {
         let figure = stability(&curves(), &[sides], &[]);
         draw(&figure).unwrap();
         let layers = &figure.panels[0].layers;
-        let lines = layers.iter().find_map(|layer| match layer {
-            Layer::Line(line) => Some(line.x.clone()),
-            _ => None,
-        });
-        assert!(lines.is_some_and(|x| x.len() == 4 && x[2].is_nan()));
+        let line = figure.panels[0].lines().next();
+        assert!(line.is_some_and(|line| line.x.len() == 4 && line.x[2].is_nan()));
         let name = |layer: &Layer| match layer {
             Layer::Line(line) => line.name.clone(),
             Layer::Points(points) => points.name.clone(),

@@ -3,20 +3,18 @@
 
 use crate::about::FigureKind;
 use crate::extent::ends;
-use crate::words::{logarithms, model_mark, plain, powers_axis};
+use crate::words::{just_felt, logarithm, logarithms, model_mark, plain, powers_axis};
 use zwidth_draw::style::{self, Stroke};
-use zwidth_draw::{
-    Axis, Cell, Direction, Figure, Layer, Line, Panel, Points, Range, Reference, TWO_COLUMNS_MM,
-};
+use zwidth_draw::{Cell, Direction, Figure, Layer, Line, Panel, Points, Range, TWO_COLUMNS_MM};
 use zwidth_dynamics::{NAMED_SOLVERS, solver_label};
 use zwidth_results::{Gate, Row, TradeChoice, TradeSetting};
 
 /// A scene's errors and work.
-pub const WORK_PRECISION: FigureKind = FigureKind {
-    stem: "trade",
-    shows: "speed against accuracy of model runs: error and what could be felt, against work",
-    drawn_from: "setting",
-};
+pub const WORK_PRECISION: FigureKind = FigureKind::new(
+    "trade",
+    "speed against accuracy of model runs: error and what could be felt, against work",
+    "setting",
+);
 
 /// Height of a panel, mm.
 const PANEL_MM: f64 = 62.0;
@@ -58,18 +56,9 @@ pub fn work_precision(
     // Broad and pale, under the points that lie on it.
     error.insert(0, front(&own));
     let mut felt = layers(&curves, |curve| &curve.felt);
-    let just_felt = Reference {
-        direction: Direction::Horizontal,
-        at: 0.0,
-        label: Some("just felt".to_owned()),
-        stroke: style::reference(),
-        name: None,
-    };
-    felt.insert(0, Layer::Reference(just_felt));
-    for (layers, pick) in [(&mut error, error_of as fn(&Curve) -> &Vec<f64>), (&mut felt, felt_of)]
-    {
-        layers.extend(choice.and_then(|choice| ring(&curves, choice, pick)));
-    }
+    felt.insert(0, just_felt(Direction::Horizontal));
+    error.extend(choice.and_then(|choice| ring(&curves, choice, |curve| &curve.error_deg)));
+    felt.extend(choice.and_then(|choice| ring(&curves, choice, |curve| &curve.felt)));
     let powers = |label: &str, unit: &str, pick: fn(&Curve) -> &Vec<f64>, ring: f64| {
         let shown = ends(all.iter().flat_map(|curve| logarithms(pick(curve))));
         // Wherever the ring of one scene lies, the axis is that of the others.
@@ -78,12 +67,10 @@ pub fn work_precision(
         powers_axis(label, unit).ranged(range)
     };
     let x = powers("work, evaluations", "", |curve| &curve.work, RING.0).linked("work");
-    let y_error = powers("largest error of *θ*", "°", error_of, RING.1);
-    let y_felt = powers("error / what is just felt", "", felt_of, RING.1);
-    let panels = vec![
-        panel(0, x.clone(), y_error, error, "**a**  error"),
-        panel(1, x, y_felt, felt, "**b**  what could be felt"),
-    ];
+    let y_error = powers("largest error of *θ*", "°", |curve| &curve.error_deg, RING.1);
+    let y_felt = powers("error / what is just felt", "", |curve| &curve.felt, RING.1);
+    let error = Panel::new(Cell::at(0, 0), x.clone(), y_error, error).titled("**a**  error");
+    let felt = Panel::new(Cell::at(0, 1), x, y_felt, felt).titled("**b**  what could be felt");
     Figure {
         title: Some(plain(title)),
         description: format!(
@@ -92,7 +79,7 @@ pub fn work_precision(
              against work. All axes are logarithmic. Large points pass every gate, small ones do not."
         ),
         width_mm: TWO_COLUMNS_MM,
-        panels,
+        panels: vec![error.tall(PANEL_MM), felt.tall(PANEL_MM)],
         footnotes: std::iter::once(
             "Large points: passed (sound verdict, not felt). Small points: not. Ring: recommended. Grey: the front. At \
              the foot of b: 0.0001 or less, which includes no difference at all."
@@ -125,19 +112,6 @@ pub fn work_precision_of(
     let notes = [format!("Yardstick: {proof}."), recommended];
     let figure = work_precision(TradeSetting::TITLE, scene, settings, choice, &notes);
     Figure { title: Some(plain(&format!("{scene}: speed against accuracy"))), ..figure }
-}
-
-fn error_of(curve: &Curve) -> &Vec<f64> {
-    &curve.error_deg
-}
-
-fn felt_of(curve: &Curve) -> &Vec<f64> {
-    &curve.felt
-}
-
-fn panel(column: usize, x: Axis, y: Axis, layers: Vec<Layer>, title: &str) -> Panel {
-    let panel = Panel::new(Cell::at(0, column), x, y, layers).titled(title);
-    Panel { height_mm: Some(PANEL_MM), ..panel }
 }
 
 fn curves(settings: &[&TradeSetting]) -> Vec<Curve> {
@@ -178,14 +152,15 @@ fn most_felt(setting: &TradeSetting) -> f64 {
 
 /// Settings that no other beats in work and error of the angle, joined.
 fn front(settings: &[&TradeSetting]) -> Layer {
-    let on_front = settings.iter().filter(|setting| setting.on_front);
-    let mut pairs: Vec<(f64, f64)> =
-        on_front.map(|setting| (work(setting), error_deg(setting))).collect();
+    let mut on_front: Vec<_> = settings.iter().filter(|setting| setting.on_front).collect();
     // By work, so that the line never runs back.
-    pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let (x, y): (Vec<f64>, Vec<f64>) = pairs.into_iter().unzip();
-    let stroke = Stroke { width_pt: 3.0, ..style::mean(style::GRID) };
-    Layer::Line(Line { x: logarithms(&x), y: logarithms(&y), stroke, ..Line::default() })
+    on_front.sort_by(|a, b| work(a).total_cmp(&work(b)));
+    Layer::Line(Line {
+        x: on_front.iter().map(|setting| logarithm(work(setting))).collect(),
+        y: on_front.iter().map(|setting| logarithm(error_deg(setting))).collect(),
+        stroke: Stroke { width_pt: 3.0, ..style::mean(style::GRID) },
+        ..Line::default()
+    })
 }
 
 fn layers(curves: &[Curve], pick: fn(&Curve) -> &Vec<f64>) -> Vec<Layer> {
@@ -193,19 +168,16 @@ fn layers(curves: &[Curve], pick: fn(&Curve) -> &Vec<f64>) -> Vec<Layer> {
     for curve in curves {
         let x = logarithms(&curve.work);
         let y = logarithms(pick(curve));
-        layers.push(Layer::Line(Line {
-            x: x.clone(),
-            y: y.clone(),
-            stroke: curve.stroke,
-            name: Some(plain(&curve.name)),
-            ..Line::default()
-        }));
+        let stroke = curve.stroke;
+        let name = Some(plain(&curve.name));
+        let line = Line { x: x.clone(), y: y.clone(), stroke, name, ..Line::default() };
+        layers.push(Layer::Line(line));
         for (good, diameter_pt) in [(true, GOOD_PT), (false, BAD_PT)] {
             let [x, y] = [&x, &y].map(|values| {
                 let pairs = values.iter().zip(&curve.good);
                 pairs.filter(|(_, is)| **is == good).map(|(value, _)| *value).collect()
             });
-            let colour = curve.stroke.colour;
+            let colour = stroke.colour;
             layers.push(Layer::Points(Points { x, y, colour, diameter_pt, ..Points::default() }));
         }
     }

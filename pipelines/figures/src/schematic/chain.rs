@@ -10,17 +10,14 @@ use zwidth_draw::style;
 use zwidth_draw::{Cell, Figure, Layer};
 
 /// The figure [`model`].
-pub(crate) const MODEL: FigureKind = FigureKind {
-    stem: "schematic.model",
-    shows: "the model as a chain of masses, springs and dampers",
-    drawn_from: "scene",
-};
+pub(crate) const MODEL: FigureKind = FigureKind::new(
+    "schematic.model",
+    "the model as a chain of masses, springs and dampers",
+    "scene",
+);
 /// The figure [`model_forces`].
-pub(crate) const MODEL_FORCES: FigureKind = FigureKind {
-    stem: "schematic.model_forces",
-    shows: "the forces on each mass of the model",
-    drawn_from: "scene",
-};
+pub(crate) const MODEL_FORCES: FigureKind =
+    FigureKind::new("schematic.model_forces", "the forces on each mass of the model", "scene");
 
 /// Corners of the drawings, mm.
 const CHAIN: [Point; 2] = [(0.0, 0.0), (83.5, 35.0)];
@@ -46,7 +43,16 @@ pub(crate) fn model(modelled: &Modelled) -> Figure {
     let mut layers = ground(&wall, style::mean(style::INK));
     for (i, body) in bodies.iter().enumerate() {
         let from = WALL.0 + i as f64 * pitch;
-        layers.extend(link(body, from));
+        let to = from + SPRING_MM;
+        // Spring and damper side by side, and the mass at their end.
+        let [upper, lower] =
+            [OFF_MM, -OFF_MM].map(|off| Way::through([(from, WALL.1 + off), (to, WALL.1 + off)]));
+        layers.push(spring(&upper, body.pen));
+        layers.extend(damper(&lower, body.pen));
+        let middle = f64::midpoint(from, to);
+        layers.push(over(body.stiffness.line(), (middle, WALL.1 + OFF_MM + 2.0)));
+        layers.push(amid(vec![body.damping.line()], (middle, WALL.1 - OFF_MM - 5.0)));
+        layers.extend(mass(body, (to + MASS_MM.0 / 2.0, WALL.1)).layers());
         // There are two bodies at most, object and finger.
         let (symbol, height) = PLACES[i];
         layers.extend(place(symbol, height, from + pitch - MASS_MM.0 / 2.0));
@@ -75,20 +81,6 @@ pub(crate) fn model(modelled: &Modelled) -> Figure {
     modelled.figure("The model as a chain", &description, vec![panel], notes)
 }
 
-/// Spring and damper side by side, and the mass at their end.
-fn link(body: &Body, from: f64) -> Vec<Layer> {
-    let to = from + SPRING_MM;
-    let [upper, lower] =
-        [OFF_MM, -OFF_MM].map(|off| Way::through([(from, WALL.1 + off), (to, WALL.1 + off)]));
-    let mut layers = vec![spring(&upper, body.pen)];
-    layers.extend(damper(&lower, body.pen));
-    let middle = f64::midpoint(from, to);
-    layers.push(over(body.stiffness.line(), (middle, WALL.1 + OFF_MM + 2.0)));
-    layers.push(amid(vec![body.damping.line()], (middle, WALL.1 - OFF_MM - 5.0)));
-    layers.extend(mass(body, (to + MASS_MM.0 / 2.0, WALL.1)).layers());
-    layers
-}
-
 fn mass(body: &Body, at: Point) -> Block {
     Block::new(at, MASS_MM, body.mass.lines()).coloured(MASS)
 }
@@ -105,29 +97,29 @@ fn place(symbol: &str, height: f64, x: f64) -> Vec<Layer> {
 
 /// The forces on each mass of the chain, and what they come to.
 pub(crate) fn model_forces(modelled: &Modelled) -> Figure {
-    let layers = match modelled.finger() {
-        Some(finger) => {
-            let mut layers = free_body(
-                &modelled.object(),
-                21.0,
-                ["*F*_{O}", "*F*_{F}"],
-                "*M*_{O} *ẍ*_{1} = *F*_{O} − *F*_{F}",
-            );
-            layers.extend(free_body(
-                &finger,
-                62.5,
-                ["*F*_{F}", "*F*_{ex}"],
-                "*M*_{F} *ẍ*_{2} = *F*_{F} − *F*_{ex}",
-            ));
-            layers
+    // Each mass with its place, the forces from the wall's side and from the user's, and its equation.
+    let object = modelled.object();
+    let bodies = match modelled.finger() {
+        Some(finger) => vec![
+            (object, 21.0, ["*F*_{O}", "*F*_{F}"], "*M*_{O} *ẍ*_{1} = *F*_{O} − *F*_{F}"),
+            (finger, 62.5, ["*F*_{F}", "*F*_{ex}"], "*M*_{F} *ẍ*_{2} = *F*_{F} − *F*_{ex}"),
+        ],
+        None => {
+            vec![(object, 41.7, ["*F*_{O}", "*F*_{ex}"], "*M*_{O} *ẍ*_{1} = *F*_{O} − *F*_{ex}")]
         }
-        None => free_body(
-            &modelled.object(),
-            41.7,
-            ["*F*_{O}", "*F*_{ex}"],
-            "*M*_{O} *ẍ*_{1} = *F*_{O} − *F*_{ex}",
-        ),
     };
+    let mut layers = Vec::new();
+    for (body, x, [wall, user], equation) in bodies {
+        let block = mass(&body, (x, 18.0));
+        layers.extend(block.layers());
+        for (edge, out, symbol) in
+            [(block.left(), -ARROW_MM, wall), (block.right(), ARROW_MM, user)]
+        {
+            layers.extend(arrow(&Way::through([(edge.0 + out, edge.1), edge]), FORCE));
+            layers.push(over(symbol, (edge.0 + out / 2.0, edge.1)));
+        }
+        layers.push(amid(vec![equation.to_owned()], (x, 4.0)));
+    }
     let notes = [
         "*F*_{O}: motor or brake, up to what they have. Lengths count from the wall on; every arrow \
          shows a force above 0."
@@ -137,18 +129,4 @@ pub(crate) fn model_forces(modelled: &Modelled) -> Figure {
     let description = "Each mass alone with the forces on it: what is towards the wall pushes it away \
                        from the wall, what is behind it pushes it there.";
     modelled.figure("The forces on each mass", description, vec![panel], notes)
-}
-
-/// A mass with the force from the wall's side and that from the user's, and its equation.
-fn free_body(body: &Body, x: f64, [wall, user]: [&str; 2], equation: &str) -> Vec<Layer> {
-    let block = mass(body, (x, 18.0));
-    let left = block.left();
-    let right = block.right();
-    let mut layers = block.layers();
-    for (edge, out, symbol) in [(left, -ARROW_MM, wall), (right, ARROW_MM, user)] {
-        layers.extend(arrow(&Way::through([(edge.0 + out, edge.1), edge]), FORCE));
-        layers.push(over(symbol, (edge.0 + out / 2.0, edge.1)));
-    }
-    layers.push(amid(vec![equation.to_owned()], (x, 4.0)));
-    layers
 }

@@ -3,24 +3,21 @@
 
 use super::model::Modelled;
 use crate::FigureKind;
-use crate::schematic::sketch::{Block, Point, Way, arrow, over, panel, right_of};
+use crate::schematic::sketch::{Block, Point, flow, over, panel, right_of};
 use crate::words::plain;
 use zwidth_draw::style;
 use zwidth_draw::{Cell, Figure, Layer};
 use zwidth_dynamics::solver_label;
 
 /// The figure [`force_control`].
-pub(crate) const FORCE_CONTROL: FigureKind = FigureKind {
-    stem: "schematic.force_control",
-    shows: "a step of the model with the force given",
-    drawn_from: "scene",
-};
+pub(crate) const FORCE_CONTROL: FigureKind =
+    FigureKind::new("schematic.force_control", "a step of the model with the force given", "scene");
 /// The figure [`displacement_control`].
-pub(crate) const DISPLACEMENT_CONTROL: FigureKind = FigureKind {
-    stem: "schematic.displacement_control",
-    shows: "a step of the model with the motion given",
-    drawn_from: "scene",
-};
+pub(crate) const DISPLACEMENT_CONTROL: FigureKind = FigureKind::new(
+    "schematic.displacement_control",
+    "a step of the model with the motion given",
+    "scene",
+);
 
 /// Corners of the drawings, mm.
 const FORCE: [Point; 2] = [(0.0, 0.0), (83.5, 36.0)];
@@ -31,17 +28,11 @@ const HIGH_MM: f64 = 13.0;
 /// Where a step leads back to, mm.
 const BACK_MM: f64 = 5.0;
 
-/// A line that ends in an arrow, from point to point.
-fn flow(points: impl IntoIterator<Item = Point>) -> Vec<Layer> {
-    arrow(&Way::through(points), style::mean(style::INK))
-}
-
 /// A line from one box to the next, with words over it.
 fn between(from: &Block, to: &Block, words: &str) -> Vec<Layer> {
-    let from = from.right();
-    let to = to.left();
-    let mut layers = flow([from, to]);
-    layers.push(over(words, (f64::midpoint(from.0, to.0) - 0.6, from.1)));
+    let mut layers = flow([from.right(), to.left()]);
+    let middle = f64::midpoint(from.right().0, to.left().0) - 0.6;
+    layers.push(over(words, (middle, from.right().1)));
     layers
 }
 

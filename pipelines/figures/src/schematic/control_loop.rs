@@ -3,9 +3,7 @@
 
 use super::setup::{brake, force_sensor, motor, name, words};
 use crate::FigureKind;
-use crate::schematic::sketch::{
-    Block, Point, Way, arrow, line, over, panel, right_of, tint, within,
-};
+use crate::schematic::sketch::{Block, Point, flow, line, over, panel, right_of, tint, within};
 use crate::words::plain;
 use zwidth_draw::style;
 use zwidth_draw::{Cell, Figure, Layer, LegendPlace, TWO_COLUMNS_MM};
@@ -13,11 +11,11 @@ use zwidth_study::{ActuatorKind, Coordinate, Setup, VelocityFilter};
 use zwidth_tables::{given, number, with_unit};
 
 /// The figure [`control_loop`].
-pub(crate) const CONTROL_LOOP: FigureKind = FigureKind {
-    stem: "schematic.control_loop",
-    shows: "what flows through device and control loop in a tick",
-    drawn_from: "trial",
-};
+pub(crate) const CONTROL_LOOP: FigureKind = FigureKind::new(
+    "schematic.control_loop",
+    "what flows through device and control loop in a tick",
+    "trial",
+);
 
 /// Corners of the drawing, of what the device does in it, and of what the computer does, mm.
 const WHOLE: [Point; 2] = [(0.0, 0.0), (173.5, 75.0)];
@@ -34,14 +32,15 @@ struct Boxes {
     lever: Block,
     force: Block,
     angle: Block,
-    motor: Option<Block>,
-    brake: Option<Block>,
     velocity: Block,
     recorded: Block,
     environment: Block,
     mode: Block,
     voltage: Block,
     safety: Block,
+    /// Those that are used, with where their torque comes to the lever beside its middle, mm, and its
+    /// symbol.
+    actuators: Vec<(Block, f64, &'static str)>,
 }
 
 impl Boxes {
@@ -53,18 +52,22 @@ impl Boxes {
             Coordinate::Rotational => "angle sensor",
             Coordinate::Linear { .. } => "position sensor",
         };
+        let motor = Block::new((80.0, 25.0), (28.0, 12.0), motor(setup)).coloured(style::MOTOR);
+        let brake = Block::new((80.0, 9.5), (28.0, 12.0), brake(setup)).coloured(style::BRAKE);
+        let mut actuators = Vec::new();
+        if setup.uses(ActuatorKind::Motor) {
+            actuators.push((motor, 3.0, "*T*_{m}"));
+        }
+        if setup.uses(ActuatorKind::Brake) {
+            actuators.push((brake, -3.0, "*T*_{b}"));
+        }
         Self {
+            actuators,
             participant: Block::new((11.5, 39.0), (22.0, 12.0), ["participant"]),
             lever: Block::new((45.0, 39.0), (22.0, 18.0), lever(setup)),
             force: Block::new((80.0, 64.5), (28.0, 9.0), force_sensor(setup))
                 .coloured(style::FINGER),
             angle: Block::new((80.0, 53.5), (28.0, 8.0), [angle]).coloured(style::FINGER),
-            motor: setup.uses(ActuatorKind::Motor).then(|| {
-                Block::new((80.0, 25.0), (28.0, 12.0), motor(setup)).coloured(style::MOTOR)
-            }),
-            brake: setup.uses(ActuatorKind::Brake).then(|| {
-                Block::new((80.0, 9.5), (28.0, 12.0), brake(setup)).coloured(style::BRAKE)
-            }),
             velocity: Block::new((113.0, 53.5), (25.0, 13.0), velocity(setup)),
             recorded: Block::new((113.0, 34.0), (25.0, 12.0), ["recorded:".to_owned(), recorded]),
             environment: Block::new((150.5, 53.5), (36.0, 17.0), environments(setup)),
@@ -83,11 +86,6 @@ impl Boxes {
         }
     }
 
-    /// The actuators that are used.
-    fn actuators(&self) -> impl Iterator<Item = &Block> {
-        self.motor.iter().chain(&self.brake)
-    }
-
     fn all(&self) -> impl Iterator<Item = &Block> {
         let always = [
             &self.participant,
@@ -101,7 +99,7 @@ impl Boxes {
             &self.voltage,
             &self.safety,
         ];
-        always.into_iter().chain(self.actuators())
+        always.into_iter().chain(self.actuators.iter().map(|(block, ..)| block))
     }
 }
 
@@ -138,10 +136,6 @@ fn group([low, high]: [Point; 2], name: String) -> Vec<Layer> {
     vec![tint(low, high, style::GRID), line(corners, style::reference()), name]
 }
 
-fn flow(points: impl IntoIterator<Item = Point>) -> Vec<Layer> {
-    arrow(&Way::through(points), style::mean(style::INK))
-}
-
 /// From the participant to the sensors, and from the actuators back.
 fn through_device(b: &Boxes, setup: &Setup) -> Vec<Layer> {
     let [theta, _] = symbols(setup);
@@ -159,12 +153,11 @@ fn through_device(b: &Boxes, setup: &Setup) -> Vec<Layer> {
     }
     layers.push(over("*F*_{ex}", (57.0, b.force.at.1)));
     layers.push(over(theta, (57.0, b.angle.at.1)));
-    for (x, actuator, symbol) in
-        [(bottom.0 + 3.0, &b.motor, "*T*_{m}"), (bottom.0 - 3.0, &b.brake, "*T*_{b}")]
-    {
-        let Some(from) = actuator.as_ref().map(Block::left) else { continue };
+    for (actuator, aside, symbol) in &b.actuators {
+        let from = actuator.left();
+        let x = bottom.0 + aside;
         layers.extend(flow([from, (x, from.1), (x, bottom.1)]));
-        layers.push(over(symbol, (57.0, from.1)));
+        layers.push(over(*symbol, (57.0, from.1)));
     }
     layers
 }
@@ -188,7 +181,7 @@ fn through_computer(b: &Boxes, setup: &Setup) -> Vec<Layer> {
     layers.push(over("*F*_{ex}", (113.0, force.1)));
     let split = (97.2, b.safety.at.1);
     layers.push(line([b.safety.left(), split], style::mean(style::INK)));
-    for actuator in b.actuators() {
+    for (actuator, ..) in &b.actuators {
         let to = actuator.right();
         layers.extend(flow([split, (split.0, to.1), to]));
     }

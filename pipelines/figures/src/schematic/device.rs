@@ -13,15 +13,11 @@ use zwidth_draw::{Cell, Figure, Layer, LegendPlace, TWO_COLUMNS_MM};
 use zwidth_study::{ActuatorKind, Setup};
 
 /// The figure [`device`].
-pub(crate) const DEVICE: FigureKind = FigureKind {
-    stem: "schematic.device",
-    shows: "the device from the front and from the side",
-    drawn_from: "trial",
-};
+pub(crate) const DEVICE: FigureKind =
+    FigureKind::new("schematic.device", "the device from the front and from the side", "trial");
 
-/// Corners of the two views, mm.
-const FRONT: [Point; 2] = [(-42.0, -21.0), (42.0, 37.0)];
-const SIDE: [Point; 2] = [(-42.0, -21.0), (42.0, 37.0)];
+/// Corners of each of the two views, mm.
+const VIEW: [Point; 2] = [(-42.0, -21.0), (42.0, 37.0)];
 /// Length of the lever, radii of wheel and capstan, mm: as seen, not to scale.
 const LEVER_MM: f64 = 28.0;
 const WHEEL_MM: f64 = 8.0;
@@ -33,9 +29,9 @@ const CELL_MM: f64 = 2.2;
 
 /// The device, drawn from what the study knows of it; `None` without a lever between stops.
 pub(crate) fn device(setup: &Setup) -> Option<Figure> {
-    let [low, high] = setup.stops_rad()?;
-    let front = panel(Cell::at(0, 0), FRONT[0], FRONT[1], front(setup, LEVER_MM, [low, high]));
-    let side = panel(Cell::at(0, 1), SIDE[0], SIDE[1], side(setup));
+    let front = front(setup, LEVER_MM, setup.stops_rad()?);
+    let front = panel(Cell::at(0, 0), VIEW[0], VIEW[1], front);
+    let side = panel(Cell::at(0, 1), VIEW[0], VIEW[1], side(setup));
     Some(Figure {
         title: Some(name(setup)),
         description: "From the front: the lever on its wheel, the user's force at its end, and below \
@@ -71,10 +67,7 @@ pub(crate) fn front(setup: &Setup, length_mm: f64, [low, high]: [f64; 2]) -> Vec
     layers.extend(torques(setup));
     let length =
         setup.device.lever_m.map(|m| zwidth_tables::given(m * 1e3, "mm", setup.coordinate));
-    layers.extend(length.map(|length| {
-        let at = lever.at(0.47, lever.theta_rad);
-        left_of(vec![length], at)
-    }));
+    layers.extend(length.map(|length| left_of(vec![length], lever.at(0.47, lever.theta_rad))));
     layers
 }
 
@@ -132,37 +125,22 @@ fn side(setup: &Setup) -> Vec<Layer> {
         layers.extend(motor.coloured(style::MOTOR).layers());
     }
     if setup.uses(ActuatorKind::Brake) {
-        layers.extend(disc_and_brake(setup));
+        // The disc on the shaft, and the magnet that holds it: what runs through the brake is not seen.
+        let plate = Stroke { width_pt: 2.8, ..style::mean(style::BRAKE) };
+        layers.push(line([(10.0, SHAFT_MM - 6.0), (10.0, SHAFT_MM + 6.0)], plate));
+        layers.push(over("disc", (6.4, SHAFT_MM + 1.2)));
+        let brake = Block::new((23.0, SHAFT_MM), (21.0, 13.0), brake(setup));
+        let hidden = Stroke { width_pt: 4.0, ..style::mean(style::PAPER) };
+        layers.push(line([brake.left(), brake.right()], hidden));
+        layers.extend(brake.coloured(style::BRAKE).layers());
     }
-    layers.extend(capstan());
+    layers.extend(Block::new((-6.0, SHAFT_MM), (7.0, 2.0 * CAPSTAN_MM), [""; 0]).layers());
+    layers.push(amid(vec!["capstan".to_owned()], (-6.0, SHAFT_MM - 5.2)));
     layers.extend(wheel_and_lever(setup));
     let angle = Block::new((39.0, SHAFT_MM), (3.0, 7.0), [""; 0]).coloured(style::FINGER);
     layers.extend(angle.layers());
     layers.push(left_of(vec!["angle sensor".to_owned()], (41.8, SHAFT_MM + 9.0)));
     layers.push(line([(39.0, SHAFT_MM + 7.4), angle.top()], style::single(style::GREY)));
-    layers
-}
-
-/// The disc on the shaft, and the magnet that holds it: the shaft runs through behind.
-fn disc_and_brake(setup: &Setup) -> Vec<Layer> {
-    let plate = Stroke { width_pt: 2.8, ..style::mean(style::BRAKE) };
-    let brake = Block::new((23.0, SHAFT_MM), (21.0, 13.0), brake(setup));
-    // What runs through the brake is not seen.
-    let hidden = Stroke { width_pt: 4.0, ..style::mean(style::PAPER) };
-    let behind = line([brake.left(), brake.right()], hidden);
-    let mut layers = vec![
-        line([(10.0, SHAFT_MM - 6.0), (10.0, SHAFT_MM + 6.0)], plate),
-        over("disc", (6.4, SHAFT_MM + 1.2)),
-        behind,
-    ];
-    layers.extend(brake.coloured(style::BRAKE).layers());
-    layers
-}
-
-fn capstan() -> Vec<Layer> {
-    let block = Block::new((-6.0, SHAFT_MM), (7.0, 2.0 * CAPSTAN_MM), [""; 0]);
-    let mut layers = block.layers();
-    layers.push(amid(vec!["capstan".to_owned()], (-6.0, SHAFT_MM - 5.2)));
     layers
 }
 
@@ -173,7 +151,7 @@ fn wheel_and_lever(setup: &Setup) -> Vec<Layer> {
     let bar = Stroke { width_pt: 3.2, ..style::mean(style::INK) };
     let wheel = Block::new((X, 0.0), (4.0, 2.0 * WHEEL_MM), [""; 0]);
     let cell = Block::new((X, LEVER_MM - 1.0), (3.4, 4.6), [""; 0]).coloured(style::FINGER);
-    let axis = Way::through([(X + 12.0, 3.0), (X + 12.0, -3.0)]);
+    let axis = Way::through([(X + 12.0, -3.0), (X + 12.0, 3.0)]);
     let mut layers = wheel.layers();
     // The cable, edge on.
     for x in [X - 1.0, X + 1.0] {
@@ -181,23 +159,18 @@ fn wheel_and_lever(setup: &Setup) -> Vec<Layer> {
         layers.push(line(cable, style::single(style::INK)));
     }
     layers.push(line([(X - 4.0, 0.0), (X + 12.0, 0.0)], style::single(style::INK)));
-    layers.extend(ground(
-        &Way::through(axis.points().iter().rev().copied()),
-        style::mean(style::INK),
-    ));
+    layers.extend(ground(&axis, style::mean(style::INK)));
     layers.push(line([(X, 0.0), cell.bottom()], bar));
     layers.extend(cell.layers());
     layers.push(right_of(force_sensor(setup), (X + 2.5, LEVER_MM - 1.0)));
     layers.push(right_of(vec!["lever".to_owned()], (X + 1.0, 16.0)));
     layers.push(left_of(vec!["wheel".to_owned()], (X - 2.5, 6.0)));
     // The push goes away from the reader: a circle with a cross in it, as the feathers of an arrow.
-    layers.extend(ring((X - 8.0, LEVER_MM - 1.0), 1.7, style::mean(style::INK)));
-    for side in [1.0, -1.0] {
-        let x = X - 8.0;
-        let y = LEVER_MM - 1.0;
-        let r = 1.2;
-        layers
-            .push(line([(x - r, y - side * r), (x + r, y + side * r)], style::single(style::INK)));
+    let x = X - 8.0;
+    let y = LEVER_MM - 1.0;
+    layers.extend(ring((x, y), 1.7, style::mean(style::INK)));
+    for r in [1.2, -1.2] {
+        layers.push(line([(x - 1.2, y - r), (x + 1.2, y + r)], style::single(style::INK)));
     }
     layers.push(left_of(vec!["*F*_{ex}".to_owned()], (X - 9.8, LEVER_MM - 1.0)));
     layers

@@ -2,19 +2,16 @@
 //! spring, wall.
 
 use crate::FigureKind;
-use crate::schematic::sketch::{Lever, UPRIGHT_MM, ground, over, panel, spring};
+use crate::schematic::sketch::{self, Lever, UPRIGHT_MM, ground, over, panel};
 use crate::words::{Words, plain};
 use serde::Serialize;
 use zwidth_draw::style::{self, Stroke};
-use zwidth_draw::{Cell, Figure, Layer, LegendPlace, ONE_COLUMN_MM};
+use zwidth_draw::{Cell, Figure, LegendPlace, ONE_COLUMN_MM};
 use zwidth_study::{Coordinate, Environment, Spring, Study};
 
 /// The figure [`environment`].
-pub const ENVIRONMENT: FigureKind = FigureKind {
-    stem: "environment",
-    shows: "device, spring and wall at the study's own angles",
-    drawn_from: "trial",
-};
+pub const ENVIRONMENT: FigureKind =
+    FigureKind::new("environment", "device, spring and wall at the study's own angles", "trial");
 
 /// Corners of the drawing, mm.
 const CORNERS: [(f64, f64); 2] = [(-41.7, -9.0), (41.7, 41.0)];
@@ -73,14 +70,26 @@ pub fn environment(placement: &Placement) -> Option<Figure> {
     let words = Words::new(*coordinate);
     let lever = Lever::between(UPRIGHT_MM, low, high);
     let mut layers = lever.work_space(words, low, high);
-    layers.extend(rendered_spring(&lever, spring, high));
+    // The spring lies between the lever and the end of the work space.
+    layers.push(sketch::spring(
+        &lever.arc(SPRING, lever.theta_rad, high),
+        style::mean(style::FINGER),
+    ));
+    let stiffness = format!("*K* = {} N/rad", number(spring.stiffness_n_per_rad));
+    layers.push(over(stiffness, lever.at(0.7, high + 0.48)));
+    layers.extend(lever.rest(spring.rest_rad));
+    layers.extend(ground(&lever.ray(STOP, high), style::mean(style::INK)));
     if let Some(theta) = wall {
         let pen = Stroke { width_pt: 1.8, ..style::mean(style::MARK) };
         layers.extend(ground(&lever.ray(WALL, theta), pen));
         let name = format!("wall {}", words.signed_place(theta));
         layers.push(over(name, lever.at(WALL.1 + 0.12, theta)));
     }
-    layers.extend(device(&lever));
+    layers.extend(lever.push());
+    layers.extend(lever.torque(TORQUE));
+    layers.extend(lever.angle(THETA));
+    layers.extend(lever.bar());
+    layers.push(over("motor and brake", (0.0, -8.1)));
     Some(Figure {
         title: Some(plain(&environment.label)),
         description: format!(
@@ -129,37 +138,14 @@ fn number(value: f64) -> String {
     format!("{}", (value * 100.0).round() / 100.0).replace('-', "−")
 }
 
-/// The spring between the lever and the end of the work space, and where the lever stands when it
-/// rests.
-fn rendered_spring(lever: &Lever, rendered: Spring, high: f64) -> Vec<Layer> {
-    let coils = lever.arc(SPRING, lever.theta_rad, high);
-    let stiffness = format!("*K* = {} N/rad", number(rendered.stiffness_n_per_rad));
-    let mut layers = vec![
-        spring(&coils, style::mean(style::FINGER)),
-        over(stiffness, lever.at(0.7, high + 0.48)),
-    ];
-    layers.extend(lever.rest(rendered.rest_rad));
-    layers.extend(ground(&lever.ray(STOP, high), style::mean(style::INK)));
-    layers
-}
-
-/// The lever on its axis, the user's push, the device's torque, and the angle.
-fn device(lever: &Lever) -> Vec<Layer> {
-    let mut layers = lever.push();
-    layers.extend(lever.torque(TORQUE));
-    layers.extend(lever.angle(THETA));
-    layers.extend(lever.bar());
-    layers.push(over("motor and brake", (0.0, -8.1)));
-    layers
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use zwidth_draw::Layer;
     use zwidth_study::Scene;
 
-    fn study() -> Study {
-        zwidth_testing::study()
+    fn drawn(study: &Study) -> Figure {
+        environment(&Placement::of(study, &study.environments[1])).unwrap()
     }
 
     fn texts(figure: &Figure) -> Vec<String> {
@@ -170,47 +156,37 @@ mod tests {
 
     /// Angles from upright of the ends of every line that begins on the axis.
     fn radii_deg(figure: &Figure) -> Vec<f64> {
-        let end = |layer: &Layer| match layer {
-            Layer::Line(l) if l.x[0] == 0.0 && l.y[0] == 0.0 => {
-                Some(libm::atan2(*l.x.last()?, *l.y.last()?).to_degrees())
-            }
-            _ => None,
-        };
-        figure.panels[0].layers.iter().filter_map(end).collect()
+        let lines = figure.panels[0].lines().filter(|l| l.x[0] == 0.0 && l.y[0] == 0.0);
+        let ends = lines.filter_map(|l| Some((*l.x.last()?, *l.y.last()?)));
+        ends.map(|(x, y)| libm::atan2(x, y).to_degrees()).collect()
     }
 
     #[test]
     fn the_drawing_stands_at_the_study_s_own_angles() {
-        let mut study = study();
-        let figure = environment(&Placement::of(&study, &study.environments[1])).unwrap();
-        let labels = texts(&figure);
+        let mut study = zwidth_testing::study();
+        let labels = texts(&drawn(&study));
         for label in ["−45°", "45°", "0°", "wall 26.6°", "*K* = 4 N/rad"] {
             assert!(labels.iter().any(|l| l == label), "{label} is not in {labels:?}");
         }
         study.environments[1].scene =
             Scene::Spring(Spring { stiffness_n_per_rad: 3.0, rest_rad: -0.5 });
-        let figure = environment(&Placement::of(&study, &study.environments[1])).unwrap();
+        let figure = drawn(&study);
         assert!(!texts(&figure).iter().any(|l| l.starts_with("wall")));
         assert!(radii_deg(&figure).iter().any(|deg| (deg + 0.5_f64.to_degrees()).abs() < 1e-9));
     }
 
     #[test]
     fn the_footnotes_say_what_the_spring_has_at_the_wall() {
-        let study = study();
-        let figure = environment(&Placement::of(&study, &study.environments[1])).unwrap();
+        let notes = drawn(&zwidth_testing::study()).footnotes;
         // 4 N/rad from −45° on: 4 · 71.6° = 5.00 N at the wall, 4 · 90° = 6.28 N at the upper stop.
-        assert!(
-            figure.footnotes[0].contains("at rest at −45°, 6.28 N at 45°"),
-            "{:?}",
-            figure.footnotes
-        );
-        assert!(figure.footnotes[1].contains("from 26.6° on (where the spring has 5 N)"));
+        assert!(notes[0].contains("at rest at −45°, 6.28 N at 45°"), "{notes:?}");
+        assert!(notes[1].contains("from 26.6° on (where the spring has 5 N)"), "{notes:?}");
     }
 
     #[test]
     fn a_slide_free_motion_and_a_device_without_stops_are_not_drawn() {
         let drawn = |change: fn(&mut Study)| {
-            let mut study = study();
+            let mut study = zwidth_testing::study();
             change(&mut study);
             environment(&Placement::of(&study, &study.environments[0])).is_some()
         };

@@ -12,17 +12,17 @@ use zwidth_draw::{Cell, Figure, Layer};
 use zwidth_dynamics::FingerLaw;
 
 /// The figure [`lever_model`].
-pub(crate) const LEVER_MODEL: FigureKind = FigureKind {
-    stem: "schematic.lever_model",
-    shows: "the model of the device: lever, object and finger",
-    drawn_from: "scene",
-};
+pub(crate) const LEVER_MODEL: FigureKind = FigureKind::new(
+    "schematic.lever_model",
+    "the model of the device: lever, object and finger",
+    "scene",
+);
 /// The figure [`lever_model_forces`].
-pub(crate) const LEVER_MODEL_FORCES: FigureKind = FigureKind {
-    stem: "schematic.lever_model_forces",
-    shows: "the forces on lever and finger of the model",
-    drawn_from: "scene",
-};
+pub(crate) const LEVER_MODEL_FORCES: FigureKind = FigureKind::new(
+    "schematic.lever_model_forces",
+    "the forces on lever and finger of the model",
+    "scene",
+);
 
 /// Corners of the drawings, mm.
 const WHOLE: [Point; 2] = [(-50.0, -3.5), (33.5, 37.0)];
@@ -71,39 +71,27 @@ impl LeverModel {
 
     /// Object, lever, finger and the user's force.
     pub(crate) fn layers(&self) -> Vec<Layer> {
-        let lever = &self.lever;
-        let mut layers = self.object();
+        let Self { lever, object, .. } = self;
+        // The object's spring and damper, about the axis.
+        let [outer, inner] =
+            [SPRING, DAMPER].map(|distance| lever.arc(distance, lever.theta_rad, self.high_rad));
+        let mut layers = vec![spring(&outer, object.pen)];
+        layers.extend(damper(&inner, object.pen));
+        layers.extend(ground(&lever.ray(GROUND, self.high_rad), style::mean(style::INK)));
+        for (distance, part) in [(SPRING, &object.stiffness), (DAMPER - 0.06, &object.damping)] {
+            let (x, y) = lever.at(distance, self.high_rad);
+            layers.push(right_of(part.lines(), (x + 3.2, y - 1.8)));
+        }
         layers.extend(lever.torque(TORQUE));
         layers.push(line([(0.0, 0.0), lever.at(ANGLE + 0.08, 0.0)], style::reference()));
         layers.extend(lever.angle(ANGLE));
         layers.push(left_of(self.length.lines(), lever.at(0.34, lever.theta_rad)));
         layers.extend(lever.bar());
-        layers.extend(self.end());
-        layers
-    }
-
-    /// The object's spring and damper, about the axis.
-    fn object(&self) -> Vec<Layer> {
-        let lever = &self.lever;
-        let Body { stiffness, damping, pen, .. } = &self.object;
-        let [outer, inner] =
-            [SPRING, DAMPER].map(|distance| lever.arc(distance, lever.theta_rad, self.high_rad));
-        let mut layers = vec![spring(&outer, *pen)];
-        layers.extend(damper(&inner, *pen));
-        layers.extend(ground(&lever.ray(GROUND, self.high_rad), style::mean(style::INK)));
-        for (distance, part) in [(SPRING, stiffness), (DAMPER - 0.06, damping)] {
-            let (x, y) = lever.at(distance, self.high_rad);
-            layers.push(right_of(part.lines(), (x + 3.2, y - 1.8)));
-        }
-        layers
-    }
-
-    /// The mass at the lever's end, and what pushes it.
-    fn end(&self) -> Vec<Layer> {
-        let (x, y) = self.lever.tip();
-        let mut layers = vec![disc((x, y), 8.0, style::GREY)];
-        layers.push(right_of(vec![self.object.mass.line()], (x + 0.8, y + 1.8)));
-        let along = across(&self.lever, -1.0);
+        // The mass at the lever's end, and what pushes it.
+        let (x, y) = lever.tip();
+        layers.push(disc((x, y), 8.0, style::GREY));
+        layers.push(right_of(vec![object.mass.line()], (x + 0.8, y + 1.8)));
+        let along = across(lever, -1.0);
         match &self.finger {
             Some(finger) => layers.extend(finger_layers(finger, &along)),
             None => layers.extend(pushed(&along, 2.0)),

@@ -4,7 +4,7 @@
 use crate::words::plain;
 use zwidth_draw::style::{self, Colour, Stroke};
 use zwidth_draw::{Figure, LegendPlace, ONE_COLUMN_MM, Panel};
-use zwidth_dynamics::{Demand, DynamicsError, ModelScene, System, Term};
+use zwidth_dynamics::{Demand, DynamicsError, Finger, ModelScene, System, Term};
 use zwidth_tables::{number, with_unit};
 
 /// A scene of the model, and how a figure of the study runs it.
@@ -18,10 +18,6 @@ pub struct Modelled {
     pub(crate) solver: String,
 }
 
-/// Pen of the rendered object: spring and damper.
-pub(crate) const OBJECT: Stroke = style::mean(style::BRAKE);
-/// Pen of the finger.
-pub(crate) const FINGER: Stroke = style::mean(style::FINGER);
 /// Pen of what is acted with.
 pub(crate) const FORCE: Stroke = style::mean(style::INK);
 /// Edge of a mass.
@@ -35,12 +31,7 @@ pub(crate) struct Part {
 }
 
 impl Part {
-    /// A symbol alone.
-    pub(crate) fn named(symbol: &'static str) -> Self {
-        Self { symbol, number: None }
-    }
-
-    fn new(symbol: &'static str, value: Option<f64>, unit: &str) -> Self {
+    pub(crate) fn new(symbol: &'static str, value: Option<f64>, unit: &str) -> Self {
         let number = value.map(|value| with_unit(&number(value, None), unit));
         Self { symbol, number }
     }
@@ -69,16 +60,28 @@ pub(crate) struct Body {
 }
 
 impl Body {
-    /// The rendered object, by its symbols.
-    pub(crate) fn object() -> Self {
-        let [stiffness, damping, mass] = ["*K*_{O}", "*B*_{O}", "*M*_{O}"].map(Part::named);
-        Self { stiffness, damping, mass, pen: OBJECT }
+    /// The rendered object by its symbols, with what is known of stiffness, damping and mass.
+    pub(crate) fn object(
+        n_per_rad: Option<f64>,
+        ns_per_rad: Option<f64>,
+        mass_kg: Option<f64>,
+    ) -> Self {
+        Self {
+            stiffness: Part::new("*K*_{O}", n_per_rad, "N/rad"),
+            damping: Part::new("*B*_{O}", ns_per_rad, "N·s/rad"),
+            mass: Part::new("*M*_{O}", mass_kg.map(|kg| kg * 1e3), "g"),
+            pen: style::mean(style::BRAKE),
+        }
     }
 
-    /// The finger, by its symbols.
-    pub(crate) fn finger() -> Self {
-        let [stiffness, damping, mass] = ["*K*_{F}", "*B*_{F}", "*M*_{F}"].map(Part::named);
-        Self { stiffness, damping, mass, pen: FINGER }
+    /// The finger likewise.
+    pub(crate) fn finger(finger: Option<Finger>) -> Self {
+        Self {
+            stiffness: Part::new("*K*_{F}", finger.map(|f| f.stiffness_n_per_m), "N/m"),
+            damping: Part::new("*B*_{F}", finger.map(|f| f.damping_ns_per_m), "N·s/m"),
+            mass: Part::new("*M*_{F}", finger.map(|f| f.mass_kg * 1e3), "g"),
+            pen: style::mean(style::FINGER),
+        }
     }
 }
 
@@ -108,22 +111,13 @@ impl Modelled {
             }
             Demand::Full | Demand::FullUp => None,
         });
-        Body {
-            stiffness: Part::new("*K*_{O}", spring.map(|s| s.0), "N/rad"),
-            damping: Part::new("*B*_{O}", spring.map(|s| s.1), "N·s/rad"),
-            mass: Part::new("*M*_{O}", Some(self.scene.plant.mass_kg * 1e3), "g"),
-            ..Body::object()
-        }
+        let (stiffness, damping) = spring.unzip();
+        Body::object(stiffness, damping, Some(self.scene.plant.mass_kg))
     }
 
     /// The finger, where the scene has one.
     pub(crate) fn finger(&self) -> Option<Body> {
-        self.scene.finger.map(|finger| Body {
-            stiffness: Part::new("*K*_{F}", Some(finger.stiffness_n_per_m), "N/m"),
-            damping: Part::new("*B*_{F}", Some(finger.damping_ns_per_m), "N·s/m"),
-            mass: Part::new("*M*_{F}", Some(finger.mass_kg * 1e3), "g"),
-            ..Body::finger()
-        })
+        self.scene.finger.map(|finger| Body::finger(Some(finger)))
     }
 
     /// Length of the lever.

@@ -13,11 +13,11 @@ use zwidth_study::{Coordinate, Setup, Spring};
 use zwidth_tables::given;
 
 /// The figure [`translation`].
-pub(crate) const TRANSLATION: FigureKind = FigureKind {
-    stem: "schematic.translation",
-    shows: "the rendered object, its model, and the device",
-    drawn_from: "trial",
-};
+pub(crate) const TRANSLATION: FigureKind = FigureKind::new(
+    "schematic.translation",
+    "the rendered object, its model, and the device",
+    "trial",
+);
 
 /// Corners of the three drawings, mm: one height, and together as wide as the page has room for.
 const OBJECT: [Point; 2] = [(-19.0, -21.0), (24.5, 34.5)];
@@ -26,8 +26,9 @@ const DEVICE: [Point; 2] = [(-23.5, -21.0), (23.5, 34.5)];
 /// Length of the lever, mm; the model's, which has more around it, is longer.
 const LEVER_MM: f64 = 22.0;
 const MODEL_MM: f64 = 27.0;
-/// Turns of the torsion spring, and its inner and outer radius, mm.
+/// Turns of the torsion spring and pieces of each, and its inner and outer radius, mm.
 const TURNS: f64 = 2.25;
+const PIECES: f64 = 90.0;
 const COIL_MM: (f64, f64) = (2.0, 7.5);
 
 /// The study's first environment with a spring, as object, model and device; `None` without a lever
@@ -39,9 +40,9 @@ pub(crate) fn translation(setup: &Setup) -> Option<Figure> {
     let lever = Lever::between(LEVER_MM, stops[0], stops[1]);
     let model = LeverModel {
         lever: Lever { length_mm: MODEL_MM, ..lever },
-        length: Part::named("*L*"),
-        object: Body::object(),
-        finger: Some(Body::finger()),
+        length: Part::new("*L*", None, "m"),
+        object: Body::object(None, None, None),
+        finger: Some(Body::finger(None)),
         high_rad: stops[1],
     };
     let drawings = [
@@ -79,23 +80,17 @@ fn object(lever: &Lever, rendered: Spring) -> Vec<Layer> {
     let words = given(rendered.stiffness_n_per_rad, "N/rad", Coordinate::Rotational);
     let mut layers = ground(&Way::through([(-7.0, -9.5), (7.0, -9.5)]), style::mean(style::INK));
     layers.push(line([(0.0, -9.5), (0.0, -COIL_MM.1)], style::mean(style::BRAKE)));
-    layers.push(coil());
+    // A spiral about the axis that ends below it.
+    let pieces = (TURNS * PIECES) as usize;
+    let coil = (0..=pieces).map(|i| {
+        let share = i as f64 / pieces as f64;
+        let turned = std::f64::consts::TAU * (0.5 + TURNS * (share - 1.0));
+        polar((0.0, 0.0), COIL_MM.0 + share * (COIL_MM.1 - COIL_MM.0), turned)
+    });
+    layers.push(line(coil, style::mean(style::BRAKE)));
     layers.push(line([(0.0, 0.0), lever.tip()], beam));
     layers.extend(lever.rest(rendered.rest_rad));
     layers.extend(lever.push());
     layers.push(right_of(vec!["*K*_{O}".to_owned(), words], (COIL_MM.1 + 1.0, 0.0)));
     layers
-}
-
-/// A spiral about the axis that ends below it.
-fn coil() -> Layer {
-    /// Pieces of a turn.
-    const PIECES: f64 = 90.0;
-    let pieces = (TURNS * PIECES) as usize;
-    let points = (0..=pieces).map(|i| {
-        let share = i as f64 / pieces as f64;
-        let turned = std::f64::consts::TAU * (0.5 + TURNS * (share - 1.0));
-        polar((0.0, 0.0), COIL_MM.0 + share * (COIL_MM.1 - COIL_MM.0), turned)
-    });
-    line(points, style::mean(style::BRAKE))
 }

@@ -7,7 +7,7 @@ use crate::{Drive, ReplayError, WhyNot};
 use zwidth_dynamics::{Exact, Model, MoreauJean, Reference, RunVerdict, TickedLoop, Trajectory};
 use zwidth_numerics::series::{central_differences, interpolate_all};
 use zwidth_store::Trial;
-use zwidth_study::Study;
+use zwidth_study::{Study, worded};
 
 /// A cycle of fewer ticks than this may be one that is faster than half the ticks' rate.
 const TICKS_A_CYCLE: f64 = 4.0;
@@ -48,28 +48,17 @@ pub enum Origin {
     NeitherCould,
 }
 
-/// The answer in one word.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum SwingAnswer {
-    /// Nothing oscillates.
-    Calm,
-    /// The device's own.
-    Real,
-    /// The user's.
-    Forced,
-    /// It cannot be told.
-    CannotTell,
-}
-
-impl SwingAnswer {
-    /// The answer as tables word it.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::Calm => "no oscillation",
-            Self::Real => "real",
-            Self::Forced => "forced by the user",
-            Self::CannotTell => "cannot tell",
-        }
+worded! {
+    /// The answer in one word.
+    SwingAnswer {
+        /// Nothing oscillates.
+        Calm = "no oscillation",
+        /// The device's own.
+        Real = "real",
+        /// The user's.
+        Forced = "forced by the user",
+        /// It cannot be told.
+        CannotTell = "cannot tell",
     }
 }
 

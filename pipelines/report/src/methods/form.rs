@@ -22,13 +22,11 @@ impl MethodsForm {
 
     /// The text in this form.
     pub fn written(self, parts: &[MethodsPart]) -> String {
-        let blocks: Vec<String> = parts
-            .iter()
-            .flat_map(|part| {
-                let paragraphs = part.paragraphs.iter().map(|text| self.paragraph(text));
-                [self.heading(part.heading)].into_iter().chain(paragraphs).collect::<Vec<_>>()
-            })
-            .collect();
+        let mut blocks = Vec::new();
+        for part in parts {
+            blocks.push(self.heading(part.heading));
+            blocks.extend(part.paragraphs.iter().map(|text| self.paragraph(text)));
+        }
         blocks.join("\n\n") + "\n"
     }
 

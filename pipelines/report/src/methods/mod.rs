@@ -14,12 +14,12 @@ mod tests;
 pub use form::MethodsForm;
 pub use recorded::Recorded;
 
-use crate::people::{count, counted, counting, sources as origins};
+use crate::people::{amounts, sources as origins};
 use recorded::plain;
 use sources::Cited;
 use zwidth_study::{
-    ActuatorKind, Coordinate, Environment, Mode, ModeLaw, OrderScheme, ReplayModel, Scene, Spring,
-    Study, VelocityFilter,
+    ActuatorKind, Coordinate, Environment, Mode, ModeLaw, OrderScheme, ReplayModel, Scene, Study,
+    VelocityFilter,
 };
 use zwidth_tables::{given, in_coordinate};
 
@@ -33,6 +33,17 @@ pub struct MethodsPart {
 /// The methods of `study`, as computed by this program of that version.
 pub fn methods(study: &Study, recorded: &Recorded, version: &str) -> Vec<MethodsPart> {
     let mut cited = Cited::default();
+    // How the analysis differs from the deposited plan.
+    let plan = (!recorded.plan.is_empty()).then(|| {
+        let sentences = recorded.plan.join(" ");
+        format!("The analysis was planned in a file that lies beside the recordings. {sentences}")
+    });
+    let software = format!(
+        "All numbers, figures and tables were made from the raw files of the study '{}' by zwidth \
+         {version}, with intervals at {} %.",
+        study.id,
+        plain(100.0 * study.analysis.confidence)
+    );
     let parts = [
         ("Apparatus", apparatus(study, recorded)),
         ("Conditions", conditions(study)),
@@ -41,8 +52,8 @@ pub fn methods(study: &Study, recorded: &Recorded, version: &str) -> Vec<Methods
         ("Measures", measures(study, recorded, &mut cited)),
         ("Model", model(study, recorded, &mut cited)),
         ("Statistics", statistics::paragraphs(study, recorded, &mut cited)),
-        ("Plan", plan(recorded)),
-        ("Software", vec![software(study, version)]),
+        ("Plan", plan.into_iter().collect()),
+        ("Software", vec![software]),
     ];
     let mut parts: Vec<MethodsPart> = parts
         .into_iter()
@@ -117,7 +128,7 @@ fn apparatus(study: &Study, recorded: &Recorded) -> Vec<String> {
 
 fn conditions(study: &Study) -> Vec<String> {
     let environments: Vec<String> =
-        study.environments.iter().filter_map(|e| environment(study, e)).collect();
+        study.environments.iter().filter_map(|e| environment(e, study.coordinate)).collect();
     let modes: Vec<String> = study.modes.iter().filter_map(mode).collect();
     let mut sentences = Vec::new();
     if !environments.is_empty() {
@@ -136,29 +147,23 @@ fn conditions(study: &Study) -> Vec<String> {
     sentences
 }
 
-fn environment(study: &Study, environment: &Environment) -> Option<String> {
-    let axis = study.coordinate;
-    let rendered = match environment.scene {
-        Scene::None => return None,
-        Scene::Free => "no force".to_owned(),
-        Scene::Spring(spring) => spring_words(spring, axis),
-        Scene::Wall { wall_rad } => {
-            format!("no force up to a wall at {}", given(wall_rad, "rad", axis))
-        }
-        Scene::SpringWall { spring, wall_rad } => {
-            let wall = given(wall_rad, "rad", axis);
-            format!("{}, with a wall from {wall} on", spring_words(spring, axis))
-        }
+fn environment(environment: &Environment, axis: Coordinate) -> Option<String> {
+    let spring = environment.scene.spring().map(|spring| {
+        format!(
+            "a virtual spring of {} that rests at {}",
+            given(spring.stiffness_n_per_rad, "N/rad", axis),
+            given(spring.rest_rad, "rad", axis)
+        )
+    });
+    let wall = environment.scene.wall_rad().map(|wall_rad| given(wall_rad, "rad", axis));
+    let rendered = match (spring, wall) {
+        (Some(spring), Some(wall)) => format!("{spring}, with a wall from {wall} on"),
+        (Some(spring), None) => spring,
+        (None, Some(wall)) => format!("no force up to a wall at {wall}"),
+        (None, None) if environment.scene == Scene::None => return None,
+        (None, None) => "no force".to_owned(),
     };
     Some(format!("The environment '{}' rendered {rendered}.", environment.label))
-}
-
-fn spring_words(spring: Spring, axis: Coordinate) -> String {
-    format!(
-        "a virtual spring of {} that rests at {}",
-        given(spring.stiffness_n_per_rad, "N/rad", axis),
-        given(spring.rest_rad, "rad", axis)
-    )
 }
 
 fn mode(mode: &Mode) -> Option<String> {
@@ -189,26 +194,20 @@ fn procedure(study: &Study, recorded: &Recorded) -> Vec<String> {
         }
     )];
     if study.modes.len() > 1 {
-        sentences.push(
-            match design.order {
-                OrderScheme::Williams => {
-                    "The order of the modes was drawn from Williams squares, a row for each repeat; \
-                     blocks of one environment followed each other, counterbalanced."
-                }
-                OrderScheme::Constrained => {
-                    "The order of the modes was drawn at random, no mode more than twice in a row; \
-                     blocks of one environment followed each other, counterbalanced."
-                }
-            }
-            .to_owned(),
-        );
+        let drawn = match design.order {
+            OrderScheme::Williams => "from Williams squares, a row for each repeat",
+            OrderScheme::Constrained => "at random, no mode more than twice in a row",
+        };
+        sentences.push(format!(
+            "The order of the modes was drawn {drawn}; blocks of one environment followed each \
+             other, counterbalanced."
+        ));
     }
     if design.familiarisation > 0 {
-        sentences.push(format!(
-            "{} came first and {} not analysed.",
-            count(design.familiarisation as usize, "practice trial"),
-            if design.familiarisation == 1 { "was" } else { "were" }
-        ));
+        sentences.push(match design.familiarisation {
+            1 => "1 practice trial came first and was not analysed.".to_owned(),
+            n => format!("{n} practice trials came first and were not analysed."),
+        });
     }
     sentences.push(format!(
         "A trial took at most {} s, with at least {} s until the next.",
@@ -238,23 +237,16 @@ fn answered(study: &Study, recorded: &Recorded) -> Option<String> {
 }
 
 fn data(recorded: &Recorded) -> Vec<String> {
-    let one = "sweep of an actuator or sensor";
-    let several = "sweeps of an actuator or sensor";
-    let counts = [
-        (recorded.participants, count(recorded.participants, "participant")),
-        (recorded.sessions, count(recorded.sessions, "session")),
-        (recorded.trials, counting(recorded.trials)),
-        (recorded.sweeps, counted(recorded.sweeps, one, several)),
-    ];
-    let counted: Vec<String> =
-        counts.into_iter().filter(|(n, _)| *n > 0).map(|(_, words)| words).collect();
-    if counted.is_empty() {
+    let Recorded { participants, sessions, trials, sweeps, .. } = *recorded;
+    let counts = [participants, sessions, trials, sweeps];
+    let amounts = amounts(counts, "sweeps of an actuator or sensor");
+    if amounts.is_empty() {
         return Vec::new();
     }
     let origin = origins(&recorded.sources).map(|origins| {
         format!("{} {}", origins.mark.unwrap_or_default(), origins.text).trim().to_owned()
     });
-    let sentence = format!("The data comprise {}.", counted.join(", "));
+    let sentence = format!("The data comprise {}.", amounts.join(", "));
     let foreign = "[TODO: describe how they were taken; the program does not know it.]".to_owned();
     let foreign = recorded.is_foreign().then_some(foreign);
     let computed: Vec<&str> = recorded.made_by_import.iter().map(String::as_str).collect();
@@ -262,13 +254,8 @@ fn data(recorded: &Recorded) -> Vec<String> {
         let list = computed.join("; ");
         format!("Not recorded but computed when the recordings were imported: {list}.")
     });
-    vec![
-        [origin, Some(sentence), foreign, computed]
-            .into_iter()
-            .flatten()
-            .collect::<Vec<_>>()
-            .join(" "),
-    ]
+    let sentences = [origin, Some(sentence), foreign, computed].into_iter().flatten();
+    vec![sentences.collect::<Vec<_>>().join(" ")]
 }
 
 fn measures(study: &Study, recorded: &Recorded, cited: &mut Cited) -> Vec<String> {
@@ -354,20 +341,4 @@ fn model(study: &Study, recorded: &Recorded, cited: &mut Cited) -> Vec<String> {
         ));
     }
     sentences
-}
-
-/// How the analysis differs from the deposited plan.
-fn plan(recorded: &Recorded) -> Vec<String> {
-    let sentences = recorded.plan.join(" ");
-    let planned = "The analysis was planned in a file that lies beside the recordings.";
-    (!sentences.is_empty()).then(|| format!("{planned} {sentences}")).into_iter().collect()
-}
-
-fn software(study: &Study, version: &str) -> String {
-    format!(
-        "All numbers, figures and tables were made from the raw files of the study '{}' by zwidth \
-         {version}, with intervals at {} %.",
-        study.id,
-        plain(100.0 * study.analysis.confidence)
-    )
 }

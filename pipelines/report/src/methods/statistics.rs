@@ -2,7 +2,7 @@
 
 use super::recorded::{Recorded, plain};
 use super::sources::Cited;
-use zwidth_study::{Bound, EffectSize, Families, Study};
+use zwidth_study::{Bound, EffectSize, Families, Study, contrast_label};
 
 pub(super) fn paragraphs(study: &Study, recorded: &Recorded, cited: &mut Cited) -> Vec<String> {
     if recorded.compared.is_empty() {
@@ -41,12 +41,8 @@ pub(super) fn paragraphs(study: &Study, recorded: &Recorded, cited: &mut Cited) 
 }
 
 fn compared(study: &Study, recorded: &Recorded) -> String {
-    let contrasts = study.compare.contrasts.iter().map(|contrast| {
-        let [mode, against] = [&contrast.mode, &contrast.against]
-            .map(|id| study.mode(id).map_or_else(|| id.to_string(), |mode| mode.label.clone()));
-        format!("{mode} − {against}")
-    });
-    let contrasts: Vec<String> = contrasts.collect();
+    let contrasts = study.compare.contrasts.iter();
+    let contrasts: Vec<String> = contrasts.map(|own| contrast_label(&study.modes, own)).collect();
     let primary = study.compare.primary.to_string();
     let others = recorded.compared.iter().filter(|name| **name != primary);
     let others: Vec<&str> = others.map(|name| recorded.in_words(name)).collect();
@@ -131,15 +127,12 @@ fn claims(study: &Study, recorded: &Recorded, cited: &mut Cited) -> String {
         plain(100.0 * compare.level)
     );
     if !compare.bounds.is_empty() {
-        let bounds = compare.bounds.iter().map(|(metric, bound)| match bound {
-            Bound::Absolute(value) => {
-                format!("{} ({})", plain(*value), recorded.in_words(metric.as_str()))
-            }
-            Bound::Weber(share) => format!(
-                "{} % of the commanded value ({})",
-                plain(100.0 * share),
-                recorded.in_words(metric.as_str())
-            ),
+        let bounds = compare.bounds.iter().map(|(metric, bound)| {
+            let amount = match bound {
+                Bound::Absolute(value) => plain(*value),
+                Bound::Weber(share) => format!("{} % of the commanded value", plain(100.0 * share)),
+            };
+            format!("{amount} ({})", recorded.in_words(metric.as_str()))
         });
         text += &format!(
             " Equivalence was tested by two one-sided tests {} against the bounds {}.",

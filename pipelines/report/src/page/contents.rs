@@ -3,6 +3,7 @@
 
 use super::TURNED;
 use super::estimates::{DifferenceOf, MeanOf};
+use crate::Summary;
 use crate::compared::ComparedMetric;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -12,6 +13,23 @@ use zwidth_study::{
     SessionId, Setup, in_a_sentence,
 };
 use zwidth_tables::{Column, Measured, Values, shown_unit};
+
+/// What the page shows.
+#[derive(Debug, Clone, Copy)]
+pub struct Page<'a> {
+    /// The summary.
+    pub summary: &'a Summary,
+    /// What was planned.
+    pub planned: &'a Setup,
+    /// The study's id.
+    pub study: &'a str,
+    /// The trials, where there are any.
+    pub contents: Option<&'a Contents>,
+    /// The page's origin, if it is given.
+    pub origin: Option<&'a str>,
+    /// The version of the program.
+    pub version: &'a str,
+}
 
 /// A study, as the page's script knows it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -27,10 +45,10 @@ pub struct Contents {
     modes: Vec<Labelled>,
     metrics: Vec<MetricOf>,
     questions: Vec<QuestionOf>,
-    trials: Vec<TrialOf>,
+    pub(super) trials: Vec<TrialOf>,
     /// The trials whose model can be turned.
     #[serde(skip_serializing_if = "Option::is_none")]
-    turned: Option<TurnedOf>,
+    pub(super) turned: Option<TurnedOf>,
     /// How the differences were estimated.
     level: f64,
     alpha: f64,
@@ -40,7 +58,7 @@ pub struct Contents {
 
 /// Where the runs of the model over its parameters lie, and whose trials they are of.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-struct TurnedOf {
+pub(super) struct TurnedOf {
     data: &'static str,
     participant: String,
     session: String,
@@ -152,11 +170,8 @@ impl Contents {
             (sized(Size::BelowWhatIsFelt), "below what is felt"),
             (unknown, "of metrics of which it is not known what is felt"),
         ];
-        let parts: Vec<String> = parts
-            .iter()
-            .filter(|(count, _)| *count > 0)
-            .map(|(count, words)| format!("{count} {words}"))
-            .collect();
+        let parts = parts.iter().filter(|(count, _)| *count > 0);
+        let parts: Vec<String> = parts.map(|(count, words)| format!("{count} {words}")).collect();
         let sizes =
             if parts.is_empty() { String::new() } else { format!(": {}", parts.join(", ")) };
         let mut better = Vec::new();
@@ -175,22 +190,15 @@ impl Contents {
             true => String::new(),
             false => format!(" Better, and felt: {}.", better.join("; ")),
         };
+        let n = all().count();
+        let differing = shown().count();
         let is_tested = all().any(|difference| difference.verdict != Verdict::NotTested);
-        (all().count() > 0).then(|| {
-            if !is_tested {
-                return format!("None of {} comparisons of modes has a test.", all().count());
-            }
-            format!(
-                "Modes differ in {} of {} comparisons in all metrics{sizes}.{better}",
-                shown().count(),
-                all().count()
-            )
+        (n > 0).then(|| match is_tested {
+            false => format!("None of {n} comparisons of modes has a test."),
+            true => format!(
+                "Modes differ in {differing} of {n} comparisons in all metrics{sizes}.{better}"
+            ),
         })
-    }
-
-    /// Whether there are sliders.
-    pub(super) fn has_turned(&self) -> bool {
-        self.turned.is_some()
     }
 
     /// The facts about a study. `compared` names the metrics to show; `answers` are all of its
@@ -204,6 +212,15 @@ impl Contents {
         compared: &[ComparedMetric],
         answers: &[GivenAnswer],
     ) -> Self {
+        let environment = |environment: &zwidth_study::Environment| EnvironmentOf {
+            id: environment.id.to_string(),
+            label: environment.label.clone(),
+            wall_rad: environment.scene.wall_rad(),
+        };
+        let mode = |mode: &zwidth_study::Mode| Labelled {
+            id: mode.id.to_string(),
+            label: mode.label.clone(),
+        };
         let coordinate = planned.coordinate;
         let (angle_unit, angle_scale) = shown_unit("rad", coordinate);
         let columns: Vec<(&ComparedMetric, &Column)> = compared
@@ -217,8 +234,8 @@ impl Contents {
             angle_unit,
             angle_scale,
             force_unit: "N",
-            environments: planned.environments.iter().map(EnvironmentOf::of).collect(),
-            modes: planned.modes.iter().map(Labelled::of).collect(),
+            environments: planned.environments.iter().map(environment).collect(),
+            modes: planned.modes.iter().map(mode).collect(),
             metrics: columns
                 .iter()
                 .map(|(metric, _)| MetricOf::of(metric, planned, estimating))
@@ -232,48 +249,27 @@ impl Contents {
             single_file: false,
         }
     }
-
-    /// Every trial.
-    pub(super) fn trials(&self) -> &[TrialOf] {
-        &self.trials
-    }
-}
-
-impl EnvironmentOf {
-    fn of(environment: &zwidth_study::Environment) -> Self {
-        Self {
-            id: environment.id.to_string(),
-            label: environment.label.clone(),
-            wall_rad: environment.scene.wall_rad(),
-        }
-    }
-}
-
-impl Labelled {
-    fn of(mode: &zwidth_study::Mode) -> Self {
-        Self { id: mode.id.to_string(), label: mode.label.clone() }
-    }
 }
 
 impl MetricOf {
     fn of(metric: &ComparedMetric, planned: &Setup, estimating: &Estimating) -> Self {
-        let ComparedMetric { metric: Compared { unit: si, .. }, means, contrasts, redrawn, .. } =
-            metric;
+        let Compared { metric: id, unit: si, role, better, .. } = metric.metric;
         let (unit, scale) = shown_unit(si, planned.coordinate);
         let lever_m = planned.device.lever_m.unwrap_or(0.0);
         Self {
-            name: metric.metric.metric.to_string(),
+            name: id.to_string(),
             label: metric.words(planned.coordinate),
             unit: if unit == "1" { String::new() } else { unit },
             scale,
-            is_primary: metric.metric.role == Role::Primary,
-            is_of_plant: estimating.of_plant.iter().any(|id| id == metric.metric.metric.as_str()),
-            better: metric.metric.better.as_str(),
+            is_primary: *role == Role::Primary,
+            is_of_plant: estimating.of_plant.iter().any(|of_plant| of_plant == id.as_str()),
+            better: better.as_str(),
             noticed: estimating.perception.share_and_floor(si, lever_m),
-            means: means.iter().map(MeanOf::new).collect(),
-            differences: contrasts
+            means: metric.means.iter().map(MeanOf::new).collect(),
+            differences: metric
+                .contrasts
                 .iter()
-                .map(|row| DifferenceOf::new(row, metric.metric.better, redrawn))
+                .map(|row| DifferenceOf::new(row, *better, metric.redrawn))
                 .collect(),
         }
     }

@@ -9,7 +9,6 @@
 mod contents;
 mod course;
 mod estimates;
-mod given;
 mod own;
 mod parts;
 mod policy;
@@ -17,11 +16,10 @@ mod quality;
 mod single;
 mod turned;
 
-pub use contents::{Contents, Estimating};
+pub use contents::{Contents, Estimating, Page};
 pub use course::{Columns, Course, Event, condition_script};
-pub use given::Page;
 pub use single::single_file;
-pub use turned::{TURNED, Turn, TurnedError, turned_script};
+pub use turned::{TURNED, Turn, turned_script};
 
 use maud::{DOCTYPE, PreEscaped, html};
 use own::{SCRIPT, STYLE};

@@ -1,9 +1,9 @@
 //! The parts of the page, in their order.
 
-use super::given::Page;
+use super::contents::Page;
 use super::quality;
 use crate::people::{participants, sources};
-use crate::{Asked, Made, NO_MEAN, Summary, on_demand, what_it_is};
+use crate::{Asked, Made, NO_MEAN, Summary, groups, on_demand, what_it_is};
 use maud::{Markup, html};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -23,7 +23,7 @@ pub(super) fn all(page: &Page) -> Vec<Part> {
     let Page { summary, .. } = page;
     let asked = page.planned.questions.iter().any(zwidth_study::Question::is_rating);
     let trials = page.contents.is_some();
-    let turned = page.contents.is_some_and(super::Contents::has_turned);
+    let turned = page.contents.is_some_and(|contents| contents.turned.is_some());
     let part = |id, title, is_there: bool, body: fn(&Page) -> Markup| {
         is_there.then(|| Part { id, title, body: body(page) })
     };
@@ -34,15 +34,19 @@ pub(super) fn all(page: &Page) -> Vec<Part> {
     let parts = [
         part("verdicts", VERDICTS, differs && verdicts_of(summary).is_some(), verdicts),
         part("matrix", "How large is it?", !summary.matrix.rows.is_empty(), matrix),
-        part("dots", "Does everybody show it?", trials, dots),
+        part("dots", "Does everybody show it?", trials, |_| drawn_by_script("dot-plot")),
         part("practice", "Does it change with practice?", is_told(Asked::Practice), practice),
         part("answers", "What did people say?", said, answers),
-        part("findings", "What else the trials show", is_told(Asked::Else), findings),
+        part("findings", "What else the trials show", is_told(Asked::Else), |page| {
+            sentences(page.summary, Asked::Else)
+        }),
         part("trials", "Every trial", trials, trial_browser),
         part("model", "The model, turned by hand", turned, model),
         part("statements", "The thesis’ statements", !summary.statements.is_empty(), statements),
         part("quality", "Quality of the data", true, quality::body),
-        part("plan", crate::PLAN, !summary.plan.is_empty(), plan),
+        part("plan", crate::PLAN, !summary.plan.is_empty(), |page| {
+            html! { ul { @for sentence in &page.summary.plan { li { (sentence) } } } }
+        }),
         part("runs", crate::RUNS, !summary.runs.is_empty(), runs),
         part("figures", "Figures", !summary.figures.is_empty(), figures),
         part("tables", "Tables", !summary.tables.is_empty(), tables),
@@ -51,19 +55,16 @@ pub(super) fn all(page: &Page) -> Vec<Part> {
     parts.into_iter().flatten().collect()
 }
 
-/// Stays in sight where data are simulated.
-fn banner(summary: &Summary) -> Markup {
-    let mark = sources(&summary.sources).and_then(|told| told.mark);
-    html! { @if let Some(mark) = mark { p.synthetic role="note" { strong { "SYNTHETIC" } " " (mark) } } }
-}
-
 pub(super) fn header(page: &Page) -> Markup {
     let summary = page.summary;
-    let origins = sources(&summary.sources).map(|told| told.text).filter(|text| !text.is_empty());
+    let origins = sources(&summary.sources);
+    let mark = origins.as_ref().and_then(|origins| origins.mark);
+    let origins = origins.map(|origins| origins.text).filter(|text| !text.is_empty());
     html! {
         header #top {
             a.skip href="#main" { "Skip to the results" }
-            (banner(summary))
+            // Stays in sight where data are simulated.
+            @if let Some(mark) = mark { p.synthetic role="note" { strong { "SYNTHETIC" } " " (mark) } }
             h1 { (summary.title) }
             @if !summary.title.contains(page.study) { p.study { (page.study) } }
             @if let Some(answer) = summary.shown.iter().find(|made| made.question != Asked::Practice) { p.answer { (answer.caption) } }
@@ -93,14 +94,6 @@ fn verdicts(page: &Page) -> Markup {
 
 fn matrix(page: &Page) -> Markup {
     let matrix = &page.summary.matrix;
-    // A cell leads to its trials where there is a browser of them.
-    let link = |environment: &str, mode: &str, cell: &str| {
-        html! {
-            @if page.contents.is_some() {
-                a href="#trials" data-environment=(environment) data-mode=(mode) { (cell) }
-            } @else { (cell) }
-        }
-    };
     html! {
         div.scroll tabindex="0" role="region" aria-label="Table of the modes compared" {
             table.matrix {
@@ -120,7 +113,11 @@ fn matrix(page: &Page) -> Markup {
                             @for ((mode, label), cell) in matrix.modes.iter().zip(&row.cells) {
                                 td.number data-label=(label) {
                                     @match cell {
-                                        Some(cell) => (link(row.environment.as_str(), mode.as_str(), cell)),
+                                        // A cell leads to its trials where there is a browser of them.
+                                        Some(cell) if page.contents.is_some() => {
+                                            a href="#trials" data-environment=(row.environment) data-mode=(mode) { (cell) }
+                                        }
+                                        Some(cell) => (cell),
                                         None => (NO_MEAN),
                                     }
                                 }
@@ -159,23 +156,20 @@ fn sentences(summary: &Summary, question: Asked) -> Markup {
     }
 }
 
-fn findings(page: &Page) -> Markup {
-    sentences(page.summary, Asked::Else)
-}
-
-/// The figures of a kind, each with its caption.
-fn pictures<'a>(summary: &'a Summary, stem: &'a str) -> impl Iterator<Item = &'a Made> {
-    let is_one =
-        move |made: &&Made| made.path.rsplit('/').next().is_some_and(|name| name.starts_with(stem));
-    summary.figures.iter().filter(is_one)
+/// The first figure of each of these kinds, where there is one.
+fn pictures(summary: &Summary, stems: [&str; 2]) -> Markup {
+    let figures = &summary.figures;
+    html! {
+        @for stem in stems {
+            @if let Some(made) = figures.iter().find(|made| made.name().starts_with(stem)) { (picture(made)) }
+        }
+    }
 }
 
 fn practice(page: &Page) -> Markup {
     html! {
         (sentences(page.summary, Asked::Practice))
-        @for made in ["learning.", "sessions."].into_iter().filter_map(|stem| pictures(page.summary, stem).next()) {
-            (picture(made))
-        }
+        (pictures(page.summary, ["learning.", "sessions."]))
     }
 }
 
@@ -183,16 +177,19 @@ fn practice(page: &Page) -> Markup {
 fn picture(made: &Made) -> Markup {
     html! {
         figure {
-            a href=(with_extension(&made.path, "pdf")) {
-                img src=(with_extension(&made.path, "svg")) alt=(made.caption) loading="lazy";
-            }
+            (drawing(made))
             figcaption { (made.caption) ". " a href={ "#" (anchor(&made.path)) } { "All its forms" } }
         }
     }
 }
 
-fn plan(page: &Page) -> Markup {
-    html! { ul { @for sentence in &page.summary.plan { li { (sentence) } } } }
+/// A figure's drawing, which leads to the one for print.
+fn drawing(made: &Made) -> Markup {
+    html! {
+        a href=(with_extension(&made.path, "pdf")) {
+            img src=(with_extension(&made.path, "svg")) alt=(made.caption) loading="lazy";
+        }
+    }
 }
 
 fn runs(page: &Page) -> Markup {
@@ -223,61 +220,50 @@ fn statements(page: &Page) -> Markup {
     }
 }
 
-const NEEDS_SCRIPT: &str =
-    "This part needs JavaScript. Figures and tables below show the same data.";
+/// A place in which the page's script draws.
+fn drawn_by_script(id: &str) -> Markup {
+    html! {
+        div id=(id) {
+            noscript {
+                p { "This part needs JavaScript. Figures and tables below show the same data." }
+            }
+        }
+    }
+}
 
 fn trial_browser(_: &Page) -> Markup {
     html! {
         p { "Every sample as it was recorded. Drag over time to mark a span; the same span is marked on the loop." }
-        div #browser { noscript { p { (NEEDS_SCRIPT) } } }
+        (drawn_by_script("browser"))
     }
-}
-
-fn dots(_: &Page) -> Markup {
-    html! { div #dot-plot { noscript { p { (NEEDS_SCRIPT) } } } }
 }
 
 fn model(_: &Page) -> Markup {
     html! {
         p { "A typical trial of each mode (the one of median error by eye) and the model that was given the force of its user. Turn the plant's mass, damping and friction, and see the angle's error." }
-        div #model-plot { noscript { p { (NEEDS_SCRIPT) } } }
+        (drawn_by_script("model-plot"))
     }
 }
 
 fn answers(page: &Page) -> Markup {
     html! {
         (sentences(page.summary, Asked::Answers))
-        @for made in ["likert", "ratings"].into_iter().filter_map(|stem| pictures(page.summary, stem).next()) {
-            (picture(made))
-        }
+        (pictures(page.summary, ["likert", "ratings"]))
         @if page.contents.is_some() {
             h3 { "Answers beside a metric" }
-            div #answer-plot { noscript { p { (NEEDS_SCRIPT) } } }
+            (drawn_by_script("answer-plot"))
         }
     }
-}
-
-/// The groups of figures: kind and those of it, in their order.
-fn groups<'a>(figures: &[&'a Made]) -> Vec<(&'a str, Vec<&'a Made>)> {
-    let mut groups: Vec<(&str, Vec<&Made>)> = Vec::new();
-    for made in figures {
-        match groups.iter_mut().find(|(kind, _)| *kind == made.kind) {
-            Some((_, group)) => group.push(made),
-            None => groups.push((&made.kind, vec![made])),
-        }
-    }
-    groups
 }
 
 fn figures(page: &Page) -> Markup {
-    let trials = page.contents.iter().flat_map(|contents| contents.trials());
+    let trials = page.contents.iter().flat_map(|contents| &contents.trials);
     let codes: BTreeSet<&str> = trials.map(|trial| trial.participant.as_str()).collect();
     let mut of_all: Vec<&Made> = Vec::new();
     let mut people: BTreeMap<&str, Vec<&Made>> = BTreeMap::new();
     for made in &page.summary.figures {
         // One session's figure has its person in its name: `modes.P01.S01.spring`.
-        let name = made.path.rsplit('/').next().unwrap_or_default();
-        match name.split('.').nth(1).filter(|code| codes.contains(code)) {
+        match made.name().split('.').nth(1).filter(|code| codes.contains(code)) {
             Some(person) => people.entry(person).or_default().push(made),
             None => of_all.push(made),
         }
@@ -298,14 +284,12 @@ fn figures(page: &Page) -> Markup {
 fn grouped(all: &[&Made]) -> Markup {
     let open = all.len() <= MOST_OPEN;
     html! {
-        @for (kind, group) in groups(all) {
+        @for (kind, group) in groups(all.iter().copied(), |made| &made.kind) {
             details open[open] {
                 summary { (kind) " " span.count { (group.len()) } }
                 @for made in group {
                     figure id=(anchor(&made.path)) {
-                        a href=(with_extension(&made.path, "pdf")) {
-                            img src=(with_extension(&made.path, "svg")) alt=(made.caption) loading="lazy";
-                        }
+                        (drawing(made))
                         figcaption {
                             (made.caption) ". "
                             @for kind in ["svg", "pdf", "png", "parquet"] {

@@ -1,8 +1,7 @@
 //! What readers must know about the data before they trust them: what is missing, what is to be
 //! read with care, and in which order conditions came.
 
-use super::contents::TrialOf;
-use super::given::Page;
+use super::contents::{Page, TrialOf};
 use crate::{Remark, nothing};
 use maud::{Markup, html};
 use std::collections::BTreeMap;
@@ -39,50 +38,46 @@ fn remarks(remarks: &[Remark]) -> Markup {
 fn order(page: &Page) -> Markup {
     let Some(contents) = page.contents else { return html! {} };
     let mut sessions: BTreeMap<String, Vec<&TrialOf>> = BTreeMap::new();
-    for trial in contents.trials() {
+    for trial in &contents.trials {
         let who = format!("{} {}", trial.participant, trial.session);
         sessions.entry(who).or_default().push(trial);
     }
     sessions.values_mut().for_each(|trials| trials.sort_by_key(|trial| trial.trial));
     let n = sessions.len();
+    let planned = page.planned;
+    let environment =
+        |trial: &TrialOf| planned.environments.iter().position(|e| e.id == trial.environment);
+    let mode = |trial: &TrialOf| planned.modes.iter().position(|m| m.id == trial.mode);
     html! {
         h3 { "Order of conditions" }
         @if n > MOST_SESSIONS {
             p { "The orders of " (n) " sessions are in the table of metrics." }
         } @else {
             div.scroll tabindex="0" role="region" aria-label="Table of the order of conditions" {
-                table.order { tbody { @for (who, trials) in &sessions { (session(page, who, trials)) } } }
+                table.order { tbody { @for (who, trials) in &sessions { tr {
+                    th scope="row" { (who) }
+                    @for trial in trials {
+                        @let environment = environment(trial).unwrap_or(0);
+                        @let mode = mode(trial).unwrap_or(0);
+                        td class={ "mode-" (mode % MODE_COLOURS) } title={
+                            "trial " (trial.trial) ": " (trial.environment) " " (trial.mode) " " (trial.repeat)
+                        } { (environment + 1) (letter(mode)) }
+                    }
+                } } } }
             }
             p.caption {
                 "Trials that count, in the order of their numbers. For trials recorded with this program \
                  that is the order of recording; for imported ones it is the order of the files, \
                  unless the mapping file numbers them. Cells: "
-                @for (place, environment) in page.planned.environments.iter().enumerate() {
+                @for (place, environment) in planned.environments.iter().enumerate() {
                     (place + 1) " " (environment.label) ", "
                 }
                 "colour and letter: "
-                @for (place, mode) in page.planned.modes.iter().enumerate() {
+                @for (place, mode) in planned.modes.iter().enumerate() {
                     @if place > 0 { ", " }
                     span class={ "key mode-" (place % MODE_COLOURS) } { (letter(place)) " " (mode.label) }
                 }
                 "."
-            }
-        }
-    }
-}
-
-fn session(page: &Page, who: &str, trials: &[&TrialOf]) -> Markup {
-    let environment =
-        |trial: &TrialOf| page.planned.environments.iter().position(|e| e.id == trial.environment);
-    let mode = |trial: &TrialOf| page.planned.modes.iter().position(|m| m.id == trial.mode);
-    html! {
-        tr {
-            th scope="row" { (who) }
-            @for trial in trials {
-                @let (environment, mode) = (environment(trial).unwrap_or(0), mode(trial).unwrap_or(0));
-                td class={ "mode-" (mode % MODE_COLOURS) } title={
-                    "trial " (trial.trial) ": " (trial.environment) " " (trial.mode) " " (trial.repeat)
-                } { (environment + 1) (letter(mode)) }
             }
         }
     }

@@ -1,12 +1,12 @@
 //! The page as one file, with pictures and samples in it.
 
+use super::course::deflated;
 use super::policy::{Form, policy};
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
-use flate2::Compression;
-use flate2::write::DeflateEncoder;
+use libdeflater::{CompressionLvl, Compressor};
 use std::collections::{BTreeMap, BTreeSet};
-use std::io::{self, Write as _};
+use std::io;
 
 /// Where the page says that samples lie beside it, and what one file says instead.
 const BESIDE: [&str; 2] = ["\"single_file\":false", "\"single_file\":true"];
@@ -42,6 +42,7 @@ pub fn single_file(
     one += head;
     one += &policy(Form::OneFile);
     let mut figures: BTreeMap<&str, String> = BTreeMap::new();
+    let mut compressor = Compressor::new(CompressionLvl::default());
     let mut is_first = true;
     while let Some((before, rest)) = shown.split_once(SOURCE) {
         let (path, after) = rest.split_once('"').unwrap_or((rest, ""));
@@ -57,7 +58,7 @@ pub fn single_file(
             one += &format!("{SOURCE}data:image/svg+xml;base64,{picture}\"");
         } else {
             if !figures.contains_key(path) {
-                figures.insert(path, deflated(&read(path)?)?);
+                figures.insert(path, deflated(&read(path)?, &mut compressor)?);
             }
             one += &format!("{PACKED}{path}\"");
         }
@@ -82,28 +83,18 @@ pub fn single_file(
         data.split(KEY).skip(1).filter_map(|rest| rest.split('"').next()).collect();
     for key in keys {
         let script = read(&format!("report-data/{key}.js"))?;
-        let samples = samples(&String::from_utf8_lossy(&script), key)?;
+        // What the script calls with.
+        let script = String::from_utf8_lossy(&script);
+        let call = script.lines().next().unwrap_or_default();
+        let call = call.strip_prefix(&format!("zwidthData(\"{key}\", "));
+        let samples = call.and_then(|rest| rest.strip_suffix(");")).ok_or_else(|| {
+            io::Error::other(format!(
+                "report-data/{key}.js is not what `zwidth run` writes; run it again"
+            ))
+        })?;
         one += &format!(
             "<script type=\"text/plain\" class=\"trial-data\" data-key=\"{key}\">{samples}</script>"
         );
     }
     Ok(one + DATA + &data.replacen(BESIDE[0], BESIDE[1], 1))
-}
-
-fn deflated(bytes: &[u8]) -> io::Result<String> {
-    let mut encoder = DeflateEncoder::new(Vec::new(), Compression::best());
-    encoder.write_all(bytes)?;
-    Ok(STANDARD.encode(encoder.finish()?))
-}
-
-/// What a script of samples calls with.
-fn samples(script: &str, key: &str) -> io::Result<String> {
-    let call = script.lines().next().unwrap_or_default();
-    let given = call.strip_prefix(&format!("zwidthData(\"{key}\", "));
-    let given = given.and_then(|rest| rest.strip_suffix(");"));
-    given.map(str::to_owned).ok_or_else(|| {
-        io::Error::other(format!(
-            "report-data/{key}.js is not what `zwidth run` writes; run it again"
-        ))
-    })
 }

@@ -1,6 +1,6 @@
 use super::*;
 use crate::Summary;
-use crate::compared::tests::{difference, mean, metric};
+use crate::compared::tests::{difference, mean, metric, without_results};
 use crate::{ComparedMetric, Made, Matrix, MatrixRow, Remark, Told};
 use std::collections::BTreeMap;
 use zwidth_results::{
@@ -14,10 +14,6 @@ const HOSTILE: &str = "</script><script>alert('x')</script>\"'&\u{7}\\ {{}} <!--
 
 fn planned() -> Setup {
     Setup::of(&zwidth_testing::study())
-}
-
-fn made(path: &str, caption: &str) -> Made {
-    Made::new(path, caption)
 }
 
 fn summary() -> Summary {
@@ -39,11 +35,11 @@ fn summary() -> Summary {
             caption: "Mean ± standard deviation.".to_owned(),
         },
         shown: vec![
-            made("figures/modes.P01.png", "The modes differ."),
-            made("tables/metrics.md", "It was smooth."),
+            Made::new("figures/modes.P01.png", "The modes differ."),
+            Made::new("tables/metrics.md", "It was smooth."),
         ],
-        figures: vec![made("figures/modes.P01.png", "modes (P01)")],
-        tables: vec![made("tables/metrics.md", "Metrics")],
+        figures: vec![Made::new("figures/modes.P01.png", "modes (P01)")],
+        tables: vec![Made::new("tables/metrics.md", "Metrics")],
         left_out: vec![Remark { what: "trial 7".to_owned(), why: "excluded".to_owned() }],
         ..Summary::default()
     }
@@ -65,10 +61,6 @@ fn metrics() -> Measured {
     Measured::of(Table::new("metrics", "Metrics", columns).unwrap()).unwrap()
 }
 
-fn contents(planned: &Setup, title: &str) -> Contents {
-    with_answer(planned, title, 5.into())
-}
-
 fn with_answer(planned: &Setup, title: &str, answer: AnswerValue) -> Contents {
     let of = UnitOfAnalysis::TrialsOf("P01".parse().unwrap());
     let metric = metric("theta_max_rad", "rad", "largest angle", of);
@@ -81,13 +73,8 @@ fn with_answer(planned: &Setup, title: &str, answer: AnswerValue) -> Contents {
         difference_ci_high: high,
         ..difference(&metric, Verdict::Undecided)
     };
-    let compared = ComparedMetric {
-        metric: &metric,
-        is_primary_by_default: false,
-        means: &[active],
-        contrasts: &[contrast],
-        redrawn: &[],
-    };
+    let compared =
+        ComparedMetric { means: &[active], contrasts: &[contrast], ..without_results(&metric) };
     let estimating = Estimating {
         level: 0.95,
         alpha: 0.05,
@@ -112,7 +99,7 @@ fn with_answer(planned: &Setup, title: &str, answer: AnswerValue) -> Contents {
 
 fn page(summary: &Summary) -> String {
     let planned = planned();
-    let contents = contents(&planned, &summary.title);
+    let contents = with_answer(&planned, &summary.title, 5.into());
     written(&Page {
         summary,
         planned: &planned,

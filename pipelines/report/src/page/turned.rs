@@ -2,6 +2,7 @@
 
 use super::course::pack;
 use serde::Serialize;
+use std::io;
 use zwidth_results::PlantRun;
 use zwidth_study::ModeId;
 
@@ -34,37 +35,21 @@ struct Turned<'a> {
     theta_rad: String,
 }
 
-#[derive(Serialize)]
-struct Script<'a> {
-    turned: Vec<Turned<'a>>,
-}
-
 /// The script: one entry per mode for each environment's runs.
 ///
 /// # Errors
-/// Numbers that cannot be packed.
+/// None that the memory does not make.
 pub fn turned_script(
     environments: &[(&str, Vec<PlantRun>)],
     by_eye: Turn,
     fitted: Option<Turn>,
-) -> Result<String, TurnedError> {
+) -> io::Result<String> {
     let mut turned = Vec::new();
     for (environment, runs) in environments {
         turned.extend(of_environment(environment, runs, by_eye, fitted)?);
     }
-    let json = serde_json::to_string(&Script { turned })?;
-    Ok(format!("zwidthData({}, {json});\n", serde_json::to_string(TURNED)?))
-}
-
-/// What no script can be made of.
-#[derive(Debug, thiserror::Error)]
-pub enum TurnedError {
-    /// Numbers that cannot be packed.
-    #[error(transparent)]
-    Pack(#[from] std::io::Error),
-    /// What cannot be told as JSON.
-    #[error(transparent)]
-    Json(#[from] serde_json::Error),
+    let json = serde_json::to_string(&turned)?;
+    Ok(format!("zwidthData(\"{TURNED}\", {{\"turned\":{json}}});\n"))
 }
 
 fn of_environment<'a>(
@@ -72,13 +57,20 @@ fn of_environment<'a>(
     rows: &[PlantRun],
     by_eye: Turn,
     fitted: Option<Turn>,
-) -> Result<Vec<Turned<'a>>, TurnedError> {
+) -> io::Result<Vec<Turned<'a>>> {
     let mut turned = Vec::new();
     for of_trial in rows.chunk_by(|a, b| a.trial == b.trial) {
         let times = of_trial.iter().take_while(|row| row.mass_kg.is_none()).count();
         let (recorded, runs) = of_trial.split_at(times);
         let parameters = |row: &PlantRun| [row.mass_kg, row.damping_ns_per_rad, row.friction_n];
-        let values = [0, 1, 2].map(|k| distinct(runs.iter().filter_map(|row| parameters(row)[k])));
+        // Rising values, each once.
+        let values = [0, 1, 2].map(|k| {
+            let values = runs.iter().filter_map(|row| parameters(row)[k]);
+            let mut values: Vec<f64> = values.collect();
+            values.sort_by(f64::total_cmp);
+            values.dedup();
+            values
+        });
         let combinations = values.iter().map(Vec::len).product::<usize>();
         let mut errors = vec![f64::NAN; combinations];
         let mut angles = vec![f64::NAN; combinations * times];
@@ -86,7 +78,7 @@ fn of_environment<'a>(
             let Some(place) = place(&values, parameters(&run[0])) else { continue };
             errors[place] = run[0].rmse_rad.unwrap_or(f64::NAN);
             for (angle, row) in angles[place * times..].iter_mut().zip(run) {
-                *angle = grained(row.theta_rad);
+                *angle = (row.theta_rad / GRAIN_RAD).round() * GRAIN_RAD;
             }
         }
         let t_s: Vec<f64> = recorded.iter().map(|row| row.t_s).collect();
@@ -108,14 +100,6 @@ fn of_environment<'a>(
     Ok(turned)
 }
 
-/// Rising values, each once.
-fn distinct(values: impl Iterator<Item = f64>) -> Vec<f64> {
-    let mut values: Vec<f64> = values.collect();
-    values.sort_by(f64::total_cmp);
-    values.dedup();
-    values
-}
-
 /// Which combination these are, the last parameter fastest.
 fn place(values: &[Vec<f64>; 3], of: [Option<f64>; 3]) -> Option<usize> {
     let mut place = 0;
@@ -124,10 +108,6 @@ fn place(values: &[Vec<f64>; 3], of: [Option<f64>; 3]) -> Option<usize> {
         place = place * values.len() + values.iter().position(|v| v.total_cmp(&value).is_eq())?;
     }
     Some(place)
-}
-
-fn grained(theta_rad: f64) -> f64 {
-    (theta_rad / GRAIN_RAD).round() * GRAIN_RAD
 }
 
 #[cfg(test)]

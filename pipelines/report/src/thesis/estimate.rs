@@ -5,7 +5,6 @@ use crate::trials::{People, mean_of_one};
 use zwidth_numerics::moments::Moments;
 use zwidth_stats::welch::{self, Group};
 use zwidth_stats::{Tested, Unestimable, paired};
-use zwidth_study::ParticipantId;
 
 /// How far an estimate may be off.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,7 +37,8 @@ pub(crate) fn mean(people: &People, level: f64) -> Option<Estimated> {
     let groups: Vec<Group> = sessions.values().map(|values| group(values)).collect();
     let n = groups.iter().map(|group| group.n).sum();
     let value = mean_of_one(sessions);
-    Some(Estimated { value, spread: spread(welch::mean(&groups, level)), n, over: trials_of(who) })
+    let spread = spread(welch::mean(&groups, level));
+    Some(Estimated { value, spread, n, over: format!("trials of {who}") })
 }
 
 /// The mean of `a` less that of `b`, within each participant who has both ([`paired`]); of one
@@ -59,12 +59,7 @@ pub(crate) fn difference(a: &People, b: &People, level: f64) -> Option<Estimated
     let n = strata.iter().flatten().map(|group| group.n).sum();
     let spread = spread(welch::difference(&strata, level));
     // Without a session in common the value above is 0 / 0, and is not given out.
-    (!strata.is_empty()).then(|| Estimated { value, spread, n, over: trials_of(who) })
-}
-
-/// `trials of P01`.
-pub(crate) fn trials_of(who: &ParticipantId) -> String {
-    format!("trials of {who}")
+    (!strata.is_empty()).then(|| Estimated { value, spread, n, over: format!("trials of {who}") })
 }
 
 fn over_participants(values: Vec<f64>, level: f64) -> Estimated {

@@ -1,20 +1,21 @@
 //! What a study's tables say about a statement.
 
-use crate::answers::{median, scored};
+use crate::answers::{median, question_of, scored};
 use crate::columns::STIFFNESS;
-use crate::evidence::{Evidence, Verdict};
+use crate::evidence::{Derived, Stop, Verdict};
 use crate::gallery::Shown;
 use crate::thesis::estimate::{Estimated, difference, mean};
-use crate::thesis::forces;
-use crate::thesis::judged::{Derived, Judged, Stop, condition, counted, judged, people, trials};
-use crate::thesis::rule::{Bound, Case, From, Quantity, Rule, Statement, is_as_in_the_thesis};
+use crate::thesis::judged::{condition, judged, not_measured, people, trials, unjudged};
+use crate::thesis::rule::{
+    Bound, Case, From, Quantity, Rule, Statement, Test, is_as_in_the_thesis,
+};
 use crate::thesis::statements;
+use crate::trials::Trials;
 use std::collections::BTreeMap;
+use zwidth_results::JudgedStatement;
 use zwidth_stats::power::clopper_pearson;
 use zwidth_stats::superiority::{Repeats, superiority};
-use zwidth_study::{
-    AnswerValue, Coordinate, Environment, Mode, ModeLaw, ParticipantId, in_a_sentence,
-};
+use zwidth_study::{AnswerValue, Coordinate, Environment, ModeLaw, ParticipantId, in_a_sentence};
 use zwidth_tables::TableError;
 
 /// Above this share of pairs with the higher answer, and below one less it, a difference counts
@@ -27,69 +28,88 @@ pub(crate) fn judge(
     statement: &Statement,
     before: &BTreeMap<&str, Verdict>,
     derived: &Derived,
-) -> Result<Judged, TableError> {
-    match apply(statement, before, derived) {
-        Ok(judged) => Ok(judged),
-        Err(Stop::Table(error)) => Err(error),
-        Err(Stop::NotMeasured(why)) => Ok(Judged {
-            evidence: Evidence {
-                metric: String::new(),
-                value: None,
-                unit: String::new(),
-                remark: why,
-                verdict: Verdict::NotMeasured,
-            },
-            required: String::new(),
-            interval: None,
-            n: None,
-            over: String::new(),
-            shown: Shown::Statements,
+) -> Result<JudgedStatement, TableError> {
+    let judged = match statement.rule {
+        Rule::In(case, test) => judge_case(test, case, statement.printed, derived),
+        Rule::All(parts) => all_of(parts, before).map(|judged| JudgedStatement {
+            shown: Some(derived.gallery.file(&Shown::Statements)),
+            ..judged
         }),
-    }
+        Rule::Forces(judge) => judge(derived),
+        Rule::Untold(why) => not_measured(why),
+    };
+    let judged = match judged {
+        Ok(judged) => judged,
+        Err(Stop::Table(error)) => return Err(error),
+        Err(Stop::NotMeasured(why)) => JudgedStatement { remark: Some(why.into()), ..unjudged() },
+    };
+    Ok(JudgedStatement {
+        key: statement.key.to_owned(),
+        source: statement.source.to_owned(),
+        statement: statement.text.to_owned(),
+        ..judged
+    })
 }
 
-fn apply(
-    statement: &Statement,
-    before: &BTreeMap<&str, Verdict>,
+/// A test of one condition.
+fn judge_case(
+    test: Test,
+    case: Case,
+    printed: bool,
     derived: &Derived,
-) -> Result<Judged, Stop> {
-    match (statement.rule, statement.case) {
-        (Rule::All(parts), _) => all_of(parts, before),
-        (Rule::Untold(why), _) => Err(Stop::NotMeasured(why.to_owned())),
-        (Rule::Forces(force), _) => forces::judge(force, derived),
-        (_, None) => Err(Stop::NotMeasured("no mode and environment are named".to_owned())),
-        (rule, Some(case)) => judge_case(rule, case, statement.printed, derived),
-    }
-}
-
-/// A rule of one condition.
-fn judge_case(rule: Rule, case: Case, printed: bool, derived: &Derived) -> Result<Judged, Stop> {
+) -> Result<JudgedStatement, Stop> {
     let (environment, mode) = condition(derived.known, case)?;
     if printed && !is_as_in_the_thesis(environment, mode) {
         let why = "the number is of the thesis' own spring and voltages, and these are others";
-        return Err(Stop::NotMeasured(why.to_owned()));
+        return not_measured(why);
     }
-    match rule {
-        Rule::Mean(quantity, bound) => {
+    match test {
+        Test::Mean(quantity, bound) => {
             let estimated = mean(&people(derived, case, quantity)?, derived.level);
             in_range(quantity, estimated, bound, environment, derived)
         }
-        Rule::Difference(quantity, other, bound) => {
+        Test::Difference(quantity, other, bound) => {
             let own = people(derived, case, quantity)?;
             let less = people(derived, other, quantity)?;
             let estimated = difference(&own, &less, derived.level);
             let judged = in_range(quantity, estimated, bound, environment, derived)?;
-            let less = condition(derived.known, other)?;
-            Ok(less_another(judged, (environment, mode), less))
+            let (other_environment, other_mode) = condition(derived.known, other)?;
+            // By mode, or by environment where the mode is one.
+            let [own, less] = if mode.id == other_mode.id {
+                [&environment.label, &other_environment.label]
+            } else {
+                [&mode.label, &other_mode.label]
+            };
+            let pair = format!(", {} − {}", in_a_sentence(own), in_a_sentence(less));
+            Ok(JudgedStatement { metric: judged.metric.map(|words| words + &pair), ..judged })
         }
-        Rule::Every(words, column, word) => every(words, column, word, case, derived),
-        Rule::Never(quantity) => never(quantity, case, derived),
-        Rule::Some(quantity, above) => some(quantity, above, case, derived),
-        Rule::Superior(over) => superior(case, over, derived),
-        Rule::Median { favourable } => median_of(case, favourable, derived),
-        Rule::All(_) | Rule::Untold(_) | Rule::Forces(_) => {
-            Err(Stop::NotMeasured("it is of no single condition".to_owned()))
+        Test::Every(words, column, word) => {
+            let trials = trials(derived, case, From::Metrics)?;
+            let (some, all) = trials.count(column, word)?;
+            if all == 0 {
+                return not_measured(format!("no trial has a value: {words}"));
+            }
+            Ok(JudgedStatement {
+                verdict: Verdict::of(some == all),
+                ..counted(words, [some, all], "all trials", &trials, derived)
+            })
         }
+        Test::Never(quantity) => {
+            let trials = trials(derived, case, quantity.from)?;
+            let all = trials.floats(STIFFNESS)?.len();
+            if all == 0 {
+                return not_measured("no trial has a line of force on angle");
+            }
+            let some = trials.floats(quantity.column)?.len();
+            let words = format!("trials with a {}", quantity.words);
+            Ok(JudgedStatement {
+                verdict: Verdict::of(some == 0),
+                ..counted(&words, [some, all], "no trial", &trials, derived)
+            })
+        }
+        Test::Some(quantity, above) => some(quantity, above, case, derived),
+        Test::Superior(over) => superior(case, over, derived),
+        Test::Median { favourable } => median_of(case, favourable, derived),
     }
 }
 
@@ -100,91 +120,85 @@ fn in_range(
     bound: Bound,
     environment: &Environment,
     derived: &Derived,
-) -> Result<Judged, Stop> {
-    let estimated = estimated
-        .ok_or_else(|| Stop::NotMeasured(format!("no trial has a value: {}", quantity.words)))?;
+) -> Result<JudgedStatement, Stop> {
+    let Some(estimated) = estimated else {
+        return not_measured(format!("no trial has a value: {}", quantity.words));
+    };
     let coordinate = derived.known.study.coordinate;
     if quantity.unit == "rad" && coordinate != Coordinate::Rotational {
-        let why = "it is of an angle, and this study's are lengths";
-        return Err(Stop::NotMeasured(why.to_owned()));
+        return not_measured("it is of an angle, and this study's are lengths");
     }
-    let range = bound
-        .range(environment)
-        .ok_or_else(|| Stop::NotMeasured("the environment sets no bound".to_owned()))?;
+    let Some(range) = bound.range(environment) else {
+        return not_measured("the environment sets no bound");
+    };
     let shown = match quantity.from {
         From::Metrics => Shown::Modes(environment.id.clone()),
         From::Replays => Shown::Replays(environment.id.clone()),
     };
-    Ok(judged(quantity, &estimated, &range, coordinate, shown))
+    Ok(JudgedStatement {
+        shown: Some(derived.gallery.file(&shown)),
+        ..judged(quantity, &estimated, &range, coordinate)
+    })
 }
 
-/// The same, worded as a difference: by mode, or by environment where the mode is one.
-fn less_another(
-    judged: Judged,
-    (environment, mode): (&Environment, &Mode),
-    (other_environment, other_mode): (&Environment, &Mode),
-) -> Judged {
-    let [own, less] = if mode.id == other_mode.id {
-        [&environment.label, &other_environment.label]
-    } else {
-        [&mode.label, &other_mode.label]
-    };
-    let pair = format!("{} − {}", in_a_sentence(own), in_a_sentence(less));
-    let metric = format!("{}, {pair}", judged.evidence.metric);
-    Judged { evidence: Evidence { metric, ..judged.evidence }, ..judged }
-}
-
-fn every(
-    words: &str,
-    column: &str,
-    word: &str,
-    case: Case,
+/// Some of all trials.
+fn counted(
+    metric: &str,
+    [some, all]: [usize; 2],
+    required: &str,
+    trials: &Trials,
     derived: &Derived,
-) -> Result<Judged, Stop> {
-    let trials = trials(derived, case, From::Metrics)?;
-    let (some, all) = trials.count(column, word)?;
-    if all == 0 {
-        return Err(Stop::NotMeasured(format!("no trial has a value: {words}")));
+) -> JudgedStatement {
+    JudgedStatement {
+        metric: Some(metric.to_owned()),
+        value: Some(100.0 * some as f64 / all as f64),
+        unit: Some("%".to_owned()),
+        n: Some(all),
+        unit_of_analysis: Some(trials.whose()),
+        asked: Some(required.into()),
+        shown: Some(derived.gallery.file(&Shown::Metrics)),
+        remark: Some(format!("{some} of {all} trials").into()),
+        ..unjudged()
     }
-    counted(words, some, all, Verdict::of(some == all), "all trials", &trials)
-}
-
-fn never(quantity: Quantity, case: Case, derived: &Derived) -> Result<Judged, Stop> {
-    let trials = trials(derived, case, quantity.from)?;
-    let all = trials.floats(STIFFNESS)?.len();
-    if all == 0 {
-        return Err(Stop::NotMeasured("no trial has a line of force on angle".to_owned()));
-    }
-    let some = trials.floats(quantity.column)?.len();
-    let words = format!("trials with a {}", quantity.words);
-    counted(&words, some, all, Verdict::of(some == 0), "no trial", &trials)
 }
 
 /// Whether any trial has more. None among a few does not say that it never happens: that is
 /// undecided. With one participant the share has its exact interval (Clopper & Pearson 1934).
-fn some(quantity: Quantity, above: f64, case: Case, derived: &Derived) -> Result<Judged, Stop> {
+fn some(
+    quantity: Quantity,
+    above: f64,
+    case: Case,
+    derived: &Derived,
+) -> Result<JudgedStatement, Stop> {
     let trials = trials(derived, case, quantity.from)?;
     let people = trials.people(quantity.column, quantity.less)?;
     let values: Vec<f64> = people.values().flat_map(BTreeMap::values).flatten().copied().collect();
     let some = values.iter().filter(|value| **value > above).count();
     let all = values.len();
     if all == 0 {
-        return Err(Stop::NotMeasured(format!("no trial has a value: {}", quantity.words)));
+        return not_measured(format!("no trial has a value: {}", quantity.words));
     }
-    let verdict = if some > 0 { Verdict::Supported } else { Verdict::Undecided };
-    let judged = counted(quantity.words, some, all, verdict, "at least one trial", &trials)?;
+    let judged = counted(quantity.words, [some, all], "at least one trial", &trials, derived);
     // The interval supposes independent trials, which those of several people are not.
     let share = clopper_pearson(some, all, derived.level).ok().filter(|_| people.len() == 1);
     let shown = match quantity.from {
         From::Metrics => judged.shown,
-        From::Replays => Shown::Replays(condition(derived.known, case)?.0.id.clone()),
+        From::Replays => {
+            let (environment, _) = condition(derived.known, case)?;
+            Some(derived.gallery.file(&Shown::Replays(environment.id.clone())))
+        }
     };
-    let interval = share.map(|(low, high)| [100.0 * low, 100.0 * high]);
-    Ok(Judged { interval, shown, ..judged })
+    Ok(JudgedStatement {
+        verdict: if some > 0 { Verdict::Supported } else { Verdict::Undecided },
+        ci_low: share.map(|(low, _)| 100.0 * low),
+        ci_high: share.map(|(_, high)| 100.0 * high),
+        shown,
+        ..judged
+    })
 }
 
 /// P(A > B) + ½ P(A = B) of the answers in two modes.
-fn superior((law, place): Case, over: ModeLaw, derived: &Derived) -> Result<Judged, Stop> {
+fn superior((law, place): Case, over: ModeLaw, derived: &Derived) -> Result<JudgedStatement, Stop> {
     let (environment, a) = condition(derived.known, (law, place))?;
     let (_, b) = condition(derived.known, (over, place))?;
     let none = || Stop::NotMeasured("nobody answered in both modes".to_owned());
@@ -212,19 +226,19 @@ fn superior((law, place): Case, over: ModeLaw, derived: &Derived) -> Result<Judg
         Some(_) => "above 0.5: higher more often than lower",
         None => "above 0.56: a small effect (Vargha & Delaney 2000)",
     };
-    Ok(Judged {
-        evidence: Evidence {
-            metric: format!("{words}, {modes}"),
-            value: Some(superiority.probability),
-            unit: "1".to_owned(),
-            remark: format!("{pairs} pairs{why}"),
-            verdict: of_superiority(superiority.probability, interval),
-        },
-        required: required.to_owned(),
-        interval,
+    Ok(JudgedStatement {
+        verdict: of_superiority(superiority.probability, interval),
+        metric: Some(format!("{words}, {modes}")),
+        value: Some(superiority.probability),
+        ci_low: interval.map(|ends| ends[0]),
+        ci_high: interval.map(|ends| ends[1]),
+        unit: Some("1".to_owned()),
         n: Some(n),
-        over,
-        shown: Shown::Answers,
+        unit_of_analysis: Some(over),
+        asked: Some(required.into()),
+        shown: Some(derived.gallery.file(&Shown::Answers)),
+        remark: Some(format!("{pairs} pairs{why}").into()),
+        ..unjudged()
     })
 }
 
@@ -239,11 +253,14 @@ fn of_superiority(probability: f64, interval: Option<[f64; 2]>) -> Verdict {
 }
 
 /// The median answer against the middle of its scale.
-fn median_of(case: Case, favourable: bool, derived: &Derived) -> Result<Judged, Stop> {
+fn median_of(case: Case, favourable: bool, derived: &Derived) -> Result<JudgedStatement, Stop> {
     let (environment, mode) = condition(derived.known, case)?;
-    let none = || Stop::NotMeasured("nobody answered".to_owned());
-    let tally = derived.tally.ok_or_else(none)?;
-    let median = median(derived.known.study, tally, environment, mode).ok_or_else(none)?;
+    let question = question_of(derived.known.study, environment);
+    let median = derived
+        .tally
+        .zip(question)
+        .and_then(|(tally, question)| median(tally, environment, mode, question));
+    let Some(median) = median else { return not_measured("nobody answered") };
     let twice_the_middle = f64::from(median.scale.ends_together());
     // The two middle answers may lie on either side of the middle.
     let [low, high] = [median.low, median.high].map(|answer| 2.0 * answer.get() > twice_the_middle);
@@ -253,67 +270,58 @@ fn median_of(case: Case, favourable: bool, derived: &Derived) -> Result<Judged, 
         1 => "answers of one participant".to_owned(),
         people => format!("answers of {people} participants"),
     };
-    Ok(Judged {
-        evidence: Evidence {
-            metric: "median answer".to_owned(),
-            value: (median.low == median.high).then_some(median.low.get()),
-            unit: "1".to_owned(),
-            remark: format!("{}; no interval", median.words()),
-            verdict,
-        },
-        required: format!("{side} the middle of the scale"),
-        interval: None,
+    Ok(JudgedStatement {
+        verdict,
+        metric: Some("median answer".to_owned()),
+        value: (median.low == median.high).then_some(median.low.get()),
+        unit: Some("1".to_owned()),
         n: Some(median.answers),
-        over: people,
-        shown: Shown::Answers,
+        unit_of_analysis: Some(people),
+        asked: Some(format!("{side} the middle of the scale").into()),
+        shown: Some(derived.gallery.file(&Shown::Answers)),
+        remark: Some(format!("{}; no interval", median.words()).into()),
+        ..unjudged()
     })
 }
 
 /// Several statements together: one that is contradicted contradicts them, and else one that is
-/// open leaves them open.
-fn all_of(parts: &[&str], before: &BTreeMap<&str, Verdict>) -> Result<Judged, Stop> {
-    let verdicts =
-        parts.iter().map(|part| (*part, before.get(part).copied().unwrap_or(Verdict::NotMeasured)));
-    let verdicts: Vec<(&str, Verdict)> = verdicts.collect();
+/// open leaves them open. The remark has the decisive ones in their own words.
+fn all_of(parts: &[&str], before: &BTreeMap<&str, Verdict>) -> Result<JudgedStatement, Stop> {
+    let verdicts: Vec<Verdict> = parts
+        .iter()
+        .map(|part| before.get(part).copied().unwrap_or(Verdict::NotMeasured))
+        .collect();
     // The strongest objection first.
     let verdict = [Verdict::Contradicted, Verdict::NotMeasured, Verdict::Undecided]
         .into_iter()
-        .find(|objection| verdicts.iter().any(|(_, verdict)| verdict == objection))
+        .find(|objection| verdicts.contains(objection))
         .unwrap_or(Verdict::Supported);
-    let remark = rests_on(&verdicts, verdict);
-    if verdict == Verdict::NotMeasured {
-        return Err(Stop::NotMeasured(remark));
-    }
-    Ok(Judged {
-        evidence: Evidence {
-            metric: "the statements it rests on".to_owned(),
-            value: None,
-            unit: String::new(),
-            remark,
-            verdict,
-        },
-        required: "all of them supported".to_owned(),
-        interval: None,
-        n: None,
-        over: String::new(),
-        shown: Shown::Statements,
-    })
-}
-
-/// The statements of others that another one has its verdict from, in their own words.
-fn rests_on(parts: &[(&str, Verdict)], verdict: Verdict) -> String {
-    let all = parts.len();
-    if verdict == Verdict::Supported {
-        return format!("it rests on {all} other statements, all of them supported");
-    }
-    let decisive = parts.iter().filter(|(_, part)| *part == verdict).map(|(key, _)| {
+    let decisive = parts.iter().zip(&verdicts).filter(|(_, part)| **part == verdict);
+    let list = decisive.map(|(key, _)| {
         let statement = statements::ALL.iter().find(|statement| statement.key == *key);
         statement.map_or_else(|| (*key).to_owned(), |statement| format!("“{}”", statement.text))
     });
-    let list: Vec<String> = decisive.collect();
-    let word = verdict.as_str();
+    let list: Vec<String> = list.collect();
+    let all = parts.len();
     let some = list.len();
-    format!("it rests on {all} other statements, {some} of them {word}: {}", list.join(", "))
+    let word = verdict.as_str();
+    let remark = match verdict {
+        Verdict::Supported => format!("it rests on {all} other statements, all of them supported"),
+        _ => format!(
+            "it rests on {all} other statements, {some} of them {word}: {}",
+            list.join(", ")
+        ),
+    };
+    if verdict == Verdict::NotMeasured {
+        return not_measured(remark);
+    }
+    Ok(JudgedStatement {
+        verdict,
+        metric: Some("the statements it rests on".to_owned()),
+        asked: Some("all of them supported".into()),
+        remark: Some(remark.into()),
+        ..unjudged()
+    })
 }
 
 #[cfg(test)]
@@ -336,7 +344,7 @@ mod tests {
             &["a", "b"],
             &["a", "b"].into_iter().zip(verdicts).collect(),
         ) {
-            Ok(judged) => judged.evidence.verdict,
+            Ok(judged) => judged.verdict,
             Err(_) => Verdict::NotMeasured,
         };
         use Verdict::{Contradicted, NotMeasured, Supported, Undecided};

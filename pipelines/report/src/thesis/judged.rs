@@ -1,58 +1,35 @@
 //! A judged statement, and the basis of its verdict.
 
-use crate::actuation::with_law;
-use crate::evidence::{Evidence, Known, Verdict};
-use crate::gallery::{Gallery, Shown};
-use crate::thesis::estimate::{Estimated, Spread, trials_of};
-use crate::thesis::rule::{Case, From, Place, Quantity, Range};
+use crate::evidence::{Derived, Known, Place, Stop, Verdict, with_law};
+use crate::thesis::estimate::{Estimated, Spread};
+use crate::thesis::rule::{Case, From, Quantity, Range};
 use crate::trials::{People, Trials};
-use zwidth_results::{AnswerTally, GivenAnswer};
-use zwidth_study::{Basis, Coordinate, Environment, Mode, ModeLaw, in_a_sentence};
-use zwidth_tables::{Measured, TableError, number, shown_unit, with_unit};
+use zwidth_results::JudgedStatement;
+use zwidth_study::{Coordinate, Environment, Mode, ModeLaw, in_a_sentence};
+use zwidth_tables::{number, shown_unit, with_unit};
 
-/// The tables of a study by which the thesis' statements are judged.
-#[derive(Debug, Clone, Copy)]
-pub struct Derived<'a> {
-    /// The study, its calibration and its metrics.
-    pub known: Known<'a>,
-    /// Where the calibration comes from.
-    pub basis: Basis,
-    /// The replays that are used ([`crate::replayed`]), one row per trial.
-    pub replays: Option<&'a Measured>,
-    /// The answers as given, one row each.
-    pub answers: Option<&'a [GivenAnswer]>,
-    /// Their tally.
-    pub tally: Option<&'a [AnswerTally]>,
-    /// The figures that there are.
-    pub gallery: &'a Gallery,
-    /// Confidence level of intervals.
-    pub level: f64,
-}
-
-/// A statement as judged.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Judged {
-    pub(crate) evidence: Evidence,
-    /// The range or condition that the value must meet.
-    pub(crate) required: String,
-    pub(crate) interval: Option<[f64; 2]>,
-    pub(crate) n: Option<usize>,
-    /// The unit of analysis; empty where nothing was counted.
-    pub(crate) over: String,
-    pub(crate) shown: Shown,
-}
-
-/// Why a statement has no verdict from numbers.
-pub(crate) enum Stop {
-    /// Nothing that was measured tells, in words.
-    NotMeasured(String),
-    Table(TableError),
-}
-
-impl std::convert::From<TableError> for Stop {
-    fn from(error: TableError) -> Self {
-        Self::Table(error)
+/// A statement of which nothing is known yet.
+pub(crate) fn unjudged() -> JudgedStatement {
+    JudgedStatement {
+        key: String::new(),
+        source: String::new(),
+        statement: String::new(),
+        verdict: Verdict::NotMeasured,
+        metric: None,
+        value: None,
+        ci_low: None,
+        ci_high: None,
+        unit: None,
+        n: None,
+        unit_of_analysis: None,
+        asked: None,
+        shown: None,
+        remark: None,
     }
+}
+
+pub(crate) fn not_measured<T>(why: impl Into<String>) -> Result<T, Stop> {
+    Err(Stop::NotMeasured(why.into()))
 }
 
 /// The study's first mode of that law, and its first environment of that kind.
@@ -60,21 +37,18 @@ pub(crate) fn condition<'a>(
     known: Known<'a>,
     (law, place): Case,
 ) -> Result<(&'a Environment, &'a Mode), Stop> {
-    let environment = known.study.environments.iter().find(|e| place.fits(e));
-    let Some(environment) = environment else {
-        let kind = match place {
-            Place::Spring => "environment with a spring and without a wall",
-            Place::Wall => "environment with a wall",
-        };
-        return Err(Stop::NotMeasured(format!("the study has no {kind}")));
+    let Some(environment) = known.study.environments.iter().find(|e| place.fits(e)) else {
+        return not_measured(match place {
+            Place::Spring => "the study has no environment with a spring and without a wall",
+            Place::Wall => "the study has no environment with a wall",
+        });
     };
     let Some(mode) = with_law(known.study, law) else {
-        let kind = match law {
-            ModeLaw::Active => "mode with a motor alone",
-            ModeLaw::Passive => "mode with a brake alone",
-            ModeLaw::Hybrid => "mode in which a motor takes over from a brake",
-        };
-        return Err(Stop::NotMeasured(format!("the study has no {kind}")));
+        return not_measured(match law {
+            ModeLaw::Active => "the study has no mode with a motor alone",
+            ModeLaw::Passive => "the study has no mode with a brake alone",
+            ModeLaw::Hybrid => "the study has no mode in which a motor takes over from a brake",
+        });
     };
     Ok((environment, mode))
 }
@@ -108,30 +82,28 @@ pub(crate) fn judged(
     estimated: &Estimated,
     range: &Range,
     coordinate: Coordinate,
-    shown: Shown,
-) -> Judged {
+) -> JudgedStatement {
     let (unit, factor) = match quantity.unit {
         "1" => ("%".to_owned(), 100.0),
         unit => shown_unit(unit, coordinate),
     };
     let (interval, remark) = match &estimated.spread {
-        Spread::Interval(ends) => (Some(ends.map(|end| factor * end)), String::new()),
-        Spread::Equal => (None, "no interval: all values are alike".to_owned()),
-        Spread::Unknown(why) => (None, format!("no interval: {why}")),
+        Spread::Interval(ends) => (Some(ends.map(|end| factor * end)), None),
+        Spread::Equal => (None, Some("no interval: all values are alike".into())),
+        Spread::Unknown(why) => (None, Some(format!("no interval: {why}").into())),
     };
-    Judged {
-        evidence: Evidence {
-            metric: quantity.words.to_owned(),
-            value: Some(factor * estimated.value),
-            unit: unit.clone(),
-            remark,
-            verdict: range.judge(estimated.value, &estimated.spread),
-        },
-        required: requirement(range, &unit, factor),
-        interval,
+    JudgedStatement {
+        verdict: range.judge(estimated.value, &estimated.spread),
+        metric: Some(quantity.words.to_owned()),
+        value: Some(factor * estimated.value),
+        ci_low: interval.map(|ends| ends[0]),
+        ci_high: interval.map(|ends| ends[1]),
         n: Some(estimated.n),
-        over: estimated.over.clone(),
-        shown,
+        unit_of_analysis: Some(estimated.over.clone()),
+        asked: Some(requirement(range, &unit, factor).into()),
+        unit: Some(unit),
+        remark,
+        ..unjudged()
     }
 }
 
@@ -151,43 +123,13 @@ fn requirement(range: &Range, unit: &str, factor: f64) -> String {
     format!("{ends}: {}", range.why)
 }
 
-/// Some of all trials.
-pub(crate) fn counted(
-    metric: &str,
-    some: usize,
-    all: usize,
-    verdict: Verdict,
-    required: &str,
-    trials: &Trials,
-) -> Result<Judged, Stop> {
-    let people = trials.participants();
-    let over = match people.first() {
-        Some(who) if people.len() == 1 => trials_of(who),
-        _ => format!("trials of {} participants", people.len()),
-    };
-    Ok(Judged {
-        evidence: Evidence {
-            metric: metric.to_owned(),
-            value: Some(100.0 * some as f64 / all as f64),
-            unit: "%".to_owned(),
-            remark: format!("{some} of {all} trials"),
-            verdict,
-        },
-        required: required.to_owned(),
-        interval: None,
-        n: Some(all),
-        over,
-        shown: Shown::Metrics,
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn a_range_is_said_with_its_unit_and_why() {
-        let of = |low, high| requirement(&Range { low, high, why: "so".to_owned() }, "°", 1.0);
+        let of = |low, high| requirement(&Range { low, high, why: "so" }, "°", 1.0);
         assert_eq!(of(1.5, 20.0), "1.5 to 20°: so");
         assert!(of(2.5, f64::INFINITY).starts_with("above 2.5"));
         assert!(of(f64::NEG_INFINITY, 2.5).starts_with("below 2.5"));

@@ -18,14 +18,12 @@ mod told;
 
 pub(crate) use asked::statement_metrics;
 pub use asked::{replayed, replayed_columns};
-pub use judged::Derived;
 pub use told::{Told, told};
 
+use crate::evidence::{Derived, Verdict};
 use judge::judge;
-use judged::Judged;
-use rule::Statement;
 use std::collections::BTreeMap;
-use zwidth_results::{ClaimVerdict, JudgedStatement};
+use zwidth_results::JudgedStatement;
 use zwidth_tables::TableError;
 
 /// The thesis' statements, one row each, in the order of its text: verdict, value with interval,
@@ -40,13 +38,13 @@ use zwidth_tables::TableError;
 /// # Errors
 /// Metrics or replays that lack a column.
 pub fn statements(derived: &Derived) -> Result<Vec<JudgedStatement>, TableError> {
-    let mut verdicts: BTreeMap<&str, ClaimVerdict> = BTreeMap::new();
+    let mut verdicts: BTreeMap<&str, Verdict> = BTreeMap::new();
     let mut rows = Vec::new();
     // In the order of the list: a statement that rests on others stands after them.
     for statement in statements::ALL {
         let judged = judge(statement, &verdicts, derived)?;
-        verdicts.insert(statement.key, judged.evidence.verdict);
-        rows.push(row(statement, judged, derived));
+        verdicts.insert(statement.key, judged.verdict);
+        rows.push(judged);
     }
     Ok(rows)
 }
@@ -54,28 +52,3 @@ pub fn statements(derived: &Derived) -> Result<Vec<JudgedStatement>, TableError>
 /// The note below the table of statements.
 pub const HOW_JUDGED: &str = "A statement is supported if the whole interval lies within what is asked, contradicted if no part of it \
      does, and undecided otherwise. Intervals are not adjusted for the number of statements.";
-
-fn row(statement: &Statement, judged: Judged, derived: &Derived) -> JudgedStatement {
-    let Judged { evidence, required, interval, n, over, shown } = judged;
-    let is_measured = evidence.verdict != ClaimVerdict::NotMeasured;
-    JudgedStatement {
-        key: statement.key.to_owned(),
-        source: statement.source.to_owned(),
-        statement: statement.text.to_owned(),
-        verdict: evidence.verdict,
-        metric: non_empty(evidence.metric),
-        value: evidence.value,
-        ci_low: interval.map(|ends| ends[0]),
-        ci_high: interval.map(|ends| ends[1]),
-        unit: non_empty(evidence.unit),
-        n,
-        unit_of_analysis: non_empty(over),
-        asked: non_empty(required).map(Into::into),
-        shown: is_measured.then(|| derived.gallery.file(&shown)),
-        remark: non_empty(evidence.remark).map(Into::into),
-    }
-}
-
-fn non_empty(text: String) -> Option<String> {
-    (!text.is_empty()).then_some(text)
-}

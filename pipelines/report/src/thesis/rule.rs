@@ -1,17 +1,9 @@
 //! What a statement says about numbers, as data.
 
-use crate::evidence::{Verdict, a_spring, a_wall};
+use crate::evidence::{Derived, Place, Stop, Verdict};
 use crate::thesis::estimate::Spread;
+use zwidth_results::JudgedStatement;
 use zwidth_study::{ActuatorKind, Environment, Mode, ModeLaw};
-
-/// Which environment a statement is of.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Place {
-    /// A spring without a wall.
-    Spring,
-    /// With a wall.
-    Wall,
-}
 
 /// Modes are found by their law, environments by what they are.
 pub(crate) type Case = (ModeLaw, Place);
@@ -48,7 +40,7 @@ impl Quantity {
 pub(crate) struct Range {
     pub(crate) low: f64,
     pub(crate) high: f64,
-    pub(crate) why: String,
+    pub(crate) why: &'static str,
 }
 
 /// A range, before it is known which environment it is of.
@@ -61,9 +53,9 @@ pub(crate) enum Bound {
     ForceAtWall,
 }
 
-/// What must hold.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Rule {
+/// What must hold of the trials or answers of one condition.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Test {
     /// The mean lies in the range.
     Mean(Quantity, Bound),
     /// The mean of the statement's own case less that of another one lies in the range.
@@ -78,10 +70,17 @@ pub(crate) enum Rule {
     Superior(ModeLaw),
     /// The median answer is above the middle of its scale, or not.
     Median { favourable: bool },
-    /// Other statements hold, all of them.
+}
+
+/// What a statement rests on.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Rule {
+    /// What was recorded in one condition.
+    In(Case, Test),
+    /// Other statements, all of which hold.
     All(&'static [&'static str]),
-    /// What is not a rule of trials.
-    Forces(Force),
+    /// What the calibration or the masses tell.
+    Forces(fn(&Derived) -> Result<JudgedStatement, Stop>),
     /// Nothing that is recorded tells.
     Untold(&'static str),
 }
@@ -90,39 +89,26 @@ impl Rule {
     /// The quantity that it needs of trials, if it needs one.
     pub(crate) fn quantity(&self) -> Option<Quantity> {
         match self {
-            Self::Mean(quantity, _)
-            | Self::Difference(quantity, ..)
-            | Self::Never(quantity)
-            | Self::Some(quantity, _) => Some(*quantity),
+            Self::In(
+                _,
+                Test::Mean(quantity, _)
+                | Test::Difference(quantity, ..)
+                | Test::Never(quantity)
+                | Test::Some(quantity, _),
+            ) => Some(*quantity),
             _ => None,
         }
     }
 }
 
-/// What the calibration or the masses tell.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Force {
-    /// The motor's at its highest voltage is that of the thesis.
-    OfMotor,
-    /// The motor's at its rated voltage is below the brake's.
-    BelowBrake,
-    /// The motor's at its rated voltage is below what people put on a wall that held.
-    BelowWall,
-    /// What people put on the wall stays below the brake's.
-    WallBelowBrake,
-    /// Brake and a motor of the size that is used are lighter than the motor.
-    Weight,
-}
-
 /// A statement of the thesis.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy)]
 pub(crate) struct Statement {
     /// Its word, by which others refer to it.
     pub(crate) key: &'static str,
     /// Where the thesis has it.
     pub(crate) source: &'static str,
     pub(crate) text: &'static str,
-    pub(crate) case: Option<Case>,
     pub(crate) rule: Rule,
     /// Whether its number speaks of the thesis' own spring and voltages alone.
     pub(crate) printed: bool,
@@ -140,28 +126,20 @@ const THESIS_SPRING: (f64, f64) = (4.0, -core::f64::consts::FRAC_PI_4);
 /// Numbers of a study.toml are the thesis' up to this share: degrees become radians.
 const SAME: f64 = 1e-6;
 
-impl Place {
-    pub(crate) fn fits(self, environment: &Environment) -> bool {
-        match self {
-            Self::Spring => a_spring(environment),
-            Self::Wall => a_wall(environment),
-        }
-    }
-}
-
 impl Bound {
     /// The range in this environment; `None` where it has no spring or wall to set it.
     pub(crate) fn range(self, environment: &Environment) -> Option<Range> {
         let scene = &environment.scene;
         match self {
-            Self::Given(low, high, why) => Some(Range { low, high, why: why.to_owned() }),
+            Self::Given(low, high, why) => Some(Range { low, high, why }),
             Self::Compliance => {
                 let commanded = scene.spring()?.stiffness_n_per_rad;
                 // c times the compliance is the stiffness over c, so that the larger c comes first.
-                let ends = [1.0 + COMPLIANCE_JND, 1.0 - COMPLIANCE_JND].map(|c| commanded / c);
+                let [low, high] =
+                    [1.0 + COMPLIANCE_JND, 1.0 - COMPLIANCE_JND].map(|c| commanded / c);
                 let why = "compliance within 8 % of that asked for, the just noticeable \
                            difference (Tan 1992)";
-                Some(Range { low: ends[0], high: ends[1], why: why.to_owned() })
+                Some(Range { low, high, why })
             }
             Self::ForceAtWall => {
                 let spring = scene.spring()?;
@@ -169,9 +147,7 @@ impl Bound {
                     spring.stiffness_n_per_rad * (scene.wall_rad()? - spring.rest_rad).abs();
                 let why = "7 % of the spring's force at the wall, the just noticeable difference \
                            (Pang 1991)";
-                let low = FORCE_JND * force_n;
-                let high = f64::INFINITY;
-                Some(Range { low, high, why: why.to_owned() })
+                Some(Range { low: FORCE_JND * force_n, high: f64::INFINITY, why })
             }
         }
     }
@@ -229,7 +205,7 @@ mod tests {
 
     #[test]
     fn an_interval_decides_only_where_it_lies_inside_or_outside() {
-        let range = Range { low: 1.0, high: 2.0, why: String::new() };
+        let range = Range { low: 1.0, high: 2.0, why: "" };
         let of = |low, high| range.judge((low + high) / 2.0, &Spread::Interval([low, high]));
         assert_eq!(of(1.1, 1.9), Verdict::Supported);
         assert_eq!(of(2.1, 3.0), Verdict::Contradicted);

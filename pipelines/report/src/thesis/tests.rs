@@ -1,8 +1,8 @@
 //! The statements judged by hand-made studies.
 
-use super::{Derived, replayed_columns, statements, told};
+use super::{replayed_columns, statements, told};
 use crate::columns::metric_columns;
-use crate::evidence::{Known, notes};
+use crate::evidence::{Derived, Known, notes};
 use crate::gallery::Gallery;
 use std::borrow::Cow;
 use std::collections::BTreeSet;
@@ -109,17 +109,9 @@ fn of<'a>(statements: &'a [JudgedStatement], key: &str) -> &'a JudgedStatement {
     statements.iter().find(|statement| statement.key == key).unwrap()
 }
 
-/// What it says in one of its texts.
-fn cell(statements: &[JudgedStatement], key: &str, text: &str) -> String {
-    let of = of(statements, key);
-    let text = match text {
-        "metric" => &of.metric,
-        "unit" => &of.unit,
-        "unit_of_analysis" => &of.unit_of_analysis,
-        "shown" => &of.shown,
-        _ => &of.remark.as_ref().map(ToString::to_string),
-    };
-    text.clone().unwrap_or_default()
+/// What is to be said of it.
+fn remark(statements: &[JudgedStatement], key: &str) -> String {
+    of(statements, key).remark.as_ref().map(ToString::to_string).unwrap_or_default()
 }
 
 fn verdict(statements: &[JudgedStatement], key: &str) -> &'static str {
@@ -144,12 +136,13 @@ fn a_number_within_its_range_supports_and_one_outside_contradicts() {
     let table = judged(&study(), Some(&metrics), None);
     assert_eq!(verdict(&table, "passive_stops"), "supported");
     assert_eq!(verdict(&table, "hybrid_turns"), "contradicted");
-    assert_eq!(cell(&table, "passive_stops", "unit_of_analysis"), "trials of P01");
-    assert_eq!(cell(&table, "passive_stops", "unit"), "°");
-    assert_eq!(cell(&table, "passive_stops", "shown"), "figures/modes.P01.S01.spring.png");
-    let value = of(&table, "passive_stops").value.unwrap();
+    let stops = of(&table, "passive_stops");
+    assert_eq!(stops.unit_of_analysis.as_deref(), Some("trials of P01"));
+    assert_eq!(stops.unit.as_deref(), Some("°"));
+    assert_eq!(stops.shown.as_deref(), Some("figures/modes.P01.S01.spring.png"));
+    let value = stops.value.unwrap();
     assert!((value - 40.0).abs() < 1e-9, "{value}");
-    assert_eq!(of(&table, "passive_stops").n, Some(3));
+    assert_eq!(stops.n, Some(3));
 }
 
 #[test]
@@ -159,20 +152,20 @@ fn an_interval_that_reaches_over_the_edge_leaves_it_undecided() {
     let one = of_angles(&angles("passive", [40.0; 3])[..1]);
     let table = judged(&study(), Some(&one), None);
     assert_eq!(verdict(&table, "passive_stops"), "undecided");
-    assert!(cell(&table, "passive_stops", "remark").contains("no interval"));
+    assert!(remark(&table, "passive_stops").contains("no interval"));
 }
 
 #[test]
 fn what_a_study_does_not_hold_is_not_measured_and_it_is_said_why() {
     let table = judged(&study(), Some(&of_angles(&angles("passive", [40.0; 3]))), None);
     assert_eq!(verdict(&table, "hybrid_turns"), "not measured");
-    assert_eq!(cell(&table, "hybrid_turns", "remark"), "there is no trial of hybrid, spring");
-    assert!(cell(&table, "passive_renders", "remark").starts_with("no trial has a value"));
+    assert_eq!(remark(&table, "hybrid_turns"), "there is no trial of hybrid, spring");
+    assert!(remark(&table, "passive_renders").starts_with("no trial has a value"));
     assert_eq!(verdict(&table, "active_above_hybrid"), "not measured");
     let mut foreign = study();
     foreign.modes.retain(|mode| mode.id.as_str() == "hybrid");
     let table = judged(&foreign, None, None);
-    let remark = cell(&table, "passive_stops", "remark");
+    let remark = remark(&table, "passive_stops");
     assert_eq!(remark, "the study has no mode with a brake alone");
 }
 
@@ -195,11 +188,11 @@ fn the_thesis_numbers_are_not_asked_of_another_spring_or_of_lengths() {
     let mut weak = study();
     weak.modes[1].brake_max_v = Some(5.0);
     let table = judged(&weak, Some(&metrics), None);
-    assert!(cell(&table, "passive_stops", "remark").contains("these are others"));
+    assert!(remark(&table, "passive_stops").contains("these are others"));
     let mut slide = study();
     slide.coordinate = Coordinate::Linear { lever_m: 1.0 };
     let table = judged(&slide, Some(&metrics), None);
-    assert!(cell(&table, "passive_stops", "remark").contains("lengths"));
+    assert!(remark(&table, "passive_stops").contains("lengths"));
 }
 
 /// Way back of 1.5 ± 0.1 s with the hybrid and of 1.2 ± 0.1 s with the motor, as in the thesis; the
@@ -216,13 +209,14 @@ fn modes_are_compared_within_each_participant_where_there_are_several() {
             [of("active", slow + 2.2), of("hybrid", 1.1 * slow + 2.5)]
         })
         .collect();
-    let of: Vec<Trial> = numbers.iter().map(|(w, m, v)| (*w, "spring", *m, &v[..])).collect();
-    let table = judged(&study(), Some(&trials(&of, "recorded")), None);
+    let all: Vec<Trial> = numbers.iter().map(|(w, m, v)| (*w, "spring", *m, &v[..])).collect();
+    let table = judged(&study(), Some(&trials(&all, "recorded")), None);
     assert_eq!(verdict(&table, "hybrid_slower_return"), "supported");
-    assert_eq!(cell(&table, "hybrid_slower_return", "unit_of_analysis"), "participants");
-    assert!(cell(&table, "hybrid_slower_return", "metric").ends_with("hybrid − active"));
+    let slower = of(&table, "hybrid_slower_return");
+    assert_eq!(slower.unit_of_analysis.as_deref(), Some("participants"));
+    assert!(slower.metric.as_ref().unwrap().ends_with("hybrid − active"));
     assert_eq!(verdict(&table, "hybrid_earlier_reversal"), "contradicted");
-    assert!(cell(&table, "hybrid_earlier_reversal", "remark").contains("alike"));
+    assert!(remark(&table, "hybrid_earlier_reversal").contains("alike"));
 }
 
 #[test]
@@ -232,7 +226,7 @@ fn a_brake_that_never_let_go_in_a_few_trials_leaves_sometimes_open() {
     let table = judged(&study(), Some(&trials(&six, "recorded")), None);
     for key in ["wall_lets_go", "brake_lets_go_again"] {
         assert_eq!(verdict(&table, key), "undecided");
-        assert_eq!(cell(&table, key, "remark"), "0 of 6 trials");
+        assert_eq!(remark(&table, key), "0 of 6 trials");
     }
     // R: binom.test(0, 6)$conf.int
     let high = of(&table, "wall_lets_go").ci_high.unwrap();
@@ -282,8 +276,9 @@ fn answers_of_one_person_are_ranked_without_an_interval_and_those_of_several_wit
     ]);
     let table = judged(&study(), None, Some(&one));
     assert_eq!(verdict(&table, "active_above_hybrid"), "supported");
-    assert_eq!(cell(&table, "active_above_hybrid", "unit_of_analysis"), "answers of P01");
-    assert!(cell(&table, "active_above_hybrid", "remark").starts_with("9 pairs, no interval"));
+    let above = of(&table, "active_above_hybrid");
+    assert_eq!(above.unit_of_analysis.as_deref(), Some("answers of P01"));
+    assert!(remark(&table, "active_above_hybrid").starts_with("9 pairs, no interval"));
     assert_eq!(verdict(&table, "hybrid_above_passive"), "contradicted");
     let several = answers(&[
         ("P01", "active", [5, 5, 4]),
@@ -295,7 +290,8 @@ fn answers_of_one_person_are_ranked_without_an_interval_and_those_of_several_wit
     ]);
     let table = judged(&study(), None, Some(&several));
     assert_eq!(verdict(&table, "active_above_hybrid"), "undecided");
-    assert_eq!(cell(&table, "active_above_hybrid", "unit_of_analysis"), "participants");
+    let above = of(&table, "active_above_hybrid");
+    assert_eq!(above.unit_of_analysis.as_deref(), Some("participants"));
 }
 
 #[test]

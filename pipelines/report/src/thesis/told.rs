@@ -1,5 +1,6 @@
 //! The table of the thesis' statements in sentences.
 
+use crate::people::capital;
 use serde::Serialize;
 use zwidth_results::{ClaimVerdict, JudgedStatement};
 use zwidth_tables::{number, with_unit};
@@ -31,8 +32,19 @@ impl Told {
 pub fn told(statements: &[JudgedStatement], notes: &[String]) -> (String, Vec<Told>) {
     let measured = statements.iter().filter(|row| row.verdict != ClaimVerdict::NotMeasured);
     let judged: Vec<Told> = measured.map(in_words).collect();
+    let count = |verdict: ClaimVerdict| -> usize {
+        statements.iter().filter(|row| row.verdict == verdict).count()
+    };
+    let counts = format!(
+        "Of {} statements, {} are supported, {} contradicted, {} undecided, and {} not measured.",
+        statements.len(),
+        count(ClaimVerdict::Supported),
+        count(ClaimVerdict::Contradicted),
+        count(ClaimVerdict::Undecided),
+        count(ClaimVerdict::NotMeasured)
+    );
     let notes = notes.iter().filter(|_| !judged.is_empty()).cloned();
-    let sentences: Vec<String> = [counts(statements)].into_iter().chain(notes).collect();
+    let sentences: Vec<String> = [counts].into_iter().chain(notes).collect();
     (sentences.join(" "), judged)
 }
 
@@ -47,10 +59,8 @@ fn in_words(judged: &JudgedStatement) -> Told {
     let interval = ends
         .map(|(low, high)| format!("interval {} to {}", number(low, error), number(high, error)));
     let counted = judged.n.map(|n| format!("n = {n} {units}"));
-    let details: Vec<String> = [interval, counted, judged.remark.as_ref().map(ToString::to_string)]
-        .into_iter()
-        .flatten()
-        .collect();
+    let remark = judged.remark.as_ref().map(ToString::to_string);
+    let details: Vec<String> = [interval, counted, remark].into_iter().flatten().collect();
     let details =
         if details.is_empty() { String::new() } else { format!(" ({})", details.join("; ")) };
     Told {
@@ -65,26 +75,4 @@ fn in_words(judged: &JudgedStatement) -> Told {
         ),
         path,
     }
-}
-
-/// `Of 58 statements 20 are supported, 5 contradicted, 3 undecided, and 30 not measured.`
-fn counts(statements: &[JudgedStatement]) -> String {
-    let [supported, contradicted, undecided, not_measured] = [
-        ClaimVerdict::Supported,
-        ClaimVerdict::Contradicted,
-        ClaimVerdict::Undecided,
-        ClaimVerdict::NotMeasured,
-    ]
-    .map(|verdict| statements.iter().filter(|row| row.verdict == verdict).count());
-    format!(
-        "Of {} statements, {supported} are supported, {contradicted} contradicted, {undecided} undecided, and \
-         {not_measured} not measured.",
-        statements.len(),
-    )
-}
-
-fn capital(text: &str) -> String {
-    let mut letters = text.chars();
-    let first = letters.next().map(|first| first.to_uppercase().to_string());
-    first.unwrap_or_default() + letters.as_str()
 }

@@ -2,22 +2,7 @@
 
 use super::search::{Ending, Found, Probe};
 use zwidth_dynamics::DriveMode;
-
-/// The stiffest wall of one damping.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Bound {
-    /// B, N s/m.
-    pub damping_ns_per_m: f64,
-    /// K, N/m: the middle of the interval; if it is censored, the value that was reached.
-    pub stiffness_n_per_m: f64,
-    /// The interval, N/m: from the stiffest wall that came to rest in every repeat to the softest
-    /// that swung in every one.
-    pub interval_n_per_m: [f64; 2],
-    /// Whether an actuator saturated, or the guard stopped it, in any repeat: at least so stiff.
-    pub is_censored: bool,
-    /// Repeats.
-    pub repeats: usize,
-}
+use zwidth_results::WallBound;
 
 /// What a mode renders after a push.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,18 +11,19 @@ pub struct Region {
     pub mode: DriveMode,
     /// The push, m.
     pub push_m: f64,
-    /// The boundary, damping rising.
-    pub bounds: Vec<Bound>,
+    /// The boundary, damping rising. A bound's stiffness is the middle of its interval; if it is
+    /// censored, the value that was reached.
+    pub bounds: Vec<WallBound>,
 }
 
 impl Region {
     /// K_max(0), N/m.
-    pub fn undamped(&self) -> Option<&Bound> {
+    pub fn undamped(&self) -> Option<&WallBound> {
         self.bounds.first().filter(|bound| bound.damping_ns_per_m <= 0.0)
     }
 
     /// The damping with the stiffest wall.
-    pub fn stiffest(&self) -> Option<&Bound> {
+    pub fn stiffest(&self) -> Option<&WallBound> {
         self.bounds.iter().max_by(|a, b| a.stiffness_n_per_m.total_cmp(&b.stiffness_n_per_m))
     }
 
@@ -48,11 +34,8 @@ impl Region {
 
     /// ∫ K_max dB over the dampings, by trapezia, with the ends of its interval, N² s/m².
     pub fn area(&self) -> [f64; 3] {
-        let stiffnesses: [fn(&Bound) -> f64; 3] = [
-            |bound| bound.stiffness_n_per_m,
-            |bound| bound.interval_n_per_m[0],
-            |bound| bound.interval_n_per_m[1],
-        ];
+        let stiffnesses: [fn(&WallBound) -> f64; 3] =
+            [|bound| bound.stiffness_n_per_m, |bound| bound.ci_low, |bound| bound.ci_high];
         stiffnesses.map(|stiffness| {
             let parts = self.bounds.windows(2).map(|pair| {
                 let width = pair[1].damping_ns_per_m - pair[0].damping_ns_per_m;
@@ -68,33 +51,24 @@ impl Region {
     }
 }
 
-/// The searches at each damping of a region, N s/m.
-type Dampings<'a> = Vec<(f64, Vec<&'a Found>)>;
-
 /// Joins searches to regions, in the order of the first of each.
 pub fn regions(searches: &[(Probe, Found)]) -> Vec<Region> {
-    let mut regions: Vec<(Region, Dampings)> = Vec::new();
-    for (probe, search) in searches {
-        let existing = regions
-            .iter()
-            .position(|(region, _)| region.mode == probe.mode && same(region.push_m, probe.push_m));
-        let at = existing.unwrap_or_else(|| {
-            let region = Region { mode: probe.mode, push_m: probe.push_m, bounds: Vec::new() };
-            regions.push((region, Vec::new()));
-            regions.len() - 1
-        });
-        let dampings = &mut regions[at].1;
-        match dampings.iter_mut().find(|(b, _)| same(*b, probe.damping_ns_per_m)) {
-            Some((_, repeats)) => repeats.push(search),
-            None => dampings.push((probe.damping_ns_per_m, vec![search])),
+    let mut regions: Vec<Region> = Vec::new();
+    for (Probe { mode, push_m, .. }, _) in searches {
+        if regions.iter().any(|region| region.mode == *mode && same(region.push_m, *push_m)) {
+            continue;
         }
+        let own = searches
+            .iter()
+            .filter(|(probe, _)| probe.mode == *mode && same(probe.push_m, *push_m))
+            .map(|(probe, search)| (probe.damping_ns_per_m, search));
+        let mut own: Vec<(f64, &Found)> = own.collect();
+        own.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let dampings = own.chunk_by(|a, b| same(a.0, b.0));
+        let bounds = dampings.map(|repeats| bound(*mode, *push_m, repeats)).collect();
+        regions.push(Region { mode: *mode, push_m: *push_m, bounds });
     }
-    let finished = regions.into_iter().map(|(mut region, mut dampings)| {
-        dampings.sort_by(|a, b| a.0.total_cmp(&b.0));
-        region.bounds = dampings.iter().map(|(b, repeats)| bound(*b, repeats)).collect();
-        region
-    });
-    finished.collect()
+    regions
 }
 
 /// Whether two numbers are one: they are copies of what the test lists, not results.
@@ -102,17 +76,22 @@ fn same(a: f64, b: f64) -> bool {
     a.to_bits() == b.to_bits()
 }
 
-fn bound(damping_ns_per_m: f64, repeats: &[&Found]) -> Bound {
-    let brackets: Vec<(f64, Option<f64>)> = repeats.iter().map(|search| search.bracket()).collect();
-    let is_censored = repeats.iter().any(|search| search.ending != Ending::Boundary);
-    let low = brackets.iter().map(|b| b.0).fold(f64::INFINITY, f64::min);
-    let high = brackets.iter().map(|b| b.1.unwrap_or(b.0)).fold(0.0, f64::max);
-    // A wall that saturated without swinging bounds from below alone: there is no middle.
-    let middle = if is_censored { low } else { 0.5 * (low + high) };
-    Bound {
-        damping_ns_per_m,
-        stiffness_n_per_m: middle,
-        interval_n_per_m: [low, high],
+/// The stiffest wall of one damping: from the stiffest one that came to rest in every repeat to the
+/// softest that swung in every one.
+fn bound(mode: DriveMode, push_m: f64, repeats: &[(f64, &Found)]) -> WallBound {
+    let brackets: Vec<(f64, Option<f64>)> =
+        repeats.iter().map(|(_, search)| search.bracket()).collect();
+    let is_censored = repeats.iter().any(|(_, search)| search.ending != Ending::Boundary);
+    let ci_low = brackets.iter().map(|b| b.0).fold(f64::INFINITY, f64::min);
+    let ci_high = brackets.iter().map(|b| b.1.unwrap_or(b.0)).fold(0.0, f64::max);
+    WallBound {
+        mode: mode.as_str().into(),
+        push_m,
+        damping_ns_per_m: repeats[0].0,
+        // A wall that saturated without swinging bounds from below alone: there is no middle.
+        stiffness_n_per_m: if is_censored { ci_low } else { 0.5 * (ci_low + ci_high) },
+        ci_low,
+        ci_high,
         is_censored,
         repeats: repeats.len(),
     }

@@ -7,23 +7,7 @@ use zwidth_tables::{Table, TableError};
 
 /// One row per mode, push and damping: the stiffest wall with its interval.
 pub fn bounds(regions: &[Region]) -> Vec<WallBound> {
-    let mut rows = Vec::new();
-    for region in regions {
-        rows.extend(region.bounds.iter().map(|bound| {
-            let [ci_low, ci_high] = bound.interval_n_per_m;
-            WallBound {
-                mode: region.mode.as_str().into(),
-                push_m: region.push_m,
-                damping_ns_per_m: bound.damping_ns_per_m,
-                stiffness_n_per_m: bound.stiffness_n_per_m,
-                ci_low,
-                ci_high,
-                is_censored: bound.is_censored,
-                repeats: bound.repeats,
-            }
-        }));
-    }
-    rows
+    regions.iter().flat_map(|region| region.bounds.iter().cloned()).collect()
 }
 
 /// One row per mode and push: area, K_max(0), the largest K.

@@ -53,7 +53,7 @@ fn repeats_widen_the_interval_and_a_triangle_has_half_its_rectangle() {
     let regions = regions(&searches);
     assert_eq!(regions.len(), 1);
     let first = regions[0].undamped().unwrap();
-    assert!(first.interval_n_per_m[0] <= 1100.0 && first.interval_n_per_m[1] >= 1200.0);
+    assert!(first.ci_low <= 1100.0 && first.ci_high >= 1200.0);
     let [area, low, high] = regions[0].area();
     let expect = 0.5 * (1150.0 + 500.0) + 0.5 * (500.0 + 25.0);
     assert!((area / expect - 1.0).abs() < 0.03 && low < area && area < high, "{area}");
@@ -107,8 +107,8 @@ fn held(seeds: u64) -> u64 {
                 (probe, found)
             })
             .collect();
-        let [low, high] = regions(&searches)[0].bounds[0].interval_n_per_m;
-        low <= truth && truth <= high
+        let bound = &regions(&searches)[0].bounds[0];
+        bound.ci_low <= truth && truth <= bound.ci_high
     };
     (0..seeds).into_par_iter().filter(holds).count() as u64
 }

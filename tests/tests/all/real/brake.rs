@@ -23,8 +23,7 @@ fn models(real: &Real) -> Vec<(String, f64, String)> {
 #[test]
 #[ignore = "needs recordings made by others: set ZWIDTH_REAL_DATA, add --include-ignored"]
 fn a_line_and_a_hinge_are_rejected_and_the_power_law_is_chosen() {
-    let real = &*RUN;
-    let found = models(real);
+    let found = models(&RUN);
     let expect =
         [("line", 3.09, "rejected"), ("hinge", 1.34, "rejected"), ("power_law", 0.33, "chosen")];
     let of = |name: &str| found.iter().find(|(model, ..)| model == name).unwrap();
@@ -41,8 +40,7 @@ fn a_line_and_a_hinge_are_rejected_and_the_power_law_is_chosen() {
 #[test]
 #[ignore = "needs recordings made by others: set ZWIDTH_REAL_DATA, add --include-ignored"]
 fn the_printed_table_says_why() {
-    let real = &*RUN;
-    let table = fs::read_to_string(real.report("tables/characteristic.brake.md")).unwrap();
+    let table = fs::read_to_string(RUN.report("tables/characteristic.brake.md")).unwrap();
     for words in [
         "RMS 3.09 mN·m is",
         "RMS 1.34 mN·m is",
@@ -59,14 +57,13 @@ fn the_printed_table_says_why() {
 #[test]
 #[ignore = "needs recordings made by others: set ZWIDTH_REAL_DATA, add --include-ignored"]
 fn the_curve_spans_the_published_torque_and_its_units_are_those_of_the_sweep() {
-    let real = &*RUN;
-    let curve = real.derived("characterise/curve.brake.parquet");
+    let curve = RUN.derived("characterise/curve.brake.parquet");
     let command = floats(&curve, "command");
     assert_eq!((command[0], *command.last().unwrap()), (0.0, 26212.0));
     let fields: Vec<_> =
         curve.fields().filter(|f| f.name == "command").map(|f| f.unit.to_string()).collect();
     assert_eq!(fields, ["counts"]);
-    let figure = labels(&real.report("figures/characteristic.brake.svg"));
+    let figure = labels(&RUN.report("figures/characteristic.brake.svg"));
     for unit in ["(counts)", "(mN·m)"] {
         assert!(figure.iter().any(|l| l.contains(unit)), "{figure:?}");
     }

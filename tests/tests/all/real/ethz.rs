@@ -38,8 +38,7 @@ static DRIVEN: LazyLock<Real> = LazyLock::new(|| {
 #[test]
 #[ignore = "needs recordings made by others: set ZWIDTH_REAL_DATA, add --include-ignored"]
 fn the_paddle_driven_by_its_motor_shows_friction_and_pull_but_no_inertia() {
-    let real = &*DRIVEN;
-    let plant = real.derived("plant.parquet");
+    let plant = DRIVEN.derived("plant.parquet");
     for (quantity, unit, expect, std_error) in [
         ("offset", "nm", 2.5989635054e-04, 3.8164317637e-06),
         ("inertia", "kg_m2", 1.9307315634e-06, 3.9701278852e-06),
@@ -54,7 +53,7 @@ fn the_paddle_driven_by_its_motor_shows_friction_and_pull_but_no_inertia() {
             1e-6 * std_error,
         );
     }
-    let summary = real.summary();
+    let summary = DRIVEN.summary();
     for unseen in ["inertia I is not identified", "damping b is not identified"] {
         assert!(summary.contains(unseen), "{unseen} is not in {summary}");
     }
@@ -69,8 +68,7 @@ fn half_digit(decimals: i32) -> f64 {
 #[test]
 #[ignore = "needs recordings made by others: set ZWIDTH_REAL_DATA, add --include-ignored"]
 fn the_motor_current_is_the_published_line() {
-    let real = &*RUN;
-    let table = real.derived("characterise/parameters.motor.parquet");
+    let table = RUN.derived("characterise/parameters.motor.parquet");
     close(parameter(&table, "line", "b"), -0.42852, half_digit(5));
     close(parameter(&table, "line", "a"), 1.06768, half_digit(5));
 }
@@ -79,8 +77,7 @@ fn the_motor_current_is_the_published_line() {
 #[test]
 #[ignore = "needs recordings made by others: set ZWIDTH_REAL_DATA, add --include-ignored"]
 fn the_load_cell_is_the_published_line() {
-    let real = &*RUN;
-    let table = real.derived("characterise/parameters.load_cell.parquet");
+    let table = RUN.derived("characterise/parameters.load_cell.parquet");
     let slope = parameter(&table, "line", "b");
     close(slope, 3.5855, half_digit(4));
     close(
@@ -93,8 +90,7 @@ fn the_load_cell_is_the_published_line() {
 #[test]
 #[ignore = "needs recordings made by others: set ZWIDTH_REAL_DATA, add --include-ignored"]
 fn twelve_plane_fits_have_intervals_and_one_figure_compares_them() {
-    let real = &*RUN;
-    let fits = real.derived("free_motion.parquet");
+    let fits = RUN.derived("free_motion.parquet");
     let texts = |column| fits.texts(column).unwrap().into_iter().flatten().collect::<Vec<_>>();
     let conditions: std::collections::BTreeSet<_> =
         texts("session").into_iter().zip(texts("mode")).collect();
@@ -109,7 +105,7 @@ fn twelve_plane_fits_have_intervals_and_one_figure_compares_them() {
             assert!(low[i] < value && value < high[i], "{estimate} of row {i}");
         }
     }
-    let figure = labels(&real.report("figures/free_motion.svg"));
+    let figure = labels(&RUN.report("figures/free_motion.svg"));
     for word in [
         "Uncontrolled",
         "Friction and gravity compensated",
@@ -127,10 +123,9 @@ fn twelve_plane_fits_have_intervals_and_one_figure_compares_them() {
 #[test]
 #[ignore = "needs recordings made by others: set ZWIDTH_REAL_DATA, add --include-ignored"]
 fn a_plane_fit_is_that_of_the_normal_equations_on_the_file() {
-    let real = &*RUN;
     let folder = recordings("ethz_haptic_paddle");
     let expect = plane(&folder.join("transparency/session_11/force_feedback.csv"));
-    let fits = real.derived("free_motion.parquet");
+    let fits = RUN.derived("free_motion.parquet");
     let (sessions, modes) = (fits.texts("session").unwrap(), fits.texts("mode").unwrap());
     let is_it = |i: &usize| {
         sessions[*i].as_deref() == Some("S11") && modes[*i].as_deref() == Some("force_feedback")
@@ -169,8 +164,7 @@ fn plane(path: &Path) -> [f64; 3] {
 #[test]
 #[ignore = "needs recordings made by others: set ZWIDTH_REAL_DATA, add --include-ignored"]
 fn what_was_not_recorded_is_null_and_the_time_comes_from_the_rate() {
-    let real = &*RUN;
-    for path in files(&real.layout.trials(), "parquet") {
+    for path in files(&RUN.layout.trials(), "parquet") {
         let trial = read_trial(&path, Signal::all()).unwrap();
         for lacks in [
             Signal::Theta,
@@ -190,17 +184,16 @@ fn what_was_not_recorded_is_null_and_the_time_comes_from_the_rate() {
 #[test]
 #[ignore = "needs recordings made by others: set ZWIDTH_REAL_DATA, add --include-ignored"]
 fn there_is_no_average_no_angle_and_no_force_and_the_program_says_why() {
-    let real = &*RUN;
-    for path in files(&real.layout.derived().join("average"), "parquet") {
+    for path in files(&RUN.layout.derived().join("average"), "parquet") {
         let average = zwidth_tables::Table::from_parquet(&path).unwrap();
         assert_eq!(average.height(), 0);
         assert!(average.notes()[0].contains("no average over time"), "{:?}", average.notes());
     }
-    let summary = real.summary();
+    let summary = RUN.summary();
     assert!(summary.contains("Free motion has no average over time"), "{summary}");
     assert!(summary.contains("No lever length is known"), "{summary}");
     for session in ["S09", "S10", "S11", "S12"] {
-        let figure = labels(&real.report(&format!("figures/modes.P01.{session}.free.svg")));
+        let figure = labels(&RUN.report(&format!("figures/modes.P01.{session}.free.svg")));
         let times = figure.iter().filter(|l| *l == "no angle was recorded").count();
         assert_eq!(times, 2, "the panel of the angle, and that of force against angle: {figure:?}");
         assert!(figure.iter().any(|l| l.contains("no average over time")), "{figure:?}");

@@ -45,21 +45,19 @@ fn tallied(tally: &Table, question: &str) -> BTreeMap<String, [i64; 5]> {
 #[test]
 #[ignore = "needs recordings made by others: set ZWIDTH_REAL_DATA, add --include-ignored"]
 fn twenty_participants_answer_45_items_under_4_conditions() {
-    let real = &*RUN;
-    let tally = real.derived("likert.parquet");
+    let tally = RUN.derived("likert.parquet");
     let (questions, n) = (tally.texts("question").unwrap(), tally.integers("n").unwrap());
     let of_items: Vec<i64> =
         (0..tally.height()).filter(|i| questions[*i].is_some()).filter_map(|i| n[i]).collect();
     assert_eq!((of_items.len(), of_items.iter().sum::<i64>()), (4 * 45, 3600));
     assert!(of_items.iter().all(|n| *n == 20));
-    assert!(real.summary().contains("20 participants, 20 sessions, 80 trials that count"));
+    assert!(RUN.summary().contains("20 participants, 20 sessions, 80 trials that count"));
 }
 
 #[test]
 #[ignore = "needs recordings made by others: set ZWIDTH_REAL_DATA, add --include-ignored"]
 fn an_item_as_asked_and_a_reversed_one_are_those_of_an_independent_count() {
-    let real = &*RUN;
-    let tally = real.derived("likert.parquet");
+    let tally = RUN.derived("likert.parquet");
     let easy = counted("I found the interface easy to use", false);
     let complicated = counted("The interface was too complicated to use effectively", true);
     assert_eq!(tallied(&tally, "q01"), easy);
@@ -73,14 +71,13 @@ fn an_item_as_asked_and_a_reversed_one_are_those_of_an_independent_count() {
 #[test]
 #[ignore = "needs recordings made by others: set ZWIDTH_REAL_DATA, add --include-ignored"]
 fn the_study_reverses_the_items_that_the_question_table_reverses() {
-    let real = &*RUN;
     let table = recordings("likert_vr_shoes").join("UXdata_questions2023-04-17.csv");
     let text = fs::read_to_string(table).unwrap();
     let rows = text.lines().skip(1).map(|l| l.split(';').map(str::trim).collect::<Vec<_>>());
     let expect: BTreeMap<String, bool> =
         rows.filter(|r| r[2] != "-2").map(|r| (r[1].to_owned(), r[2] == "-1")).collect();
     let study =
-        zwidth_study::Study::from_toml(&fs::read_to_string(real.layout.study_toml()).unwrap())
+        zwidth_study::Study::from_toml(&fs::read_to_string(RUN.layout.study_toml()).unwrap())
             .unwrap();
     let found: BTreeMap<String, bool> =
         study.questions.into_iter().map(|q| (q.text, q.reversed)).collect();
@@ -90,21 +87,19 @@ fn the_study_reverses_the_items_that_the_question_table_reverses() {
 #[test]
 #[ignore = "needs recordings made by others: set ZWIDTH_REAL_DATA, add --include-ignored"]
 fn figures_show_bars_with_counts_and_say_what_was_turned() {
-    let real = &*RUN;
-    let overview = labels(&real.report("figures/likert.1.svg"));
+    let overview = labels(&RUN.report("figures/likert.1.svg"));
     for word in ["strongly disagree", "strongly agree", "HED", "AVG", "Ease of Use"] {
         assert!(overview.iter().any(|l| l.contains(word)), "{word} is not in {overview:?}");
     }
     assert!(overview.iter().any(|l| l.contains("6 − a")), "{overview:?}");
     // Two of groups, four of items, and four of the items compared.
-    assert_eq!(files(&real.report("figures"), "svg").len(), 10);
+    assert_eq!(files(&RUN.report("figures"), "svg").len(), 10);
 }
 
 #[test]
 #[ignore = "needs recordings made by others: set ZWIDTH_REAL_DATA, add --include-ignored"]
 fn the_import_says_which_columns_it_dropped_and_why() {
-    let real = &*RUN;
-    let list = zwidth(real.folder.path(), &["list", "--json"]).exits(0).json();
+    let list = zwidth(RUN.folder.path(), &["list", "--json"]).exits(0).json();
     assert_eq!(list[0]["sessions"].as_array().unwrap().len(), 20);
     let folder = recordings("likert_vr_shoes");
     let report = Real::new("likert_vr_shoes").import("map.toml", &[folder.join(ANSWERS)]);

@@ -33,9 +33,8 @@ fn metric(real: &Real, column: &str) -> BTreeMap<String, f64> {
 #[test]
 #[ignore = "needs recordings made by others: set ZWIDTH_REAL_DATA, add --include-ignored"]
 fn the_rendered_stiffness_is_the_commanded_and_a_parallel_spring_in_all_six() {
-    let real = &*RUN;
     let (rendered, error) =
-        (metric(real, "stiffness_n_per_rad"), metric(real, "stiffness_error_n_per_rad"));
+        (metric(&RUN, "stiffness_n_per_rad"), metric(&RUN, "stiffness_error_n_per_rad"));
     assert_eq!(rendered.len(), 6);
     for (environment, commanded) in COMMANDED {
         let excess = rendered[environment] / PER_MM - commanded;
@@ -48,9 +47,8 @@ fn the_rendered_stiffness_is_the_commanded_and_a_parallel_spring_in_all_six() {
 #[test]
 #[ignore = "needs recordings made by others: set ZWIDTH_REAL_DATA, add --include-ignored"]
 fn the_stiffness_is_that_of_a_line_through_the_files_own_rows() {
-    let real = &*RUN;
     let folder = recordings("tsa_virtual_spring");
-    let rendered = metric(real, "stiffness_n_per_rad");
+    let rendered = metric(&RUN, "stiffness_n_per_rad");
     for (environment, commanded) in COMMANDED {
         let expect = slope(&folder.join(format!("K_{commanded}.csv")));
         let found = rendered[environment] / PER_MM;
@@ -78,11 +76,10 @@ fn slope(path: &Path) -> f64 {
 #[test]
 #[ignore = "needs recordings made by others: set ZWIDTH_REAL_DATA, add --include-ignored"]
 fn pushing_is_positive_and_unloading_lies_below_loading() {
-    let real = &*RUN;
     for column in
         ["stiffness_n_per_rad", "discrepancy_user_mean_n", "discrepancy_user_max_n", "loop_area_j"]
     {
-        for (environment, value) in metric(real, column) {
+        for (environment, value) in metric(&RUN, column) {
             assert!(value > 0.0, "{column} of {environment}: {value}");
         }
     }
@@ -91,12 +88,11 @@ fn pushing_is_positive_and_unloading_lies_below_loading() {
 #[test]
 #[ignore = "needs recordings made by others: set ZWIDTH_REAL_DATA, add --include-ignored"]
 fn a_loop_figure_and_tables_in_millimetres_are_there() {
-    let real = &*RUN;
-    let figure = labels(&real.report("figures/loops.P01.S01.svg"));
+    let figure = labels(&RUN.report("figures/loops.P01.S01.svg"));
     assert!(figure.iter().any(|l| l.contains("force against displacement")), "{figure:?}");
     assert!(figure.iter().any(|l| l.contains("(mm)")), "{figure:?}");
     for name in ["metrics", "conditions"] {
-        let table = fs::read_to_string(real.report(&format!("tables/{name}.md"))).unwrap();
+        let table = fs::read_to_string(RUN.report(&format!("tables/{name}.md"))).unwrap();
         for words in ["discrepancy", "stiffness", "N/mm"] {
             assert!(table.contains(words), "{words} is not in {name}: {table}");
         }
@@ -108,9 +104,8 @@ fn a_loop_figure_and_tables_in_millimetres_are_there() {
 #[test]
 #[ignore = "needs recordings made by others: set ZWIDTH_REAL_DATA, add --include-ignored"]
 fn files_with_denormals_are_read_and_every_sample_is_kept() {
-    let real = &*RUN;
     let folder = recordings("tsa_virtual_spring");
-    let trials = files(&real.layout.trials(), "parquet");
+    let trials = files(&RUN.layout.trials(), "parquet");
     let recorded = files(&folder, "csv");
     assert!(recorded.iter().any(|p| fs::read_to_string(p).unwrap().contains("e-32")));
     let lines: usize =

@@ -1,6 +1,6 @@
 //! How often the studies were right, and whether that is as often as they claim.
 
-use super::people::{CONTRASTS, PARTICIPANTS, People, REPEATS, THESIS, Truth, What};
+use super::people::{CONTRASTS, PARTICIPANTS, People, THESIS, Truth, What};
 use super::studies::{ALPHA, Found, LEVEL, Said};
 use anyhow::{Context as _, ensure};
 use zwidth_stats::power::{
@@ -106,28 +106,17 @@ fn planned(people: &People, found: &Found) -> anyhow::Result<()> {
     for what in people.compared().into_iter().filter(|what| !what.is_null()) {
         let said = of(&found.first, what)?;
         let truth = people.truth(what, true)?;
-        let plan = |modes: &[&str], difference: f64| -> anyhow::Result<Plan> {
-            let spread = people.spread(what, modes)?;
-            Ok(Plan {
-                participant_sd: spread.participant,
-                interaction_sd: spread.participant_mode,
-                residual_sd: spread.residual,
-                repeats: REPEATS as usize,
-                modes: modes.len(),
-                difference,
-                participants: PARTICIPANTS,
-            })
-        };
         let simulation = Simulation {
             test: PlannedTest::PairedT,
             alpha: ALPHA_OF_POWER,
             studies: SIMULATED,
             seed: 1,
         };
-        let [of_two, of_all] = [&CONTRASTS[what.contrast][..], &THESIS[..]];
-        let difference = smallest_difference(TARGET, &plan(of_two, 0.0)?, &simulation, &|_| {})?;
-        let predicted = power(&plan(of_two, difference)?, &simulation)?.estimate;
-        let by_all = power(&plan(of_all, difference)?, &simulation)?.estimate;
+        let of_two = people.plan(what, &CONTRASTS[what.contrast])?;
+        let of_all = people.plan(what, &THESIS)?;
+        let difference = smallest_difference(TARGET, &of_two, &simulation, &|_| {})?;
+        let predicted = power(&Plan { difference, ..of_two }, &simulation)?.estimate;
+        let by_all = power(&Plan { difference, ..of_all }, &simulation)?.estimate;
         let claims = |said: &Said| -> anyhow::Result<bool> {
             let moved = said.estimate - truth.mean + difference;
             Ok(two_sided_p(moved / said.std_error, said.df)? < ALPHA_OF_POWER)

@@ -12,15 +12,14 @@ mod judge;
 mod people;
 mod studies;
 
+use super::RATE;
+use crate::shell::{program, scratch, words};
 use crate::tried;
 use anyhow::ensure;
 use people::{COPY, METRICS, PARTICIPANTS, People, REPEATS};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use zwidth_tables::Measured;
-
-/// At this rate as the study that comes along, Hz.
-const RATE: &str = "120";
 
 /// Where the people come from.
 pub(crate) enum From {
@@ -32,18 +31,11 @@ pub(crate) enum From {
 
 /// Compares so many studies and tells how often they are right; fails where that is not as often as
 /// they say.
-pub(crate) fn compared(folder: &Path, seeds: u64, from: &From) -> anyhow::Result<()> {
+pub(crate) fn compared(seeds: u64, from: &From) -> anyhow::Result<()> {
     ensure!(seeds > 0, "no seeds");
-    if cfg!(debug_assertions) {
-        let people = match from {
-            From::Simulated(people) => people.to_string(),
-            From::Table(file) => file.display().to_string(),
-        };
-        return super::optimised(&["compared", &seeds.to_string(), &people]);
-    }
     let began = Instant::now();
     let people = match from {
-        From::Simulated(people) => simulate(&super::program()?, folder, *people)?,
+        From::Simulated(people) => simulate(&program()?, &scratch("compared"), *people)?,
         From::Table(file) => People::of(&Measured::read(file, &METRICS)?)?,
     };
     let simulated = began.elapsed().as_secs_f64();
@@ -69,20 +61,10 @@ fn simulate(program: &Path, folder: &Path, people: u32) -> anyhow::Result<People
         (hybrid, copied),
     ];
     let layout = super::fresh(folder, &changes.each_ref().map(|(from, to)| (*from, to.as_str())))?;
-    let people = people.to_string();
-    let twin = [
-        "--quiet",
-        "twin",
-        super::STUDY,
-        "--participants",
-        &people,
-        "--sessions",
-        "2",
-        "--seed",
-        "1",
-    ];
-    super::run(program, folder, &twin, &[0])?;
-    super::run(program, folder, &["--quiet", "run", super::STUDY, "--only", "metrics"], &[0])?;
+    let study = super::STUDY;
+    let twin = format!("--quiet twin {study} --participants {people} --sessions 2 --seed 1");
+    super::run(program, folder, &words(&twin), &[0])?;
+    super::run(program, folder, &["--quiet", "run", study, "--only", "metrics"], &[0])?;
     let metrics = layout.derived().join("metrics.parquet");
     let people = People::of(&Measured::read(&metrics, &METRICS)?)?;
     std::fs::remove_dir_all(folder)?;

@@ -4,6 +4,7 @@ use anyhow::{Context as _, bail, ensure};
 use std::collections::{BTreeMap, BTreeSet};
 use zwidth_results::{Row as _, TrialKey};
 use zwidth_stats::lmm::trials::{Term, Trials, fit_trials};
+use zwidth_stats::power::Plan;
 use zwidth_study::Source;
 use zwidth_tables::{Column, Measured, Table};
 
@@ -185,30 +186,25 @@ impl People {
         let sd = (squares / (n - 1.0)).sqrt();
         Ok(Truth { mean, sd, std_error: sd / n.sqrt() })
     }
-}
 
-impl People {
-    /// The SDs of the mixed model of everybody's trials in the first session, in these modes: what
-    /// a plan rests on.
-    pub(crate) fn spread(&self, what: What, modes: &[&str]) -> anyhow::Result<Spread> {
+    /// A plan for a difference of nothing: its SDs are those of the mixed model of everybody's
+    /// trials in the first session, in these modes.
+    pub(crate) fn plan(&self, what: What, modes: &[&str]) -> anyhow::Result<Plan> {
         let sessions: BTreeSet<&String> =
             self.trials.iter().flatten().map(|trial| &trial.session).collect();
         let mut participant = vec![];
         let mut mode = vec![];
         let mut value = vec![];
-        for (person, trial) in self
-            .trials
-            .iter()
-            .enumerate()
-            .flat_map(|(i, trials)| trials.iter().map(move |t| (i, t)))
-        {
-            let side = modes.iter().position(|id| *id == MODES[trial.mode]);
-            let here =
-                trial.environment == what.environment && sessions.first() == Some(&&trial.session);
-            if let (true, Some(side), Some(found)) = (here, side, trial.values[what.metric]) {
-                participant.push(person);
-                mode.push(side);
-                value.push(found);
+        for (person, trials) in self.trials.iter().enumerate() {
+            for trial in trials {
+                let side = modes.iter().position(|id| *id == MODES[trial.mode]);
+                let here = trial.environment == what.environment
+                    && sessions.first() == Some(&&trial.session);
+                if let (true, Some(side), Some(found)) = (here, side, trial.values[what.metric]) {
+                    participant.push(person);
+                    mode.push(side);
+                    value.push(found);
+                }
             }
         }
         let session = vec![0; value.len()];
@@ -224,20 +220,16 @@ impl People {
                 Some(fitted.fit.terms.get(place)?.covariance.first()?.first()?.max(0.0).sqrt())
             });
         let none = || format!("{}: no spread", what.words());
-        Ok(Spread {
-            participant: participant.with_context(none)?,
-            participant_mode: participant_mode.with_context(none)?,
-            residual: fitted.fit.residual_variance.sqrt(),
+        Ok(Plan {
+            participant_sd: participant.with_context(none)?,
+            interaction_sd: participant_mode.with_context(none)?,
+            residual_sd: fitted.fit.residual_variance.sqrt(),
+            repeats: REPEATS as usize,
+            modes: modes.len(),
+            difference: 0.0,
+            participants: PARTICIPANTS,
         })
     }
-}
-
-/// How people and their trials differ, as `zwidth power` takes it.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Spread {
-    pub(crate) participant: f64,
-    pub(crate) participant_mode: f64,
-    pub(crate) residual: f64,
 }
 
 fn difference(trials: &[Trial], what: What, first: bool) -> Option<f64> {

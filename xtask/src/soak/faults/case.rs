@@ -7,7 +7,7 @@ use std::process::Command;
 use zwidth_study::{StudyId, template};
 
 /// The study of every case.
-pub(super) const STUDY: &str = "demo";
+const STUDY: &str = "demo";
 
 /// What an error leaves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -27,7 +27,8 @@ pub(super) struct Case {
     pub(super) kind: Kind,
     /// Lays down what was there before the command.
     pub(super) prepare: fn(&Path, &Path) -> anyhow::Result<()>,
-    pub(super) arguments: &'static [&'static str],
+    /// Its words ([`words`]).
+    pub(super) line: &'static str,
     /// What begins with these names is compared.
     pub(super) looked_at: &'static [&'static str],
     /// Whether `recover` brings the study in order after it.
@@ -42,7 +43,7 @@ const WHOLE: Case = Case {
     name: "",
     kind: Kind::Whole,
     prepare: study,
-    arguments: &[],
+    line: "",
     looked_at: &["raw/"],
     recovers: true,
     verifies: true,
@@ -53,7 +54,7 @@ pub(super) const CASES: &[Case] = &[
     Case {
         name: "new",
         prepare: |_, root| Ok(std::fs::create_dir_all(root)?),
-        arguments: &["new", STUDY],
+        line: "new demo",
         recovers: false,
         verifies: false,
         ..WHOLE
@@ -61,93 +62,49 @@ pub(super) const CASES: &[Case] = &[
     Case {
         name: "import trials",
         prepare: empty,
-        arguments: &["import", STUDY, "--map", "trials.toml", "P01.csv", "P02.csv"],
+        line: "import demo --map trials.toml P01.csv P02.csv",
         ..WHOLE
     },
-    Case {
-        name: "import sweeps",
-        arguments: &["import", STUDY, "--map", "sweeps.toml", "more.csv"],
-        ..WHOLE
-    },
-    Case {
-        name: "import answers",
-        arguments: &["import", STUDY, "--map", "likert.toml", "likert.csv"],
-        ..WHOLE
-    },
+    Case { name: "import sweeps", line: "import demo --map sweeps.toml more.csv", ..WHOLE },
+    Case { name: "import answers", line: "import demo --map likert.toml likert.csv", ..WHOLE },
     Case {
         name: "exclude",
-        arguments: &[
-            "exclude",
-            STUDY,
-            "-p",
-            "P01",
-            "-s",
-            "S01",
-            "--trial",
-            "1,2",
-            "the phone rang",
-        ],
+        line: "exclude demo -p P01 -s S01 --trial 1,2 the_phone_rang",
         ..WHOLE
     },
-    Case {
-        name: "note",
-        arguments: &["note", STUDY, "-p", "P01", "-s", "S01", "left-handed"],
-        ..WHOLE
-    },
-    Case {
-        name: "answer",
-        arguments: &["answer", STUDY, "-p", "P01", "-s", "S01", "--trial", "1", "4"],
-        ..WHOLE
-    },
-    Case { name: "answer --from", arguments: &["answer", STUDY, "--from", "answers.csv"], ..WHOLE },
+    Case { name: "note", line: "note demo -p P01 -s S01 left-handed", ..WHOLE },
+    Case { name: "answer", line: "answer demo -p P01 -s S01 --trial 1 4", ..WHOLE },
+    Case { name: "answer --from", line: "answer demo --from answers.csv", ..WHOLE },
     Case {
         name: "accept a changed study.toml",
         prepare: changed,
-        arguments: &["recover", STUDY, "--accept-study-change"],
+        line: "recover demo --accept-study-change",
         verifies: false,
         ..WHOLE
     },
     Case {
         name: "unseal",
         prepare: sealed,
-        arguments: &["unseal", STUDY, "-p", "P01", "-s", "S01", "--key", "keys", "--unfinished"],
+        line: "unseal demo -p P01 -s S01 --key keys --unfinished",
         ..WHOLE
     },
     Case {
         name: "characterise",
         kind: Kind::Steps,
-        arguments: &["characterise", STUDY, "motor", "--device", "twin", "--sweeps", "1"],
+        line: "characterise demo motor --device twin --sweeps 1",
         ..WHOLE
     },
     Case {
         name: "power --plan",
-        arguments: &[
-            "power",
-            STUDY,
-            "--difference",
-            "0.5",
-            "--participants",
-            "6",
-            "--studies",
-            "100",
-            "--participant-sd",
-            "1",
-            "--participant-mode-sd",
-            "0.5",
-            "--residual-sd",
-            "1",
-            "--plan",
-        ],
+        line: "power demo --difference 0.5 --participants 6 --studies 100 --participant-sd 1 \
+               --participant-mode-sd 0.5 --residual-sd 1 --plan",
         ..WHOLE
     },
     Case {
         name: "acquire",
         kind: Kind::Session,
         prepare: empty,
-        arguments: &[
-            "acquire", STUDY, "-p", "P01", "-s", "S01", "--plain", "--auto", "--fast", "--seed",
-            "1",
-        ],
+        line: "acquire demo -p P01 -s S01 --plain --auto --fast --seed 1",
         stride: 5,
         ..WHOLE
     },
@@ -155,10 +112,7 @@ pub(super) const CASES: &[Case] = &[
         name: "acquire, blinded",
         kind: Kind::Session,
         prepare: blinded,
-        arguments: &[
-            "acquire", STUDY, "-p", "P01", "-s", "S01", "--plain", "--auto", "--fast", "--key",
-            "keys",
-        ],
+        line: BLINDED,
         stride: 13,
         ..WHOLE
     },
@@ -166,7 +120,7 @@ pub(super) const CASES: &[Case] = &[
         name: "run",
         kind: Kind::Steps,
         prepare: simulated,
-        arguments: &["--threads", "1", "run", STUDY, "--quiet"],
+        line: "--threads 1 run demo --quiet",
         looked_at: &["derived/", "reports/"],
         recovers: false,
         verifies: false,
@@ -174,23 +128,27 @@ pub(super) const CASES: &[Case] = &[
     },
 ];
 
+const BLINDED: &str = "acquire demo -p P01 -s S01 --plain --auto --fast --key keys";
+
+/// The words of a line; `_` stands for a space within one.
+pub(super) fn words(line: &str) -> impl Iterator<Item = String> {
+    line.split(' ').map(|word| word.replace('_', " "))
+}
+
 /// Runs the program, which must not fail.
-fn run(program: &Path, root: &Path, arguments: &[&str]) -> anyhow::Result<()> {
-    let output =
-        Command::new(program).current_dir(root).arg("--root").arg(root).args(arguments).output()?;
+fn run(program: &Path, root: &Path, line: &str) -> anyhow::Result<()> {
+    let mut command = Command::new(program);
+    let output = command.current_dir(root).arg("--root").arg(root).args(words(line)).output()?;
     let errors = String::from_utf8_lossy(&output.stderr);
-    ensure!(output.status.success(), "{arguments:?}: {errors}");
+    ensure!(output.status.success(), "{line}: {errors}");
     Ok(())
 }
 
 /// A study without a recording that plans one trial of each condition and one to get used to it, its
 /// text changed so, and the files to import.
 fn laid_down(root: &Path, changes: &[(&str, &str)]) -> anyhow::Result<()> {
-    let mut text = template(&StudyId::new(STUDY)?);
-    for (from, to) in SHORT.iter().chain(changes) {
-        ensure!(text.contains(from), "the template of a study lost '{from}'");
-        text = text.replace(from, to);
-    }
+    let text = crate::soak::changed(template(&StudyId::new(STUDY)?), &SHORT)?;
+    let text = crate::soak::changed(text, changes)?;
     let raw = root.join("raw").join(STUDY);
     std::fs::create_dir_all(&raw)?;
     std::fs::write(raw.join("study.toml"), text)?;
@@ -224,14 +182,14 @@ fn empty(_program: &Path, root: &Path) -> anyhow::Result<()> {
 /// Two people, two trials each, and a sweep.
 fn study(program: &Path, root: &Path) -> anyhow::Result<()> {
     laid_down(root, &[])?;
-    run(program, root, &["import", STUDY, "--map", "trials.toml", "P01.csv", "P02.csv"])?;
-    run(program, root, &["import", STUDY, "--map", "sweeps.toml", "first.csv"])
+    run(program, root, "import demo --map trials.toml P01.csv P02.csv")?;
+    run(program, root, "import demo --map sweeps.toml first.csv")
 }
 
 /// A simulated session, of which every result can be made.
 fn simulated(program: &Path, root: &Path) -> anyhow::Result<()> {
     std::fs::create_dir_all(root)?;
-    run(program, root, &["twin", STUDY, "--participants", "1", "--sessions", "1", "--rate", "250"])
+    run(program, root, "twin demo --participants 1 --sessions 1 --rate 250")
 }
 
 /// Two people and a sweep, with a `study.toml` that was changed since.
@@ -255,8 +213,7 @@ fn blinded(_program: &Path, root: &Path) -> anyhow::Result<()> {
 /// A blinded session that was recorded.
 fn sealed(program: &Path, root: &Path) -> anyhow::Result<()> {
     blinded(program, root)?;
-    let session = ["-p", "P01", "-s", "S01", "--plain", "--auto", "--fast", "--key", "keys"];
-    run(program, root, &[&["acquire", STUDY], session.as_slice()].concat())
+    run(program, root, BLINDED)
 }
 
 const TRIALS: &str = r#"

@@ -8,6 +8,7 @@
 mod case;
 
 use super::fraction;
+use crate::shell::{files, lay_down, program, remove, scratch};
 use crate::tried::held;
 use anyhow::{Context as _, bail, ensure};
 use case::{CASES, Case, Kind};
@@ -48,17 +49,14 @@ struct Count {
 }
 
 /// Tries each command (or those named) with one call in `every` failing.
-pub(crate) fn faults(
-    program: &Path,
-    folder: &Path,
-    every: u64,
-    named: &[&str],
-) -> anyhow::Result<()> {
+pub(crate) fn faults(every: u64, named: &[&str]) -> anyhow::Result<()> {
+    let program = program()?;
+    let folder = scratch("faults");
     let began = Instant::now();
-    let shim = compiled(folder)?;
+    let shim = compiled(&folder)?;
     let mut all = Count::default();
     for case in CASES.iter().filter(|case| named.is_empty() || named.contains(&case.name)) {
-        let tried = Tried::prepare(program, &shim, folder, case)
+        let tried = Tried::prepare(&program, &shim, &folder, case)
             .with_context(|| format!("before '{}'", case.name))?;
         let mut count = Count::default();
         for fault in FAULTS {
@@ -102,9 +100,7 @@ impl<'a> Tried<'a> {
     ) -> anyhow::Result<Self> {
         let before = folder.join("before");
         let root = folder.join("root");
-        if before.exists() {
-            std::fs::remove_dir_all(&before)?;
-        }
+        remove(&before)?;
         (case.prepare)(program, &before)?;
         let mut tried =
             Self { program, shim, case, before, root, old: State::new(), new: State::new() };
@@ -119,23 +115,21 @@ impl<'a> Tried<'a> {
 
     /// Lays the study down as it was before the command.
     fn fresh(&self) -> anyhow::Result<()> {
-        if self.root.exists() {
-            std::fs::remove_dir_all(&self.root)?;
-        }
-        copy(&self.before, &self.root)
+        remove(&self.root)?;
+        Ok(lay_down(&self.before, &self.root, std::fs::copy)?)
     }
 
-    fn command(&self, arguments: &[&str]) -> Command {
+    fn command(&self, line: &str) -> Command {
         let mut command = Command::new(self.program);
         command.current_dir(&self.root).env("HOME", self.root.join("home"));
         command.env_remove("XDG_STATE_HOME").env_remove("ZWIDTH_ROOT").stdin(Stdio::null());
-        command.arg("--root").arg(&self.root).args(arguments);
+        command.arg("--root").arg(&self.root).args(case::words(line));
         command
     }
 
     /// The command without a fault.
     fn again(&self) -> anyhow::Result<Output> {
-        Ok(self.command(self.case.arguments).output()?)
+        Ok(self.command(self.case.line).output()?)
     }
 
     fn sweep(&self, fault: &str, every: u64, count: &mut Count) -> anyhow::Result<()> {
@@ -162,7 +156,7 @@ impl<'a> Tried<'a> {
             std::fs::remove_file(&mark)?;
         }
         let output = self
-            .command(self.case.arguments)
+            .command(self.case.line)
             .env("LD_PRELOAD", self.shim)
             .env("FAULTS_KIND", fault)
             .env("FAULTS_AT", at.to_string())
@@ -185,20 +179,20 @@ impl<'a> Tried<'a> {
         ensure!(code != Some(1) || said.contains("error"), "it fails without a word");
         let unknown = said.contains("is not known");
         if self.case.recovers {
-            let recovered = self.command(&["recover", case::STUDY]).output()?;
+            let recovered = self.command("recover demo").output()?;
             let is_done = recovered.status.success() || !self.case.verifies;
             ensure!(is_done, "recover: {}", words(&recovered));
         }
         if self.case.verifies {
-            let verified = self.command(&["verify", case::STUDY]).output()?;
+            let verified = self.command("verify demo").output()?;
             ensure!(verified.status.success(), "after {said}\nverify: {}", words(&verified));
         }
         let state = self.state()?;
         match (self.case.kind, code) {
             (Kind::Steps, _) => {}
             (Kind::Session, _) => return self.check_session(&said, &state).map(|()| unknown),
-            (Kind::Whole, Some(1)) if !unknown => self.is(&state, &self.old, &said)?,
-            (Kind::Whole, Some(0)) => self.is(&state, &self.new, &said)?,
+            (Kind::Whole, Some(1)) if !unknown => is(&state, &self.old, &said)?,
+            (Kind::Whole, Some(0)) => is(&state, &self.new, &said)?,
             (Kind::Whole, _) => ensure!(
                 state == self.old || state == self.new,
                 "neither the old state nor the new one: {}\n{said}",
@@ -208,7 +202,7 @@ impl<'a> Tried<'a> {
         if state != self.new {
             let again = self.again()?;
             ensure!(again.status.success(), "after {said}\nagain: {}", words(&again));
-            self.is(&self.state()?, &self.new, &words(&again))?;
+            is(&self.state()?, &self.new, &words(&again))?;
         }
         Ok(unknown)
     }
@@ -235,17 +229,24 @@ impl<'a> Tried<'a> {
         Ok(())
     }
 
-    fn is(&self, state: &State, wanted: &State, said: &str) -> anyhow::Result<()> {
-        ensure!(state == wanted, "{}\n{said}", difference(state, wanted));
-        Ok(())
-    }
-
-    /// What is there, without what differs from run to run.
+    /// The files that are looked at, each by what is in it, without what differs from run to run.
     fn state(&self) -> anyhow::Result<State> {
         let mut state = State::new();
-        look(&self.root, &self.root, self.case.looked_at, &mut state)?;
+        for path in files(&self.root)? {
+            let name = path.strip_prefix(&self.root)?.to_string_lossy().into_owned();
+            if self.case.looked_at.iter().any(|top| name.starts_with(top))
+                && let Some(content) = content(&name, &std::fs::read(&path)?)
+            {
+                state.insert(name, content);
+            }
+        }
         Ok(state)
     }
+}
+
+fn is(state: &State, wanted: &State, said: &str) -> anyhow::Result<()> {
+    ensure!(state == wanted, "{}\n{said}", difference(state, wanted));
+    Ok(())
 }
 
 fn words(output: &Output) -> String {
@@ -260,23 +261,6 @@ fn difference(state: &State, wanted: &State) -> String {
     let told = differ
         .map(|name| format!("{name}: {:?}, and should be {:?}", state.get(name), wanted.get(name)));
     told.take(5).collect::<Vec<_>>().join("\n")
-}
-
-/// The files below a folder, each by what is in it.
-fn look(root: &Path, folder: &Path, tops: &[&str], state: &mut State) -> anyhow::Result<()> {
-    for entry in std::fs::read_dir(folder)? {
-        let path = entry?.path();
-        let name = path.strip_prefix(root)?.to_string_lossy().into_owned();
-        if !tops.iter().any(|top| name.starts_with(top) || top.starts_with(&name)) {
-            continue;
-        }
-        if path.is_dir() {
-            look(root, &path, tops, state)?;
-        } else if let Some(content) = content(&name, &std::fs::read(&path)?) {
-            state.insert(name, content);
-        }
-    }
-    Ok(())
 }
 
 /// A file's content, without when it was written; nothing of what is no data.
@@ -314,18 +298,4 @@ fn content(name: &str, bytes: &[u8]) -> Option<String> {
         "records.json" => None,
         _ => Some(hex_blake3(bytes)[..12].to_owned()),
     }
-}
-
-fn copy(from: &Path, to: &Path) -> anyhow::Result<()> {
-    std::fs::create_dir_all(to)?;
-    for entry in std::fs::read_dir(from)? {
-        let entry = entry?;
-        let target = to.join(entry.file_name());
-        if entry.file_type()?.is_dir() {
-            copy(&entry.path(), &target)?;
-        } else {
-            std::fs::copy(entry.path(), target)?;
-        }
-    }
-    Ok(())
 }

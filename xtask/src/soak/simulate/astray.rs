@@ -7,6 +7,7 @@
 
 use super::life::{BEGIN, Desk};
 use super::world::{Draw, Trouble};
+use anyhow::{Context as _, bail, ensure};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use zwidth_store::{
@@ -18,11 +19,9 @@ use zwidth_study::{Event, Study};
 const MOST_WRITES: u64 = 90;
 
 impl Desk {
-    /// One such life after `lives` others; how it is counted.
-    ///
-    /// # Errors
-    /// Damage of which nothing was told.
-    pub(super) fn astray(&mut self, lives: u64) -> Result<&'static str, String> {
+    /// One such life after `lives` others; how it is counted. The error is damage of which nothing
+    /// was told.
+    pub(super) fn astray(&mut self, lives: u64) -> anyhow::Result<&'static str> {
         let mut draw = Draw::new(self.seed, 40);
         self.disk.misdirect_in(draw.below(MOST_WRITES), draw.below(1 << 32));
         let (outcome, _) = self.life(lives, &Trouble::none(), true)?;
@@ -38,19 +37,18 @@ impl Desk {
         named.extend(verify_kept(&self.disk, &layout).into_iter().map(|finding| finding.path));
         let damaged = self.disk.damaged();
         if let Some(path) = damaged.iter().find(|path| !self.is_told(path, &named)) {
-            return Err(format!("{} is damaged, and nothing says so", path.display()));
+            bail!("{} is damaged, and nothing says so", path.display());
         }
         for (path, hash) in self.recorded()? {
             let is_there = self.disk.read(&path, u64::MAX).is_ok_and(|b| hex_blake3(&b) == hash);
             let log = layout.events(&self.plan.participant, &self.plan.session);
-            if !is_there && !self.is_told(&path, &named) && !named.contains(&log) {
-                return Err(format!("{} is gone or changed, and nothing says so", path.display()));
-            }
+            let is_found = is_there || self.is_told(&path, &named) || named.contains(&log);
+            ensure!(is_found, "{} is gone or changed, and nothing says so", path.display());
         }
         if let Ok(data) = StudyData::load_from(&self.disk, &layout)
             && let Some(trial) = data.counting().find(|t| damaged.contains(&t.path.to_path_buf()))
         {
-            return Err(format!("{} is damaged and counts", trial.path.display()));
+            bail!("{} is damaged and counts", trial.path.display());
         }
         Ok("a sector astray that was found")
     }
@@ -90,20 +88,18 @@ impl Desk {
 
     /// The trials that the log called recorded when it was written, with their hashes, and those
     /// that were finished in lives before.
-    fn recorded(&self) -> Result<Vec<(PathBuf, String)>, String> {
+    fn recorded(&self) -> anyhow::Result<Vec<(PathBuf, String)>> {
         let zwidth_acquire::Plan { layout, participant, session, .. } = &self.plan;
         let log = self.disk.meant(&layout.events(participant, session)).unwrap_or_default();
         let mut recorded: Vec<_> =
             self.finished.iter().map(|(path, hash)| (path.clone(), hash.clone())).collect();
         for line in String::from_utf8_lossy(&log).lines() {
             let line: serde_json::Value =
-                serde_json::from_str(line).map_err(|e| format!("a line of the log: {e}"))?;
-            match serde_json::from_value(line["what"].clone()) {
-                Ok(Event::Recorded { trial, blake3 }) => {
-                    recorded.push((layout.trial(participant, session, trial), blake3));
-                }
-                Ok(_) => {}
-                Err(e) => return Err(format!("an event of the log: {e}")),
+                serde_json::from_str(line).context("a line of the log")?;
+            let event: Event =
+                serde_json::from_value(line["what"].clone()).context("an event of the log")?;
+            if let Event::Recorded { trial, blake3 } = event {
+                recorded.push((layout.trial(participant, session, trial), blake3));
             }
         }
         Ok(recorded)
@@ -121,7 +117,7 @@ mod tests {
         let mut kinds = BTreeSet::new();
         for seed in 0..120 {
             let mut desk = Desk::new(With::Mock, seed).unwrap();
-            let word = desk.astray(0).unwrap_or_else(|why| panic!("seed {seed}: {why}"));
+            let word = desk.astray(0).unwrap_or_else(|why| panic!("seed {seed}: {why:#}"));
             if word != "a sector astray that was found" {
                 continue;
             }

@@ -3,12 +3,12 @@
 use super::participant::Liar;
 use super::person::Person;
 use super::with::{Counts, With};
-use super::world::{Draw, Late, Trouble, study, told};
+use super::world::{Draw, Late, Trouble, study};
+use anyhow::{Context as _, anyhow, bail, ensure};
 use jiff::{SignedDuration, Timestamp};
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use zwidth_acquire::{Front, Options, Outcome, Parts, Session, run};
 use zwidth_device::mock::{Fault as DeviceFault, Mock};
 use zwidth_device::{Device, Person as Hand, Twin, TwinParameters};
@@ -30,50 +30,42 @@ const LATER_S: f64 = 1.0;
 /// The files of a disk.
 type Disk = BTreeMap<PathBuf, Vec<u8>>;
 
-/// Records the session of a seed in several lives; the disk that it leaves.
-///
-/// # Errors
-/// What was promised and did not hold.
-pub(super) fn session(with: With, seed: u64, counts: &mut Counts) -> Result<Disk, String> {
+/// Records the session of a seed in several lives; the disk that it leaves. The error is what was
+/// promised and did not hold.
+pub(super) fn session(with: With, seed: u64, counts: &mut Counts) -> anyhow::Result<Disk> {
+    let mut count = |what, n| *counts.entry(what).or_default() += n;
     let mut desk = Desk::new(with, seed)?;
     let lives = Draw::new(seed, 2).below(MOST_LIVES + 1);
     for life in 0..lives {
         let trouble = Trouble::draw(&mut Draw::new(seed, 10 + life));
-        trouble.words().into_iter().for_each(|word| *counts.entry(word).or_default() += 1);
-        let lies = Liar::is_drawn(seed, life);
-        *counts.entry("lives beside a participant's screen that lies").or_default() +=
-            u64::from(lies);
-        let left = desk.live(life, &trouble, false).map_err(|why| format!("life {life}: {why}"))?;
-        *counts
-            .entry(if left.is_ok() { "lives left in order" } else { "lives cut short" })
-            .or_default() += 1;
+        trouble.words().into_iter().for_each(|word| count(word, 1));
+        let lies = u64::from(Liar::is_drawn(seed, life));
+        count("lives beside a participant's screen that lies", lies);
+        let left = desk.live(life, &trouble, false).with_context(|| format!("life {life}"))?;
+        count(if left.is_ok() { "lives left in order" } else { "lives cut short" }, 1);
     }
     if Draw::new(seed, 3).one_in(ASTRAY_ONE_IN) {
-        let word = desk.astray(lives).map_err(|why| format!("a sector astray: {why}"))?;
-        *counts.entry(word).or_default() += 1;
+        count(desk.astray(lives).context("a sector astray")?, 1);
         return Ok(desk.disk.below(Path::new("/")));
     }
     for life in lives..lives + LAST_LIVES {
-        let outcome =
-            desk.live(life, &Trouble::none(), true).map_err(|why| format!("last life: {why}"))?;
-        let outcome = outcome.map_err(|why| format!("the last life ended with: {why}"))?;
+        let outcome = desk.live(life, &Trouble::none(), true).context("last life")?;
+        let outcome = outcome.context("the last life ended with")?;
         if outcome.done == outcome.total {
-            *counts.entry("trials that were finished and stayed").or_default() +=
-                desk.finished.len() as u64;
-            *counts.entry("answers heard from a participant's screen that lies").or_default() +=
-                desk.heard;
+            count("trials that were finished and stayed", desk.finished.len() as u64);
+            count("answers heard from a participant's screen that lies", desk.heard);
             return Ok(desk.disk.below(Path::new("/")));
         }
     }
-    Err("the session does not come to its end".to_owned())
+    bail!("the session does not come to its end")
 }
 
 /// A session on a disk that loses everything once: what must be found out.
 #[cfg(test)]
-pub(super) fn session_on_a_liar(seed: u64) -> Result<(), String> {
+pub(super) fn session_on_a_liar(seed: u64) -> anyhow::Result<()> {
     let mut desk = Desk::new(With::Mock, seed)?;
-    desk.live(0, &Trouble::none(), true)?.map_err(told)?;
-    let lost = desk.finished.keys().next().cloned().ok_or("no trial")?;
+    desk.live(0, &Trouble::none(), true)??;
+    let lost = desk.finished.keys().next().cloned().context("no trial")?;
     let without: Disk =
         desk.disk.below(Path::new("/")).into_iter().filter(|(path, _)| *path != lost).collect();
     desk.disk = Memory::new();
@@ -84,10 +76,10 @@ pub(super) fn session_on_a_liar(seed: u64) -> Result<(), String> {
 /// Whether the times in the log of a session go back at some line, on a disk that works and with a
 /// time of day that steps.
 #[cfg(test)]
-pub(super) fn steps_back(seed: u64) -> Result<bool, String> {
+pub(super) fn steps_back(seed: u64) -> anyhow::Result<bool> {
     let mut desk = Desk::new(With::Mock, seed)?;
     let steps = Trouble::draw(&mut Draw::new(seed, 10)).steps;
-    desk.live(0, &Trouble { steps, ..Trouble::none() }, true)?.map_err(told)?;
+    desk.live(0, &Trouble { steps, ..Trouble::none() }, true)??;
     let log = desk.plan.layout.events(&desk.plan.participant, &desk.plan.session);
     let text = desk.disk.below(&log).remove(&log).unwrap_or_default();
     let times: Vec<Timestamp> = String::from_utf8_lossy(&text)
@@ -113,7 +105,7 @@ pub(super) struct Desk {
 }
 
 impl Desk {
-    pub(super) fn new(with: With, seed: u64) -> Result<Self, String> {
+    pub(super) fn new(with: With, seed: u64) -> anyhow::Result<Self> {
         let (disk, plan) = study(seed)?;
         Ok(Self { seed, with, disk, plan, record: None, finished: BTreeMap::new(), heard: 0 })
     }
@@ -124,14 +116,13 @@ impl Desk {
         life: u64,
         trouble: &Trouble,
         diligent: bool,
-    ) -> Result<Result<Outcome, String>, String> {
+    ) -> anyhow::Result<anyhow::Result<Outcome>> {
         let (outcome, shown) = self.life(life, trouble, diligent)?;
         let done = self.settle()?;
         // A person who asked for a trial again, or a life that never saw the session, promises
         // nothing.
-        if done < shown && trouble.survives == Survives::Everything {
-            return Err(format!("{shown} trials were shown as done, and {done} are"));
-        }
+        let may_lack = trouble.survives != Survives::Everything;
+        ensure!(done >= shown || may_lack, "{shown} trials were shown as done, and {done} are");
         Ok(outcome)
     }
 
@@ -141,7 +132,7 @@ impl Desk {
         life: u64,
         trouble: &Trouble,
         diligent: bool,
-    ) -> Result<(Result<Outcome, String>, usize), String> {
+    ) -> anyhow::Result<(anyhow::Result<Outcome>, usize)> {
         if let Some((steps, fault)) = trouble.disk {
             self.disk.fail_in(steps, fault);
         }
@@ -165,14 +156,18 @@ impl Desk {
                 let asked = matches!(trouble.device, Some((_, DeviceFault::Panic)));
                 match caught {
                     Ok(outcome) => outcome,
-                    Err(_) if asked => Err("the device's code failed".to_owned()),
+                    Err(_) if asked => Err(anyhow!("the device's code failed")),
                     Err(panic) => resume_unwind(panic),
                 }
             }
-            With::Twin => self.record(&mut twin(self.seed)?, &mut clock, &mut liar, &utc),
+            With::Twin => {
+                let hand = Hand::draw(self.seed);
+                let mut twin = Twin::new(TwinParameters::default(), hand, self.seed)?;
+                self.record(&mut twin, &mut clock, &mut liar, &utc)
+            }
         };
         if let Some(broken) = liar.broken.take() {
-            return Err(broken);
+            bail!(broken);
         }
         self.heard += liar.heard;
         drop(liar);
@@ -190,65 +185,50 @@ impl Desk {
         clock: &mut Late,
         front: &mut dyn Front,
         utc: &(dyn Fn(f64) -> String + Sync),
-    ) -> Result<Outcome, String> {
-        let options = Options {
-            live: false,
-            answers: self.with == With::Twin,
-            by_hand: false,
-            steps: Vec::new(),
-            ask: false,
-            no_watchdog: false,
-            by: None,
-            markers: Vec::new(),
-            stop: Arc::default(),
-            quit: Arc::default(),
-        };
-        let session = Session::open(&self.plan, device.capabilities(), &self.disk).map_err(told)?;
+    ) -> anyhow::Result<Outcome> {
+        let options = Options { answers: self.with == With::Twin, ..Options::default() };
+        let session = Session::open(&self.plan, device.capabilities(), &self.disk)?;
         let parts = Parts { device, clock, files: &self.disk, front, utc };
-        run(&self.plan, session, &options, parts).map_err(told)
+        Ok(run(&self.plan, session, &options, parts)?)
     }
 
     /// Recovers what the life left, and checks what was promised; trials of the order that are
     /// done.
-    pub(super) fn settle(&mut self) -> Result<usize, String> {
+    pub(super) fn settle(&mut self) -> anyhow::Result<usize> {
         let layout = self.plan.layout.clone();
         for found in recover(&self.disk, &layout, BEGIN) {
-            found.map_err(|why| format!("recover: {why}"))?;
+            found.context("recover")?;
         }
         let findings = verify_kept(&self.disk, &layout);
         if let Some(finding) = findings.first() {
-            return Err(format!("verify finds {} after recover, first: {finding}", findings.len()));
+            bail!("verify finds {} after recover, first: {finding}", findings.len());
         }
         let files = self.disk.below(&layout.raw());
         for (path, hash) in &self.finished {
-            match files.get(path) {
-                None => return Err(format!("{} was finished and is gone", path.display())),
-                Some(bytes) if hex_blake3(bytes) != *hash => {
-                    return Err(format!("{} was finished and has changed", path.display()));
-                }
-                Some(_) => {}
-            }
+            let bytes = files.get(path);
+            let bytes =
+                bytes.with_context(|| format!("{} was finished and is gone", path.display()))?;
+            let is_same = hex_blake3(bytes) == *hash;
+            ensure!(is_same, "{} was finished and has changed", path.display());
         }
         let record = layout.session(&self.plan.participant, &self.plan.session);
         let found = files.get(&record).map(|bytes| hex_blake3(bytes));
-        if self.record.is_some() && self.record != found {
-            return Err("the session's record is gone or has changed".to_owned());
-        }
+        let is_kept = self.record.is_none() || self.record == found;
+        ensure!(is_kept, "the session's record is gone or has changed");
         self.record = found;
         if self.record.is_none() {
             return Ok(0);
         }
-        let data = StudyData::load_from(&self.disk, &layout).map_err(|e| format!("{e:?}"))?;
-        let log = data.sessions.first().ok_or("the session is not in its study")?;
+        let data = StudyData::load_from(&self.disk, &layout).map_err(|e| anyhow!("{e:?}"))?;
+        let log = data.sessions.first().context("the session is not in its study")?;
         for trial in &data.trials {
             let drawn = log.record.trials.iter().find(|planned| planned.trial == trial.meta.trial);
             let same = |p: &zwidth_study::PlannedTrial| {
                 (&p.environment, &p.mode, p.repeat)
                     == (&trial.meta.environment, &trial.meta.mode, trial.meta.repeat)
             };
-            if drawn.is_some_and(|planned| !same(planned)) {
-                return Err(format!("trial {} is another than was drawn", trial.meta.trial));
-            }
+            let as_drawn = drawn.is_none_or(same);
+            ensure!(as_drawn, "trial {} is another than was drawn", trial.meta.trial);
             if trial.meta.status == Status::Complete {
                 self.finished.insert(trial.path.to_path_buf(), trial.blake3.clone());
             }
@@ -259,30 +239,23 @@ impl Desk {
     }
 }
 
-fn twin(seed: u64) -> Result<Twin, String> {
-    Twin::new(TwinParameters::default(), Hand::draw(seed), seed).map_err(told)
-}
-
 /// The voltages that a life leaves behind: none, at once by its own hand, or by the board's
 /// watchdog.
-fn is_at_0_v(mock: &Mock, trouble: &Trouble) -> Result<(), String> {
+fn is_at_0_v(mock: &Mock, trouble: &Trouble) -> anyhow::Result<()> {
     let (last_s, last) = mock.writes.last().copied().unwrap_or((0.0, Voltages::OFF));
     let unplugged = matches!(trouble.device, Some((_, DeviceFault::Unplugged)));
-    if !unplugged && last != Voltages::OFF {
-        return Err(format!("the last write is {last:?}"));
-    }
-    if mock.output(last_s + LATER_S) != Voltages::OFF {
-        return Err("the board still gives a voltage".to_owned());
-    }
+    ensure!(unplugged || last == Voltages::OFF, "the last write is {last:?}");
+    let is_off = mock.output(last_s + LATER_S) == Voltages::OFF;
+    ensure!(is_off, "the board still gives a voltage");
     Ok(())
 }
 
 /// The time of day at a time of the loop's clock: from a day of its own for each life on, or from
 /// any other, with the steps that it takes on its way.
-fn time_of_day(life: u64, trouble: &Trouble) -> Result<impl Fn(f64) -> String + Sync, String> {
-    let begin: Timestamp = BEGIN.parse().map_err(told)?;
+fn time_of_day(life: u64, trouble: &Trouble) -> anyhow::Result<impl Fn(f64) -> String + Sync> {
+    let begin: Timestamp = BEGIN.parse()?;
     let days = if trouble.jumps { 400 * (1 - 2 * (life as i64 % 2)) } else { life as i64 };
-    let begin = begin.checked_add(SignedDuration::from_hours(24 * days)).map_err(told)?;
+    let begin = begin.checked_add(SignedDuration::from_hours(24 * days))?;
     let steps = trouble.steps.clone();
     Ok(move |now_s: f64| {
         let taken = steps.iter().filter(|(at_s, _)| *at_s <= now_s);

@@ -19,12 +19,10 @@ mod world;
 
 pub(crate) use with::With;
 
-use crate::tried::{Tried, note};
+use crate::tried::note;
 use anyhow::{bail, ensure};
+use rayon::prelude::*;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::thread::ScopedJoinHandle;
 use std::time::Instant;
 use with::Counts;
 
@@ -32,49 +30,29 @@ use with::Counts;
 const TOLD: usize = 10;
 /// Every so many seeds one is run twice and compared.
 const TWICE: u64 = 100;
-/// Seeds at once.
-const AT_ONCE: usize = 2;
+
+/// What happened how often, and the seeds that broke a promise, each with how.
+type Tally = (Counts, Vec<(u64, String)>);
 
 /// Simulates `seeds` sessions from seed `first` on; prints what happened, and fails if a promise
 /// was broken.
 pub(crate) fn simulate(with: With, seeds: u64, first: u64) -> anyhow::Result<()> {
-    if cfg!(debug_assertions) {
-        let numbers = [seeds, first].map(|number| number.to_string());
-        return super::optimised(&[with.chore(), &numbers[0], &numbers[1]]);
-    }
     // What a device's own code does on purpose is caught by the guard, and told by nobody else.
     std::panic::set_hook(Box::new(|_| {}));
-    let next = AtomicU64::new(first);
     let began = Instant::now();
-    let last = first.saturating_add(seeds);
-    let counts = Mutex::new(Counts::new());
-    let broken = Mutex::new(Vec::new());
-    let work = || {
-        let mut mine = Counts::new();
-        let mut failed = Vec::new();
-        loop {
-            let seed = next.fetch_add(1, Ordering::Relaxed);
-            if seed >= last {
-                break;
-            }
-            if let Err(why) = one(with, seed, &mut mine) {
-                failed.push((seed, why));
-            }
+    let tried = |(mut counts, mut broken): Tally, seed: u64| {
+        if let Err(why) = one(with, seed, &mut counts) {
+            broken.push((seed, format!("{why:#}")));
         }
-        if let (Ok(mut counts), Ok(mut broken)) = (counts.lock(), broken.lock()) {
-            mine.into_iter().for_each(|(what, n)| *counts.entry(what).or_default() += n);
-            broken.extend(failed);
-        }
+        (counts, broken)
     };
-    std::thread::scope(|scope| -> anyhow::Result<()> {
-        let threads: Vec<ScopedJoinHandle<'_, ()>> =
-            (0..AT_ONCE).map(|_| scope.spawn(work)).collect();
-        let ended = threads.into_iter().all(|thread| thread.join().is_ok());
-        ensure!(ended, "a thread of the simulation panicked");
-        Ok(())
-    })?;
-    let counts = counts.into_inner().unwrap_or_default();
-    let mut broken = broken.into_inner().unwrap_or_default();
+    let both = |(mut counts, mut broken): Tally, (more, others): Tally| {
+        more.into_iter().for_each(|(what, n)| *counts.entry(what).or_default() += n);
+        broken.extend(others);
+        (counts, broken)
+    };
+    let seeds_tried = (first..first.saturating_add(seeds)).into_par_iter();
+    let (counts, mut broken) = seeds_tried.fold(Tally::default, tried).reduce(Tally::default, both);
     let took_s = began.elapsed().as_secs_f64();
     println!(
         "{seeds} seeds from {first}, {with:?}: {took_s:.0} s, {:.2} ms each",
@@ -86,22 +64,15 @@ pub(crate) fn simulate(with: With, seeds: u64, first: u64) -> anyhow::Result<()>
         println!("seed {seed}: {why}");
     }
     println!("{} promises broken", broken.len());
-    note(&Tried {
-        what: match with {
-            With::Mock => {
-                "sessions of a device and a disk that fail, with sectors torn and astray and steps of the \
-                 time of day, each with faults drawn from its seed"
-                    .to_owned()
-            }
-            With::Twin => {
-                "sessions of the simulated device, each with faults drawn from its seed".to_owned()
-            }
-        },
-        command: format!("cargo xtask soak {} {seeds} {first}", with.chore()),
-        times: seeds,
-        broken: broken.len() as u64,
-        seconds: took_s,
-    })?;
+    let what = match with {
+        With::Mock => {
+            "sessions of a device and a disk that fail, with sectors torn and astray and steps of the \
+             time of day, each with faults drawn from its seed"
+        }
+        With::Twin => "sessions of the simulated device, each with faults drawn from its seed",
+    };
+    let command = format!("cargo xtask soak {} {seeds} {first}", with.chore());
+    note(what, command, seeds, broken.len() as u64, began)?;
     if let Some((seed, _)) = broken.first() {
         bail!("look at one again with `cargo xtask soak simulate 1 {seed}`");
     }
@@ -109,17 +80,15 @@ pub(crate) fn simulate(with: With, seeds: u64, first: u64) -> anyhow::Result<()>
 }
 
 /// One seed; what broke, in words.
-fn one(with: With, seed: u64, counts: &mut Counts) -> Result<(), String> {
+fn one(with: With, seed: u64, counts: &mut Counts) -> anyhow::Result<()> {
     let run = |counts: &mut Counts| {
         let caught = catch_unwind(AssertUnwindSafe(|| life::session(with, seed, counts)));
-        caught.unwrap_or_else(|_| Err("it panicked".to_owned()))
+        caught.unwrap_or_else(|_| bail!("it panicked"))
     };
     let disk = run(counts)?;
     if seed.is_multiple_of(TWICE) {
         *counts.entry("seeds run twice, the same bytes").or_default() += 1;
-        if run(&mut Counts::new())? != disk {
-            return Err("run twice it leaves other bytes".to_owned());
-        }
+        ensure!(run(&mut Counts::new())? == disk, "run twice it leaves other bytes");
     }
     Ok(())
 }

@@ -1,13 +1,12 @@
 //! What a seed draws: the study, what goes wrong, and a clock that is late.
 
+use crate::played::{changed_template, plan};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng as _, SeedableRng as _};
-use std::path::{Path, PathBuf};
 use zwidth_acquire::Plan;
 use zwidth_device::mock::Fault as DeviceFault;
 use zwidth_device::{Clock, SimulatedClock};
-use zwidth_store::{Fault, Layout, Memory, Survives};
-use zwidth_study::{Calibration, Study, template};
+use zwidth_store::{Fault, Memory, Survives};
 
 /// Rate of the loop, Hz, as the thesis'.
 const RATE_HZ: f64 = 120.0;
@@ -177,51 +176,19 @@ impl Clock for Late {
 
 /// The study of a seed, laid down on a disk of its own: three to six trials and perhaps one for
 /// practice.
-pub(super) fn study(seed: u64) -> Result<(Memory, Plan), String> {
+pub(super) fn study(seed: u64) -> anyhow::Result<(Memory, Plan)> {
+    const STUDY: &str = "soak";
     let mut draw = Draw::new(seed, 1);
-    let layout = Layout::new(Path::new("/simulated"), "soak".parse().map_err(told)?);
-    let study_toml = study_toml(&mut draw, &template(layout.study()))?;
-    let study = Study::from_toml(&study_toml).map_err(|e| format!("{e:?}"))?;
-    let study_toml = study_toml.into_bytes();
-    let disk = Memory::new();
-    disk.put(&layout.study_toml(), &study_toml);
-    let plan = Plan {
-        layout,
-        study_toml,
-        participant: format!("P{:02}", 1 + draw.below(3)).parse().map_err(told)?,
-        session: "S01".parse().map_err(told)?,
-        calibration: Calibration::thesis(),
-        software: "simulation 1".to_owned(),
-        rate_hz: study.control.rate_hz,
-        study,
-        seed: draw.one_in(2).then_some(seed),
-        keys: PathBuf::from("/simulated/keys"),
-        secret: [9; 32],
-        accept_study_change: false,
-    };
-    Ok((disk, plan))
-}
-
-/// The template's study.toml with what the seed draws.
-fn study_toml(draw: &mut Draw, template: &str) -> Result<String, String> {
     let (environments, modes) = draw.of(&[(1, 3), (2, 2), (2, 3)]);
-    let mut table: toml::Table = template.parse().map_err(told)?;
-    for (list, length) in [("environments", environments), ("modes", modes)] {
-        let list = table.get_mut(list).and_then(toml::Value::as_array_mut);
-        list.ok_or("the template lost a list")?.truncate(length);
-    }
-    let mut set = |of: &str, key: &str, value: toml::Value| {
-        let of = table.get_mut(of).and_then(toml::Value::as_table_mut);
-        of.map(|of| of.insert(key.to_owned(), value)).ok_or("the template lost a table")
-    };
-    set("design", "repeats", 1.into())?;
-    set("design", "familiarisation", i64::from(draw.below(2) as u32).into())?;
-    set("design", "trial_limit_s", LIMIT_S.into())?;
-    set("design", "blinded", draw.one_in(3).into())?;
-    set("control", "rate_hz", RATE_HZ.into())?;
-    toml::to_string(&table).map_err(told)
-}
-
-pub(super) fn told(error: impl std::fmt::Display) -> String {
-    error.to_string()
+    let fields = [
+        ("design", "repeats", toml::Value::from(1)),
+        ("design", "familiarisation", i64::from(draw.below(2) as u32).into()),
+        ("design", "trial_limit_s", LIMIT_S.into()),
+        ("design", "blinded", draw.one_in(3).into()),
+        ("control", "rate_hz", RATE_HZ.into()),
+    ];
+    let lists = [("environments", environments), ("modes", modes)];
+    let (disk, plan) = plan(STUDY, &changed_template(STUDY, &lists, fields)?)?;
+    let participant = format!("P{:02}", 1 + draw.below(3)).parse()?;
+    Ok((disk, Plan { participant, seed: draw.one_in(2).then_some(seed), ..plan }))
 }

@@ -3,56 +3,49 @@
 use super::lever::{Counted, force_counts};
 use super::links::Over;
 use super::session::Ended;
+use anyhow::{Context as _, anyhow, bail, ensure};
 use std::collections::BTreeSet;
 use std::path::Path;
-use zwidth_link::Drive;
-use zwidth_link::Link;
 use zwidth_link::simulated::Trouble;
+use zwidth_link::{Drive, Link};
 use zwidth_store::{Signal, StudyData, read_trial_from, verify_kept};
 use zwidth_study::Status;
 
-/// Judges what a session left.
-///
-/// # Errors
-/// The promise that was broken.
-pub(super) fn judge(over: Over, trouble: Option<Trouble>, ended: &Ended) -> Result<(), String> {
-    if ended.done != ended.total {
-        return Err(format!("{} of {} trials are done", ended.done, ended.total));
-    }
+/// Judges what a session left; the error is the promise that was broken.
+pub(super) fn judge(over: Over, trouble: Option<Trouble>, ended: &Ended) -> anyhow::Result<()> {
+    let Ended { done, total, .. } = ended;
+    ensure!(done == total, "{done} of {total} trials are done");
     // Without a watchdog and without a cable nobody takes a voltage away, but it is said. Without a
     // check a bit of the very last word may turn 0 V into another voltage, and nobody knows.
     let unheard = ended.warned && over.link != Link::Framed;
     let misheard =
         ended.was_last && over.believes(Trouble::Corrupt) > 0 && trouble == Some(Trouble::Corrupt);
-    if ended.drive != Drive::default() && !unheard && !misheard {
-        return Err(format!("the board still gives a voltage: {:?}", ended.drive));
-    }
-    if ended.left_on && over.link == Link::Framed {
-        return Err("a voltage stayed on without its cable".to_owned());
-    }
+    ensure!(
+        ended.drive == Drive::default() || unheard || misheard,
+        "the board still gives a voltage: {:?}",
+        ended.drive
+    );
+    let is_left_on = ended.left_on && over.link == Link::Framed;
+    ensure!(!is_left_on, "a voltage stayed on without its cable");
     if let Some(finding) = verify_kept(&ended.disk, &ended.layout).first() {
-        return Err(format!("verify finds: {finding}"));
+        bail!("verify finds: {finding}");
     }
-    let data = StudyData::load_from(&ended.disk, &ended.layout).map_err(|e| format!("{e:?}"))?;
+    let data = StudyData::load_from(&ended.disk, &ended.layout).map_err(|e| anyhow!("{e:?}"))?;
     let whole = data.trials.iter().filter(|trial| trial.meta.status == Status::Complete);
-    if whole.count() < ended.total {
-        return Err("a finished trial is gone".to_owned());
-    }
+    ensure!(whole.count() >= *total, "a finished trial is gone");
     let may = trouble.map_or(0, |trouble| over.believes(trouble));
     let mut wrong = Vec::new();
     for trial in &data.trials {
         wrong.extend(wrong_readings(over, trouble, ended, &trial.path)?);
     }
-    if wrong.len() > may {
-        return Err(format!("recorded is what the board never saw, {may} may be: {wrong:?}"));
-    }
+    ensure!(wrong.len() <= may, "recorded is what the board never saw, {may} may be: {wrong:?}");
     Ok(())
 }
 
 /// The readings of a trial as they came over the wire, without those that repeat the one before.
-pub(super) fn readings(ended: &Ended, path: &Path) -> Result<Vec<Recorded>, String> {
-    let trial = read_trial_from(&ended.disk, path, Signal::all()).map_err(|e| e.to_string())?;
-    let column = |signal| trial.samples.get(signal).ok_or_else(|| format!("no {signal:?}"));
+pub(super) fn readings(ended: &Ended, path: &Path) -> anyhow::Result<Vec<Recorded>> {
+    let trial = read_trial_from(&ended.disk, path, Signal::all())?;
+    let column = |signal| trial.samples.get(signal).with_context(|| format!("no {signal:?}"));
     let raw = column(Signal::ThetaRaw)?;
     let forces = column(Signal::ForceEx)?;
     let times = trial.samples.get(Signal::DeviceTime);
@@ -78,7 +71,7 @@ fn wrong_readings(
     trouble: Option<Trouble>,
     ended: &Ended,
     path: &Path,
-) -> Result<Vec<Recorded>, String> {
+) -> anyhow::Result<Vec<Recorded>> {
     let readings = readings(ended, path)?;
     let seen: BTreeSet<Counted> = ended.seen.iter().copied().collect();
     if over.link == Link::Firmata {

@@ -11,15 +11,12 @@ pub(crate) struct Over {
     pub(crate) angle: AngleAt,
 }
 
-/// The links.
-pub(crate) const LINKS: [Over; 4] = [
-    Over { name: "framed", link: Link::Framed, angle: AngleAt::I2c },
-    Over { name: "firmata", link: Link::Firmata, angle: AngleAt::Analog(0) },
-    Over { name: "firmata-i2c", link: Link::Firmata, angle: AngleAt::I2c },
-    Over { name: "text", link: Link::Text, angle: AngleAt::I2c },
-];
-
 impl Over {
+    /// Each link.
+    pub(crate) fn all() -> impl Iterator<Item = Self> {
+        zwidth_link::LINKS.into_iter().map(|(name, link, angle)| Self { name, link, angle })
+    }
+
     /// Readings of a trial that may be wrong after this happened to a message. Frames have a check.
     /// Without one a turned bit may make another number, and half a message joined to the next one
     /// another message.

@@ -18,14 +18,13 @@ mod whole;
 
 pub(crate) use whole::whole;
 
-use crate::tried::{Tried, note};
-use anyhow::{bail, ensure};
+use crate::tried::note;
+use anyhow::{Context as _, ensure};
 use judge::judge;
-use links::{LINKS, Over};
-use session::{Ended, record};
+use links::Over;
+use rayon::prelude::*;
+use session::record;
 use std::collections::BTreeMap;
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 use zwidth_link::simulated::{Trouble, Way};
 
@@ -42,8 +41,6 @@ const TROUBLES: [(&str, Trouble); 8] = [
 ];
 /// Broken promises that are told one by one.
 const TOLD: usize = 40;
-/// Sessions at once.
-const AT_ONCE: usize = 2;
 
 /// One session with one message gone wrong.
 #[derive(Debug, Clone, Copy)]
@@ -56,7 +53,7 @@ struct Case {
 }
 
 /// Every `every`th case of a link: each message, each trouble.
-fn cases(over: Over, every: usize) -> Result<Vec<Case>, String> {
+fn cases(over: Over, every: usize) -> anyhow::Result<Vec<Case>> {
     let clean = record(over, None)?;
     judge(over, None, &clean)?;
     let of = |way: Way| (0..clean.said[way as usize]).map(move |nth| (way, nth));
@@ -69,45 +66,34 @@ fn cases(over: Over, every: usize) -> Result<Vec<Case>, String> {
 /// One case; how often the session was stopped, or what broke.
 fn one(case: Case) -> Result<u32, String> {
     let Case { over, way, nth, name, trouble } = case;
-    let ended: Result<Ended, String> = record(over, Some((way, nth, trouble)));
+    let ended = record(over, Some((way, nth, trouble)));
     let judged = ended.and_then(|ended| judge(over, Some(trouble), &ended).map(|()| ended.stops));
-    judged.map_err(|why| format!("{}, {way:?} {nth} {name}: {why}", over.name))
+    judged.map_err(|why| format!("{}, {way:?} {nth} {name}: {why:#}", over.name))
 }
 
 /// Cases that are tried; how many, how often their sessions were stopped, and what broke.
 fn tried(cases: &[Case]) -> (BTreeMap<&'static str, [u64; 2]>, Vec<String>) {
-    let next = AtomicUsize::new(0);
-    let found = Mutex::new((BTreeMap::<&'static str, [u64; 2]>::new(), Vec::new()));
-    let work = || {
-        while let Some(case) = cases.get(next.fetch_add(1, Ordering::Relaxed)) {
-            let judged = one(*case);
-            let Ok(mut found) = found.lock() else { return };
-            let counts = found.0.entry(case.name).or_default();
-            counts[0] += 1;
-            match judged {
-                Ok(stops) => counts[1] += u64::from(stops > 0),
-                Err(why) => found.1.push(why),
-            }
+    let judged: Vec<Result<u32, String>> = cases.par_iter().map(|case| one(*case)).collect();
+    let mut counts = BTreeMap::<&'static str, [u64; 2]>::new();
+    let mut broken = Vec::new();
+    for (case, judged) in cases.iter().zip(judged) {
+        let [all, stopped] = counts.entry(case.name).or_default();
+        *all += 1;
+        match judged {
+            Ok(stops) => *stopped += u64::from(stops > 0),
+            Err(why) => broken.push(why),
         }
-    };
-    std::thread::scope(|scope| (0..AT_ONCE).for_each(|_| drop(scope.spawn(work))));
-    found.into_inner().unwrap_or_default()
+    }
+    (counts, broken)
 }
 
 /// Every `every`th message of a session over each link gone wrong in every way.
 pub(crate) fn wire(every: usize) -> anyhow::Result<()> {
-    if cfg!(debug_assertions) {
-        return super::optimised(&["wire", &every.to_string()]);
-    }
-    matrix(every)
-}
-
-fn matrix(every: usize) -> anyhow::Result<()> {
     let began = Instant::now();
     let mut times = 0;
     let mut broken = Vec::new();
-    for over in LINKS {
-        let cases = cases(over, every).map_err(|why| anyhow::anyhow!("{}: {why}", over.name))?;
+    for over in Over::all() {
+        let cases = cases(over, every).context(over.name)?;
         let (counts, why) = tried(&cases);
         println!(
             "{}: {} sessions, {} promises broken, {:.0} s so far",
@@ -124,17 +110,11 @@ fn matrix(every: usize) -> anyhow::Result<()> {
     }
     broken.iter().take(TOLD).for_each(|why| println!("{why}"));
     println!("{} promises broken", broken.len());
-    note(&Tried {
-        what: "sessions over a serial line, each with one message gone wrong".to_owned(),
-        command: format!("cargo xtask soak wire {every}"),
-        times,
-        broken: broken.len() as u64,
-        seconds: began.elapsed().as_secs_f64(),
-    })?;
+    let what = "sessions over a serial line, each with one message gone wrong";
+    let command = format!("cargo xtask soak wire {every}");
+    note(what, command, times, broken.len() as u64, began)?;
     ensure!(times > 0, "nothing was tried");
-    if !broken.is_empty() {
-        bail!("a message that goes wrong breaks a promise");
-    }
+    ensure!(broken.is_empty(), "a message that goes wrong breaks a promise");
     Ok(())
 }
 
@@ -144,7 +124,7 @@ mod tests {
 
     #[test]
     fn some_messages_of_a_session_over_each_link_gone_wrong_break_no_promise() {
-        for over in LINKS {
+        for over in Over::all() {
             // No multiple of the number of troubles, so that each comes to its turn.
             let cases = cases(over, 101).unwrap();
             assert!(cases.len() > 20, "{}: {} cases", over.name, cases.len());
@@ -156,20 +136,20 @@ mod tests {
 
     #[test]
     fn a_wrong_sample_and_a_voltage_that_stays_are_found_out() {
-        let over = LINKS[0];
+        let over = Over::all().next().unwrap();
         let mut ended = record(over, None).unwrap();
-        assert_eq!(judge(over, None, &ended), Ok(()));
+        judge(over, None, &ended).unwrap();
         ended.drive.motor = 1;
-        assert!(judge(over, None, &ended).unwrap_err().contains("voltage"));
+        assert!(judge(over, None, &ended).unwrap_err().to_string().contains("voltage"));
         ended.drive.motor = 0;
         ended.told.remove(ended.told.len() / 2);
         ended.seen.clear();
-        assert!(judge(over, None, &ended).unwrap_err().contains("never saw"));
+        assert!(judge(over, None, &ended).unwrap_err().to_string().contains("never saw"));
     }
 
     #[test]
     #[ignore = "every message: minutes; .ci/long has the chore"]
     fn every_message_of_a_session_over_each_link_gone_wrong_breaks_no_promise() {
-        matrix(1).unwrap();
+        wire(1).unwrap();
     }
 }

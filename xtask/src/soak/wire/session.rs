@@ -2,10 +2,11 @@
 
 use super::lever::{Counted, Remembering, Seen, Told, counted, lever};
 use super::links::Over;
-use crate::played::{Person, plan, play, short_study, told};
-use std::sync::{Arc, Mutex, PoisonError};
+use crate::played::{Person, WIRE, plan, play, short_study};
+use anyhow::{Context as _, ensure};
+use std::sync::{Arc, PoisonError};
 use zwidth_acquire::Plan;
-use zwidth_device::mock::{self, Mock};
+use zwidth_device::mock;
 use zwidth_device::{Capabilities, Device};
 use zwidth_link::Drive;
 use zwidth_link::simulated::{Bench, Trouble, Way};
@@ -51,47 +52,31 @@ pub(super) struct Ended {
     pub(super) said: [u64; 3],
 }
 
-/// A session: its study, what the host is told of its board, and the line.
-pub(super) struct Setting {
-    pub(super) study_toml: String,
-    pub(super) rig: Settings,
-}
-
-/// The short session of three trials over a link, of which this message goes wrong.
-///
-/// # Errors
-/// A session that does not come to its end.
-pub(super) fn record(link: Over, trouble: Option<(Way, u64, Trouble)>) -> Result<Ended, String> {
-    let device = lever();
-    let seen = Seen::default();
-    let rate_hz = if link.link == Link::Framed { FRAMED_HZ } else { 1.25 * STREAM_HZ };
-    let mut rig = Settings::of_board(
-        link.link,
-        link.angle,
-        STREAM_HZ,
-        &mock::capabilities(),
-        "/dev/cell".as_ref(),
-    );
-    rig.baud = (link.link == Link::Framed).then_some(FRAMED_BAUD);
-    let setting = Setting { study_toml: short_study(rate_hz, LIMIT_S)?, rig };
-    played::<Mock>(&setting, device, &seen, trouble, false)
+/// The short session of three trials over a link, of which this message goes wrong; an error if it
+/// does not come to its end.
+pub(super) fn record(link: Over, trouble: Option<(Way, u64, Trouble)>) -> anyhow::Result<Ended> {
+    let is_framed = link.link == Link::Framed;
+    let rate_hz = if is_framed { FRAMED_HZ } else { 1.25 * STREAM_HZ };
+    let baud = is_framed.then_some(FRAMED_BAUD);
+    let rig = settings(link, STREAM_HZ, &mock::capabilities(), baud);
+    played(&short_study(rate_hz, LIMIT_S)?, &rig, lever(), trouble, false)
 }
 
 /// Plays a session to its end; `answers` where the device has a participant.
 pub(super) fn played<D: Device + Told + 'static>(
-    setting: &Setting,
+    study_toml: &str,
+    rig: &Settings,
     device: D,
-    seen: &Seen,
     trouble: Option<(Way, u64, Trouble)>,
     answers: bool,
-) -> Result<Ended, String> {
-    let (disk, plan) = plan(&setting.study_toml)?;
-    let rig = &setting.rig;
-    let told_to = Arc::new(Mutex::new(Vec::new()));
+) -> anyhow::Result<Ended> {
+    let (disk, plan) = plan(WIRE, study_toml)?;
+    let seen = Seen::default();
+    let told_to = Seen::default();
     let telling = Arc::clone(&told_to);
-    let device = Remembering::new(device, seen);
-    let board = Board::by(rig, device, plan.study.environments.clone()).map_err(told)?;
-    let last = Arc::clone(seen);
+    let device = Remembering::new(device, &seen);
+    let board = Board::by(rig, device, plan.study.environments.clone())?;
+    let last = Arc::clone(&seen);
     let board = board.telling(move |reading| {
         // What the board tells is what it has just seen; its clock is the device's own.
         let seen = last.lock().unwrap_or_else(PoisonError::into_inner);
@@ -110,11 +95,8 @@ pub(super) fn played<D: Device + Told + 'static>(
     let outcome = play(&plan, &disk, &mut *device, &mut clock, &mut person, answers)?;
     drop(device);
     bench.wait(LATER_S);
-    if trouble.is_some() && !bench.happened() {
-        return Err("nothing happened to its message".to_owned());
-    }
-    let own =
-        |list: &Mutex<Vec<Counted>>| list.lock().unwrap_or_else(PoisonError::into_inner).clone();
+    ensure!(trouble.is_none() || bench.happened(), "nothing happened to its message");
+    let own = |list: &Seen| list.lock().unwrap_or_else(PoisonError::into_inner).clone();
     Ok(Ended {
         disk,
         layout: plan.layout,
@@ -128,24 +110,25 @@ pub(super) fn played<D: Device + Told + 'static>(
         drive: bench.drive(),
         left_on: bench.left_on(),
         told: own(&told_to),
-        seen: own(seen),
+        seen: own(&seen),
         said: Way::ALL.map(|way| bench.said(way)),
     })
 }
 
 /// The rig, if need be at another start of the program.
-fn connected(bench: &Bench, rig: &Settings, plan: &Plan) -> Result<Box<dyn Device>, String> {
-    let mut why = String::new();
-    for _ in 0..STARTS {
+fn connected(bench: &Bench, rig: &Settings, plan: &Plan) -> anyhow::Result<Box<dyn Device>> {
+    let start = || {
         let ids = plan.study.environments.iter().map(|e| e.id.clone()).collect();
         let cell = rig.hx711.is_some().then(|| bench.cell());
-        match over(bench.wire(), cell, rig, ids) {
-            Ok(device) => return Ok(device),
-            Err(error) => why = error.to_string(),
+        over(bench.wire(), cell, rig, ids)
+    };
+    for _ in 1..STARTS {
+        if let Ok(device) = start() {
+            return Ok(device);
         }
         bench.wait(AGAIN_S);
     }
-    Err(format!("no board is found: {why}"))
+    start().context("no board is found")
 }
 
 /// What a device of this link can do at so many readings a second.

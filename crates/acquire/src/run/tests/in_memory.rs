@@ -18,27 +18,18 @@ fn findings(desk: &Desk, disk: &Memory) -> Vec<zwidth_store::StoreError> {
 }
 
 #[test]
-fn a_whole_session_runs_in_memory_and_touches_no_real_disk() {
-    for blinded in [false, true] {
-        let (desk, disk) = in_memory(blinded);
-        let outcome = desk.run(&mut Mock::default(), &disk, &mut diligent()).unwrap();
-        assert_eq!((outcome.done, outcome.stopped, findings(&desk, &disk)), (TRIALS, None, vec![]));
-        let data = StudyData::load_from(&disk, &desk.plan.layout).unwrap();
-        assert_eq!(data.trials.len(), TRIALS);
-        assert_eq!(disk.below(&desk.plan.keys).len(), if blinded { 2 } else { 0 });
-        assert!(!Path::new("/nowhere").exists());
-    }
-}
-
-#[test]
-fn a_session_in_memory_ended_at_any_step_goes_on_in_the_same_order() {
+fn a_session_in_memory_touches_no_real_disk_and_ended_at_any_step_goes_on_in_the_same_order() {
     for blinded in [false, true] {
         let (desk, disk) = in_memory(blinded);
         let before = disk.steps();
-        desk.run(&mut Mock::default(), &disk, &mut diligent()).unwrap();
-        let whole =
-            StudyData::load_from(&disk, &desk.plan.layout).unwrap().sessions.remove(0).record;
+        let outcome = desk.run(&mut Mock::default(), &disk, &mut diligent()).unwrap();
         let steps = disk.steps() - before;
+        assert_eq!((outcome.done, outcome.stopped, findings(&desk, &disk)), (TRIALS, None, vec![]));
+        let mut data = StudyData::load_from(&disk, &desk.plan.layout).unwrap();
+        assert_eq!(data.trials.len(), TRIALS);
+        assert_eq!(disk.below(&desk.plan.keys).len(), if blinded { 2 } else { 0 });
+        assert!(!Path::new("/nowhere").exists());
+        let whole = data.sessions.remove(0).record;
         // Often until the first trial runs, and now and then afterwards; by a kill and by a power
         // cut in turn.
         for (turn, at) in (0..60).step_by(5).chain((60..steps).step_by(311)).enumerate() {

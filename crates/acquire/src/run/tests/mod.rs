@@ -10,14 +10,15 @@ mod whole;
 
 use super::*;
 use crate::{Auto, Nobody, Phase as Shown, Unsynced};
-use std::cell::Cell;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use tempfile::TempDir;
 use zwidth_device::SimulatedClock;
 use zwidth_device::mock::{Fault, Mock};
-use zwidth_store::{Append, Layout, RealFiles, StudyData, append_events, recover, verify};
+use zwidth_store::{
+    Append, Entry, Layout, RealFiles, Stamp, StudyData, append_events, recover, verify,
+};
 use zwidth_study::{Calibration, Kind, ModeId, Status, Study, Voltages, template};
 
 const UTC: &str = "2026-01-01T00:00:00Z";
@@ -60,19 +61,7 @@ impl Desk {
             keys: folder.path().join("keys"),
             secret: [9; 32],
         };
-        let options = Options {
-            live: false,
-            answers: false,
-            by_hand: false,
-            steps: Vec::new(),
-            ask: false,
-            no_watchdog: false,
-            by: None,
-            markers: Vec::new(),
-            stop: Arc::default(),
-            quit: Arc::default(),
-        };
-        Self { folder, plan, options }
+        Self { folder, plan, options: Options::default() }
     }
 
     fn run(
@@ -98,23 +87,22 @@ impl Desk {
 
 /// Somebody who starts every trial, gives the same answer always, and does what a closure says
 /// before all else.
-struct Somebody<F>(F, Shown);
+struct Somebody<F>(F, Shown, Option<Input>);
 
 impl<F: FnMut(&View) -> Option<Input>> Front for Somebody<F> {
     fn show(&mut self, view: &View) -> Result<(), AcquireError> {
         self.1 = view.phase.clone();
         if let Some(input) = (self.0)(view) {
             if input == Input::Failed("killed".into()) {
-                let (what, remedy) = ("killed".to_owned(), String::new());
-                return Err(AcquireError::Refused { what, remedy });
+                return Err(AcquireError::refused("killed", ""));
             }
-            OWN.set(Some(input));
+            self.2 = Some(input);
         }
         Ok(())
     }
 
     fn next(&mut self, _wait: Duration) -> Result<Option<Input>, AcquireError> {
-        Ok(OWN.take().or(match self.1 {
+        Ok(self.2.take().or(match self.1 {
             Shown::Ready => Some(Input::Start),
             Shown::Question { .. } => Some(Input::Answer(4)),
             Shown::Done | Shown::Stopped { .. } => Some(Input::Quit),
@@ -123,15 +111,15 @@ impl<F: FnMut(&View) -> Option<Input>> Front for Somebody<F> {
     }
 }
 
-thread_local! {
-    static OWN: Cell<Option<Input>> = const { Cell::new(None) };
+/// Somebody who leaves once so many trials are done.
+fn quits_after(done: usize) -> Somebody<impl FnMut(&View) -> Option<Input>> {
+    somebody(move |view: &View| (view.done == done).then_some(Input::Quit))
 }
 
 fn somebody(
     own: impl FnMut(&View) -> Option<Input>,
 ) -> Somebody<impl FnMut(&View) -> Option<Input>> {
-    OWN.take();
-    Somebody(own, Shown::Check)
+    Somebody(own, Shown::Check, None)
 }
 
 fn diligent() -> Somebody<impl FnMut(&View) -> Option<Input>> {
@@ -201,20 +189,36 @@ fn repeats_exclusions_and_notes_end_up_in_the_log() {
     assert_eq!(verify(&desk.plan.layout), []);
 }
 
-/// A disk that takes so many appends and is full from then on.
-struct Full(Arc<Mutex<u32>>);
-
-struct FullFile(Box<dyn Append>, Arc<Mutex<u32>>);
-
-fn take(left: &Mutex<u32>) -> io::Result<()> {
-    let mut left = left.lock().unwrap();
-    *left = left.checked_sub(1).ok_or(io::ErrorKind::StorageFull)?;
-    Ok(())
+/// What a disk is asked for.
+enum Request<'a> {
+    /// What a file or a name is.
+    Look,
+    /// The names in a folder; so many there are.
+    List(usize),
+    /// A file's bytes; so many there are.
+    Read(usize),
+    Write(&'a Path, &'a [u8]),
+    Append(&'a Path, &'a [u8]),
+    Sync(&'a Path),
 }
 
-impl Append for FullFile {
+/// Hears of a request, and may refuse it.
+type Hears = dyn Fn(Request<'_>) -> io::Result<()> + Send + Sync;
+
+/// A disk, and somebody who hears of each request: before anything is written.
+struct Heard(Arc<Hears>);
+
+struct HeardFile(Box<dyn Append>, PathBuf, Arc<Hears>);
+
+impl Heard {
+    fn new(hears: impl Fn(Request<'_>) -> io::Result<()> + Send + Sync + 'static) -> Self {
+        Self(Arc::new(hears))
+    }
+}
+
+impl Append for HeardFile {
     fn append_synced(&mut self, bytes: &[u8]) -> io::Result<()> {
-        take(&self.1)?;
+        (self.2)(Request::Append(&self.1, bytes))?;
         self.0.append_synced(bytes)
     }
     fn take_back(&mut self) -> io::Result<()> {
@@ -222,22 +226,42 @@ impl Append for FullFile {
     }
 }
 
-impl Files for Full {
+impl Files for Heard {
+    fn kind(&self, path: &Path) -> Option<Entry> {
+        (self.0)(Request::Look).ok()?;
+        Unsynced.kind(path)
+    }
+    fn stamp(&self, path: &Path) -> Option<Stamp> {
+        (self.0)(Request::Look).ok()?;
+        Unsynced.stamp(path)
+    }
+    fn list(&self, folder: &Path) -> io::Result<Vec<(PathBuf, Entry)>> {
+        let found = Unsynced.list(folder)?;
+        (self.0)(Request::List(found.len()))?;
+        Ok(found)
+    }
+    fn read(&self, path: &Path, most: u64) -> io::Result<Vec<u8>> {
+        let bytes = Unsynced.read(path, most)?;
+        (self.0)(Request::Read(bytes.len()))?;
+        Ok(bytes)
+    }
     fn create_folder(&self, path: &Path) -> io::Result<()> {
         Unsynced.create_folder(path)
     }
     fn write_synced(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
-        take(&self.0)?;
+        (self.0)(Request::Write(path, bytes))?;
         Unsynced.write_synced(path, bytes)
     }
     fn rename(&self, from: &Path, to: &Path) -> io::Result<()> {
         Unsynced.rename(from, to)
     }
     fn sync_folder(&self, path: &Path) -> io::Result<()> {
+        (self.0)(Request::Sync(path))?;
         Unsynced.sync_folder(path)
     }
     fn open_append(&self, path: &Path) -> io::Result<Box<dyn Append>> {
-        Ok(Box::new(FullFile(Unsynced.open_append(path)?, Arc::clone(&self.0))))
+        let file = Unsynced.open_append(path)?;
+        Ok(Box::new(HeardFile(file, path.to_owned(), Arc::clone(&self.0))))
     }
     fn remove(&self, path: &Path) -> io::Result<()> {
         Unsynced.remove(path)
@@ -247,6 +271,21 @@ impl Files for Full {
     }
 }
 
+fn take(left: &Mutex<u32>) -> io::Result<()> {
+    let mut left = left.lock().unwrap();
+    *left = left.checked_sub(1).ok_or(io::ErrorKind::StorageFull)?;
+    Ok(())
+}
+
+/// A disk that takes so many writes and is full from then on.
+fn full(left: &Arc<Mutex<u32>>) -> Heard {
+    let left = Arc::clone(left);
+    Heard::new(move |request| match request {
+        Request::Write(..) | Request::Append(..) => take(&left),
+        _ => Ok(()),
+    })
+}
+
 #[test]
 fn a_disk_that_fills_up_at_any_moment_ends_the_session_at_0_v_and_the_rest_follows_in_the_same_order()
  {
@@ -254,7 +293,7 @@ fn a_disk_that_fills_up_at_any_moment_ends_the_session_at_0_v_and_the_rest_follo
     whole.run(&mut Mock::default(), &Unsynced, &mut diligent()).unwrap();
     let drawn = whole.data().sessions[0].record.trials.clone();
     let left = Arc::new(Mutex::new(10_000));
-    Desk::new(false).run(&mut Mock::default(), &Full(Arc::clone(&left)), &mut diligent()).unwrap();
+    Desk::new(false).run(&mut Mock::default(), &full(&left), &mut diligent()).unwrap();
     let used = 10_000 - *left.lock().unwrap();
     // At the record and the first journal; in the midst of a trial; at every write that makes it a
     // file; at the last line of the log. (Its count comes after it, and may stay behind.)
@@ -264,7 +303,7 @@ fn a_disk_that_fills_up_at_any_moment_ends_the_session_at_0_v_and_the_rest_follo
     {
         let desk = Desk::new(false);
         let mut mock = Mock::default();
-        let full = Full(Arc::new(Mutex::new(room)));
+        let full = full(&Arc::new(Mutex::new(room)));
         let error = desk.run(&mut mock, &full, &mut diligent()).unwrap_err().to_string();
         assert!(error.contains("free some space") || error.contains("recover"), "{room}: {error}");
         assert_eq!(mock.writes.last().map(|(_, v)| *v), Some(Voltages::OFF), "{room}");
@@ -331,7 +370,7 @@ fn a_front_end_that_goes_away_leaves_the_session_as_a_signal_does_in_every_phase
         assert_eq!(outcome.gone.as_deref(), Some("the window was closed"), "{number}");
         assert_eq!(recover(&RealFiles, &desk.plan.layout, UTC).len(), 0, "{number}");
         assert_eq!(verify(&desk.plan.layout), [], "{number}");
-        let desk = Desk { options: Desk::new(false).options, ..desk };
+        let desk = Desk { options: Options::default(), ..desk };
         let outcome = desk.run(&mut Mock::default(), &Unsynced, &mut diligent()).unwrap();
         assert_eq!((outcome.done, outcome.gone), (TRIALS, None), "{number}");
     }
@@ -368,10 +407,9 @@ fn a_safety_trigger_stops_the_session_and_the_trial_is_done_again_after_homing()
 }
 
 #[test]
-fn a_session_refuses_another_device_rate_or_calibration_and_says_which() {
+fn a_session_refuses_another_device_rate_calibration_or_seed_and_says_which_with_both_sides() {
     let desk = Desk::new(false);
-    let mut quits = somebody(|view: &View| (view.done == 1).then_some(Input::Quit));
-    desk.run(&mut Mock::default(), &RealFiles, &mut quits).unwrap();
+    desk.run(&mut Mock::default(), &RealFiles, &mut quits_after(1)).unwrap();
     let refused = |plan: &Plan, device: &Mock| {
         Session::open(plan, device.capabilities(), &RealFiles).unwrap_err().to_string()
     };
@@ -381,8 +419,12 @@ fn a_session_refuses_another_device_rate_or_calibration_and_says_which() {
     let mut plan = desk.plan.clone();
     plan.calibration.motor.force_n[1] = 4.0;
     assert!(refused(&plan, &Mock::default()).contains("the calibration is "));
-    let plan = Plan { rate_hz: 60.0, ..desk.plan.clone() };
-    assert!(refused(&plan, &Mock::default()).contains("the rate is 60 Hz, and was 120 Hz"));
+    let plan = Plan { rate_hz: 60.0, seed: Some(4), ..desk.plan.clone() };
+    let all = format!(
+        "the device is mock 2, and was mock 1; the rate is 60 Hz, and was 120 Hz; the seed is 4, and was {}",
+        crate::seed_of(&plan.study)
+    );
+    assert!(refused(&plan, &other).contains(&all));
 }
 
 #[test]
@@ -419,13 +461,12 @@ fn a_blinded_session_shows_neither_modes_nor_voltages_and_its_files_hold_codes()
 #[test]
 fn a_blinded_session_cut_short_resumes_from_its_seal_and_repeats_keep_their_mode() {
     let desk = Desk::new(true);
-    let full = Full(Arc::new(Mutex::new(150)));
+    let full = full(&Arc::new(Mutex::new(150)));
     desk.run(&mut Mock::default(), &full, &mut diligent()).unwrap_err();
     recover(&RealFiles, &desk.plan.layout, UTC);
     let elsewhere = Plan { keys: PathBuf::from("/nonexistent"), ..desk.plan.clone() };
-    let error = Session::open(&elsewhere, Mock::default().capabilities(), &RealFiles)
-        .unwrap_err()
-        .to_string();
+    let refused = Session::open(&elsewhere, Mock::default().capabilities(), &RealFiles);
+    let error = refused.unwrap_err().to_string();
     assert!(error.contains("--key"), "{error}");
     desk.run(&mut Mock::default(), &Unsynced, &mut diligent()).unwrap();
     let log = desk.data().sessions[0].clone();

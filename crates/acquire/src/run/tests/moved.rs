@@ -26,16 +26,24 @@ fn goes_on(desk: &Desk) {
     assert_eq!((outcome.done, verify(&desk.plan.layout)), (TRIALS, vec![]));
 }
 
-#[test]
-fn a_folder_moved_in_a_pause_is_noticed_before_the_next_trial() {
-    let desk = Desk::new(false);
+/// Somebody by whose time the study's folder goes, when two trials are done and the phase is right.
+fn leaves_at(
+    desk: &Desk,
+    is_phase: fn(&Shown) -> bool,
+) -> Somebody<impl FnMut(&View) -> Option<Input>> {
     let raw = desk.plan.layout.raw();
-    let mut front = somebody(|view: &View| {
-        if view.done == 2 && view.phase == Shown::Ready {
+    somebody(move |view: &View| {
+        if view.done == 2 && is_phase(&view.phase) {
             move_away(&raw);
         }
         None
-    });
+    })
+}
+
+#[test]
+fn a_folder_moved_in_a_pause_is_noticed_before_the_next_trial() {
+    let desk = Desk::new(false);
+    let mut front = leaves_at(&desk, |phase| *phase == Shown::Ready);
     let mut mock = Mock::default();
     let error = desk.run(&mut mock, &RealFiles, &mut front).unwrap_err();
     let begun = mock.writes.last().unwrap().0;
@@ -48,13 +56,7 @@ fn a_folder_moved_in_a_pause_is_noticed_before_the_next_trial() {
 #[test]
 fn a_folder_moved_while_a_question_is_open_keeps_the_journal_of_its_trial() {
     let desk = Desk::new(false);
-    let raw = desk.plan.layout.raw();
-    let mut front = somebody(|view: &View| {
-        if view.done == 2 && matches!(view.phase, Shown::Question { .. }) {
-            move_away(&raw);
-        }
-        None
-    });
+    let mut front = leaves_at(&desk, |phase| matches!(phase, Shown::Question { .. }));
     let mut mock = Mock::default();
     let error = desk.run(&mut mock, &RealFiles, &mut front).unwrap_err();
     let moved = gone(&desk, &mock, &error);
@@ -63,51 +65,18 @@ fn a_folder_moved_while_a_question_is_open_keeps_the_journal_of_its_trial() {
     assert_eq!(desk.data().trials[2].meta.status, Status::Complete);
 }
 
-/// A disk whose folder goes away at an append of a trial's journal.
-struct Leaving(PathBuf, Arc<Mutex<u32>>);
-
-struct LeavingFile(Box<dyn Append>, PathBuf, Arc<Mutex<u32>>);
-
-impl Append for LeavingFile {
-    fn append_synced(&mut self, bytes: &[u8]) -> io::Result<()> {
-        if take(&self.2).is_err() && self.1.exists() {
-            move_away(&self.1);
-        }
-        self.0.append_synced(bytes)
-    }
-    fn take_back(&mut self) -> io::Result<()> {
-        self.0.take_back()
-    }
-}
-
-impl Files for Leaving {
-    fn create_folder(&self, path: &Path) -> io::Result<()> {
-        Unsynced.create_folder(path)
-    }
-    fn write_synced(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
-        Unsynced.write_synced(path, bytes)
-    }
-    fn rename(&self, from: &Path, to: &Path) -> io::Result<()> {
-        Unsynced.rename(from, to)
-    }
-    fn sync_folder(&self, path: &Path) -> io::Result<()> {
-        Unsynced.sync_folder(path)
-    }
-    fn open_append(&self, path: &Path) -> io::Result<Box<dyn Append>> {
-        Ok(Box::new(LeavingFile(Unsynced.open_append(path)?, self.0.clone(), Arc::clone(&self.1))))
-    }
-    fn remove(&self, path: &Path) -> io::Result<()> {
-        Unsynced.remove(path)
-    }
-    fn remove_folder(&self, path: &Path) -> io::Result<()> {
-        Unsynced.remove_folder(path)
-    }
-}
-
 #[test]
 fn a_folder_moved_in_a_trial_ends_it_at_the_next_batch_and_its_samples_are_kept() {
     let desk = Desk::new(false);
-    let files = Leaving(desk.plan.layout.raw(), Arc::new(Mutex::new(20)));
+    let raw = desk.plan.layout.raw();
+    let left = Mutex::new(20);
+    // The folder goes away at an append of a trial's journal.
+    let files = Heard::new(move |request| {
+        if matches!(request, Request::Append(..)) && take(&left).is_err() && raw.exists() {
+            move_away(&raw);
+        }
+        Ok(())
+    });
     let mut mock = Mock::default();
     let mut asked = 0;
     let mut front = somebody(|view: &View| {

@@ -34,7 +34,7 @@ fn no_seed_of_a_blinded_study_stands_in_any_file_outside_the_vault() {
     for given in [None, Some(0xd1ce_5eed_0bad_cafe_u64)] {
         let mut desk = Desk::new(true);
         desk.plan.seed = given;
-        let full = Full(Arc::new(Mutex::new(150)));
+        let full = full(&Arc::new(Mutex::new(150)));
         desk.run(&mut Mock::default(), &full, &mut diligent()).unwrap_err(); // leaves a journal
         let keys = desk.plan.keys.clone();
         let search = |when: &str| {

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::flow::EMERGENCY_STOP;
+use std::cell::Cell;
 use std::sync::Condvar;
 use zwidth_device::mock::SharedClock;
 use zwidth_device::{Capabilities, Cue, DeviceError, Reading};
@@ -85,52 +86,8 @@ impl Device for Swinging {
     }
 }
 
-/// What the disk does before a write or a sync: of which file, and whether a running trial waits
-/// for it.
-type Wait = dyn Fn(&Path, bool) + Sync + Send;
-
-/// A disk that has to be waited for.
-struct Slow(Arc<Wait>);
-
-struct SlowFile(Box<dyn Append>, PathBuf, Arc<Wait>);
-
-impl Append for SlowFile {
-    fn append_synced(&mut self, bytes: &[u8]) -> io::Result<()> {
-        (self.2)(&self.1, self.1.extension().is_some_and(|e| e == "journal"));
-        self.0.append_synced(bytes)
-    }
-    fn take_back(&mut self) -> io::Result<()> {
-        self.0.take_back()
-    }
-}
-
-impl Files for Slow {
-    fn create_folder(&self, path: &Path) -> io::Result<()> {
-        Unsynced.create_folder(path)
-    }
-    fn write_synced(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
-        (self.0)(path, false);
-        Unsynced.write_synced(path, bytes)
-    }
-    fn rename(&self, from: &Path, to: &Path) -> io::Result<()> {
-        Unsynced.rename(from, to)
-    }
-    fn sync_folder(&self, path: &Path) -> io::Result<()> {
-        (self.0)(path, false);
-        Ok(())
-    }
-    fn open_append(&self, path: &Path) -> io::Result<Box<dyn Append>> {
-        Ok(Box::new(SlowFile(Unsynced.open_append(path)?, path.to_owned(), Arc::clone(&self.0))))
-    }
-    fn remove(&self, path: &Path) -> io::Result<()> {
-        Unsynced.remove(path)
-    }
-    fn remove_folder(&self, path: &Path) -> io::Result<()> {
-        Unsynced.remove_folder(path)
-    }
-}
-
-/// A session in real time with this device, on a disk that is waited for so.
+/// A session in real time with this device, on a disk that is waited for so before a write or a
+/// sync: of which file, and whether a running trial waits for it.
 fn live(
     desk: &mut Desk,
     mut device: Swinging,
@@ -140,7 +97,17 @@ fn live(
 ) -> (Outcome, Log) {
     desk.options.live = true;
     let session = Session::open(&desk.plan, device.capabilities(), &RealFiles).unwrap();
-    let (mut clock, files) = (clock.clone(), Slow(Arc::new(wait)));
+    let files = Heard::new(move |request| {
+        match request {
+            Request::Append(path, _) => {
+                wait(path, path.extension().is_some_and(|e| e == "journal"));
+            }
+            Request::Write(path, _) | Request::Sync(path) => wait(path, false),
+            _ => {}
+        }
+        Ok(())
+    });
+    let mut clock = clock.clone();
     let parts = Parts {
         device: &mut device,
         clock: &mut clock,
@@ -165,10 +132,6 @@ const APPEND_S: f64 = 0.05;
 /// A loop of 120 Hz reads more often than this, s.
 const LONGEST_S: f64 = 0.02;
 
-fn after_two_trials() -> Somebody<impl FnMut(&View) -> Option<Input>> {
-    somebody(|view: &View| (view.done == 2).then_some(Input::Quit))
-}
-
 #[test]
 fn the_turn_stays_known_and_nothing_is_driven_while_the_disk_stands_still_for_seconds() {
     let mut desk = Desk::new(false);
@@ -181,7 +144,7 @@ fn the_turn_stays_known_and_nothing_is_driven_while_the_disk_stands_still_for_se
         }
     };
     let (outcome, log) =
-        live(&mut desk, Swinging::new(Mock::new(swinging)), &clock, wait, &mut after_two_trials());
+        live(&mut desk, Swinging::new(Mock::new(swinging)), &clock, wait, &mut quits_after(2));
     assert_eq!((outcome.stopped, outcome.done, log.homings), (None, 2, 1));
     assert!(log.longest_s < LONGEST_S, "not read for {} s", log.longest_s);
     let stood = stood.lock().unwrap();
@@ -208,7 +171,7 @@ fn a_disk_that_stands_still_for_seconds_within_a_trial_costs_no_sample() {
         }
     };
     let (outcome, log) =
-        live(&mut desk, Swinging::new(Mock::new(swinging)), &clock, wait, &mut after_two_trials());
+        live(&mut desk, Swinging::new(Mock::new(swinging)), &clock, wait, &mut quits_after(2));
     assert_eq!((outcome.stopped, outcome.done, log.homings), (None, 2, 1));
     let (from_s, until_s) = stood.lock().unwrap().unwrap();
     // The clock's sums round.

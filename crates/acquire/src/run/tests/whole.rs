@@ -22,8 +22,7 @@ fn contents(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
 /// A desk at which two trials of a session were recorded.
 fn begun() -> Desk {
     let desk = Desk::new(false);
-    let mut quits = somebody(|view: &View| (view.done == 2).then_some(Input::Quit));
-    desk.run(&mut Mock::default(), &Unsynced, &mut quits).unwrap();
+    desk.run(&mut Mock::default(), &Unsynced, &mut quits_after(2)).unwrap();
     desk
 }
 
@@ -192,8 +191,7 @@ fn a_comment_a_label_or_a_figure_in_study_toml_ends_no_session_and_is_noted_once
         let mut desk = begun();
         let drawn = desk.data().sessions[0].record.trials.clone();
         changed(&mut desk, from, to);
-        let mut quits = somebody(|view: &View| (view.done == 3).then_some(Input::Quit));
-        desk.run(&mut Mock::default(), &Unsynced, &mut quits).unwrap();
+        desk.run(&mut Mock::default(), &Unsynced, &mut quits_after(3)).unwrap();
         let outcome = desk.run(&mut Mock::default(), &Unsynced, &mut diligent()).unwrap();
         assert_eq!((outcome.done, verify(&desk.plan.layout)), (TRIALS, vec![]), "{from}");
         let [note] = notes(&desk).try_into().unwrap();
@@ -217,8 +215,7 @@ fn a_change_of_what_is_recorded_is_refused_until_it_is_accepted_and_the_session_
     }
     assert_eq!((contents(desk.root()), mock.writes), (before, vec![]));
     desk.plan.accept_study_change = true;
-    let mut quits = somebody(|view: &View| (view.done == 3).then_some(Input::Quit));
-    desk.run(&mut Mock::default(), &Unsynced, &mut quits).unwrap();
+    desk.run(&mut Mock::default(), &Unsynced, &mut quits_after(3)).unwrap();
     let hash = zwidth_store::hex_blake3(&desk.plan.study_toml);
     let events = read_events(&of(&desk).log).unwrap();
     assert!(events.contains(&Event::StudyAccepted { study_blake3: hash }), "{events:?}");
@@ -251,8 +248,8 @@ fn a_session_from_before_there_were_copies_goes_on_under_its_very_study_toml_alo
     let events = read_events(&log).unwrap();
     [&copy, &log, &head].into_iter().for_each(|path| remove(path));
     append_events(&RealFiles, &log, UTC, &events[1..]).unwrap();
-    let mut quits = somebody(|view: &View| (view.done == 3).then_some(Input::Quit));
-    assert_eq!(desk.run(&mut Mock::default(), &Unsynced, &mut quits).unwrap().done, 3);
+    let outcome = desk.run(&mut Mock::default(), &Unsynced, &mut quits_after(3)).unwrap();
+    assert_eq!(outcome.done, 3);
     edit(&desk.plan.layout.study_toml(), "# Practice trials", "# Trials");
     desk.plan.study_toml = fs::read(desk.plan.layout.study_toml()).unwrap();
     desk.plan.accept_study_change = true;
@@ -267,8 +264,7 @@ fn a_session_from_before_there_were_copies_goes_on_under_its_very_study_toml_alo
 fn ids_whose_files_would_have_the_same_names_are_told_apart() {
     let mut desk = Desk::new(false);
     (desk.plan.participant, desk.plan.session) = ("a_b".parse().unwrap(), "c1".parse().unwrap());
-    let mut quits = somebody(|view: &View| (view.done == 1).then_some(Input::Quit));
-    desk.run(&mut Mock::default(), &Unsynced, &mut quits).unwrap();
+    desk.run(&mut Mock::default(), &Unsynced, &mut quits_after(1)).unwrap();
     (desk.plan.participant, desk.plan.session) = ("a".parse().unwrap(), "b_c1".parse().unwrap());
     let error = desk.run(&mut Mock::default(), &Unsynced, &mut diligent()).unwrap_err().to_string();
     assert!(

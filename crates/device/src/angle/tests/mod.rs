@@ -95,7 +95,7 @@ fn half_a_turn_of_the_prototypes_shaft_is_26_4_degrees_of_lever() {
 fn homing_puts_the_stop_where_it_is_whatever_the_count_there() {
     let capabilities = mock::capabilities();
     for at_stop in [0_u16, 1234, 4095] {
-        let reading = Reading { angle: Angle::Counts(at_stop), ..mock::reading() };
+        let reading = mock::reading(Angle::Counts(at_stop));
         let mut homed = Homed::at_stop(&capabilities, -0.785, 0.0, &reading).unwrap();
         let theta_rad = homed.follow(0.001, Angle::Counts((at_stop + 100) % 4096)).unwrap();
         assert!((theta_rad - (-0.785 + 100.0 * TAU / 4096.0 * 11.0 / 75.0)).abs() < 1e-12);
@@ -105,7 +105,7 @@ fn homing_puts_the_stop_where_it_is_whatever_the_count_there() {
 #[test]
 fn an_angle_that_is_not_at_the_stop_does_not_home() {
     let capabilities = Capabilities { counts_per_turn: None, ..mock::capabilities() };
-    let reading = Reading { angle: Angle::Lever(0.0), ..mock::reading() };
+    let reading = mock::reading(Angle::Lever(0.0));
     let error = Homed::at_stop(&capabilities, -0.785, 0.0, &reading).unwrap_err().to_string();
     assert!(error.contains("at 0.0 degrees") && error.contains("home again"), "{error}");
 }

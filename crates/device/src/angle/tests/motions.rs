@@ -95,7 +95,7 @@ fn recovers(seed: u64, motion: &Motion) {
     let mut unwrap = motion.start();
     let capabilities =
         Capabilities { counts_per_turn: Some(motion.per_turn as u32), ..mock::capabilities() };
-    let at_stop = Reading { angle: Angle::Counts(motion.raw(motion.seen[0])), ..mock::reading() };
+    let at_stop = mock::reading(Angle::Counts(motion.raw(motion.seen[0])));
     let mut homed = Homed::at_stop(&capabilities, 0.25, 0.0, &at_stop).unwrap();
     let one_rad = rad_per_count(motion.per_turn as u32, capabilities.shaft_per_lever);
     for i in 1..SAMPLES {

@@ -1,24 +1,15 @@
 //! The board: what it shows, when it acts, and that a seed repeats.
 
 use super::*;
-use zwidth_study::{AnswerScale, Environment, Scene};
+use crate::trial::tests::environment;
+use zwidth_study::{AnswerScale, Scene};
 
 fn twin() -> Twin {
     Twin::new(TwinParameters::default(), Person::typical(1), 1).unwrap()
 }
 
-fn free() -> Environment {
-    Environment {
-        id: "free".parse().unwrap(),
-        label: "free".to_owned(),
-        scene: Scene::Free,
-        question: None,
-        further: Vec::new(),
-    }
-}
-
 fn begin(twin: &mut Twin, now_s: f64, trial: u32) {
-    twin.begin(now_s, &Cue { trial, environment: &free(), limit_s: 4.0 });
+    twin.begin(now_s, &Cue { trial, environment: &environment(Scene::Free), limit_s: 4.0 });
 }
 
 fn counts(reading: &Reading) -> i32 {

@@ -249,7 +249,7 @@ fn alone(person: &Person, intent: Intent) -> Vec<f64> {
 /// The lever's own friction lets it start with a jerk; that is no second movement.
 #[test]
 fn a_free_lever_follows_in_one_movement() {
-    with_everyone(ModeLaw::Active, &rehearsal::environment(Scene::Free), |_, trial, _| {
+    with_everyone(ModeLaw::Active, &environment(Scene::Free), |_, trial, _| {
         let velocity: Vec<f64> =
             trial.rows.iter().map(|row| row.state.theta_dot_rad_s.max(0.0)).collect();
         assert_eq!(peaks(&velocity, 0.15), 1);

@@ -2,20 +2,21 @@
 
 use super::super::{Twin, TwinParameters};
 use crate::participant::draw::{Draw, Purpose};
+pub(super) use crate::participant::intent::tests::SPRING;
+pub(super) use crate::trial::tests::environment;
 use crate::{
     Capabilities, Controller, Cue, Device, DeviceError, Guard, Intent, Limits, Person, Reading,
     SimulatedClock, TrialEnd, TrialPlan, run_trial,
 };
-use std::f64::consts::{FRAC_PI_4, TAU};
+use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
 use zwidth_dynamics::DrivenState;
 use zwidth_study::{
-    AnswerScale, Calibration, Environment, ModeLaw, Sample, Scene, Spring, Study, StudyId,
-    Voltages, template,
+    AnswerScale, Calibration, Environment, ModeLaw, Sample, Scene, Study, StudyId, Voltages,
+    template,
 };
 
-pub(super) const SPRING: Spring = Spring { stiffness_n_per_rad: 4.0, rest_rad: -FRAC_PI_4 };
 pub(super) const WALL_RAD: f64 = 26.6 * std::f64::consts::PI / 180.0;
 /// What a count of the angle sensor is at the lever, rad.
 pub(super) const COUNT_RAD: f64 = TAU / 4096.0 * 11.0 / 75.0;
@@ -64,16 +65,6 @@ impl Rehearsal {
         let coming =
             self.rows[self.top()..].iter().find(|row| row.state.theta_rad <= below).unwrap();
         going.state.contact_n - coming.state.contact_n
-    }
-}
-
-pub(super) fn environment(scene: Scene) -> Environment {
-    Environment {
-        id: "tested".parse().unwrap(),
-        label: "tested".to_owned(),
-        scene,
-        question: None,
-        further: Vec::new(),
     }
 }
 

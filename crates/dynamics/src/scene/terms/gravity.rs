@@ -3,7 +3,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::term::{Curve, Parameter, Term};
+use super::term::{Curve, Term};
+use crate::scene::parameter::Parameter;
 use crate::scene::plant::Plant;
 
 /// Standard gravity, m/s² (CGPM 1901).

@@ -50,7 +50,7 @@ mod term;
 
 pub use set::Terms;
 pub(crate) use set::names;
-pub use term::{Affine, Curve, Parameter, Term};
+pub use term::{Affine, Curve, Term};
 use term::{Read, read};
 
 /// What a scene file may ask for: key and reader. A new term has its line here.

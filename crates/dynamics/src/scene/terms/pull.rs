@@ -2,8 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::term::{Affine, Parameter, Term};
+use super::term::{Affine, Term};
 use crate::scene::input::Input;
+use crate::scene::parameter::Parameter;
 use crate::scene::plant::Plant;
 
 /// A spring between the lever and a point at the angle d(t).

@@ -1,7 +1,7 @@
 //! What a term is.
 
-use crate::error::{Result, finite, not_negative};
 use crate::scene::input::Input;
+use crate::scene::parameter::Parameter;
 use crate::scene::plant::Plant;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -65,43 +65,22 @@ pub struct Curve {
     pub per_rad_s_n: f64,
 }
 
-/// A number of a term.
-#[derive(Debug, Clone, Copy)]
-pub struct Parameter {
-    pub(super) name: &'static str,
-    pub(super) value: f64,
-    pub(super) usual: f64,
-    pub(super) check: fn(&str, f64) -> Result<()>,
-}
-
-impl Parameter {
-    /// A number that may be anything finite: name of its field, value, and a size it usually has.
-    pub fn any(name: &'static str, value: f64, usual: f64) -> Self {
-        Self { name, value, usual, check: finite }
-    }
-
-    /// The same for one that is not below zero.
-    pub(crate) fn not_negative(name: &'static str, value: f64, usual: f64) -> Self {
-        Self { name, value, usual, check: not_negative }
-    }
-}
-
 /// A term that can be written down.
 pub(super) trait Written: Term {
-    fn value(&self) -> std::result::Result<Value, toml::ser::Error>;
+    fn value(&self) -> Result<Value, toml::ser::Error>;
 }
 
 impl<T: Term + Serialize> Written for T {
-    fn value(&self) -> std::result::Result<Value, toml::ser::Error> {
+    fn value(&self) -> Result<Value, toml::ser::Error> {
         Value::try_from(self)
     }
 }
 
 /// Makes a term of what a file has under its name.
-pub(super) type Read = fn(Value) -> std::result::Result<Arc<dyn Written>, toml::de::Error>;
+pub(super) type Read = fn(Value) -> Result<Arc<dyn Written>, toml::de::Error>;
 
 pub(super) fn read<T: Term + Serialize + DeserializeOwned + 'static>(
     value: Value,
-) -> std::result::Result<Arc<dyn Written>, toml::de::Error> {
+) -> Result<Arc<dyn Written>, toml::de::Error> {
     Ok(Arc::new(value.try_into::<T>()?))
 }

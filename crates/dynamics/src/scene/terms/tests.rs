@@ -6,6 +6,7 @@ use super::*;
 use crate::scene::actuators::DriveMode;
 use crate::scene::environment::Environment;
 use crate::scene::input::Input;
+use crate::scene::parameter::Parameter;
 use crate::scene::plant::Plant;
 use crate::scene::{ModelScene, table3};
 use crate::solve::adaptive::Tolerances;

@@ -35,7 +35,16 @@ impl<const N: usize, const G: usize> Block<N, G> {
     ) -> Self {
         let flow = &flows[0];
         let last = &flows[BLOCK - 1];
-        let moved = guards_moved(guards, flow, &integral(ladder, h));
+        // `w Ψ(k h)` for k = 0 … BLOCK: `Ψ((k+1) h) = Ψ(k h) + exp(A k h) Ψ(h)`.
+        let integral = integral(ladder, h);
+        let mut at = guards.clone();
+        let mut sum = Functionals::ZERO;
+        let mut moved = vec![sum.clone()];
+        for _ in 0..BLOCK {
+            sum = sum.zip(&at.after(&integral), |a, b| a + b);
+            at = at.after(flow);
+            moved.push(sum.clone());
+        }
         let whole = &moved[BLOCK];
         let envelope = &ladder.rungs[ladder.covering(h)].envelope;
         let mut most = Functionals::ZERO;
@@ -76,23 +85,6 @@ pub(super) fn power<const N: usize>(flows: &[Matrix<N>]) -> Matrix<N> {
         .map(|k| flows[k - 1].zip(&Matrix::identity(), |x, unit| x - unit));
     let sum = a.zip(&b, |x, y| x + y).zip(&a.product(&b), |sum, product| sum + product);
     sum.zip(&Matrix::identity(), |x, unit| x + unit)
-}
-
-/// `w Ψ(k h)` for k = 0 … BLOCK: `Ψ((k+1) h) = Ψ(k h) + exp(A k h) Ψ(h)`.
-fn guards_moved<const N: usize, const G: usize>(
-    guards: &Functionals<N, G>,
-    flow: &Matrix<N>,
-    integral: &Matrix<N>,
-) -> Vec<Functionals<N, G>> {
-    let mut at = guards.clone();
-    let mut sum = Functionals::ZERO;
-    let mut moved = vec![sum.clone()];
-    for _ in 0..BLOCK {
-        sum = sum.zip(&at.after(integral), |a, b| a + b);
-        at = at.after(flow);
-        moved.push(sum.clone());
-    }
-    moved
 }
 
 /// `∫₀ʰ exp(A s) ds`, by Simpson's rule on spans no longer than the ladder's lowest rung, doubled

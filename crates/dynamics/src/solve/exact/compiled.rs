@@ -36,19 +36,6 @@ impl<const N: usize, const G: usize> EvenStep<N, G> {
         }
         &self.flows[k - 1]
     }
-
-    /// Rate and guard values after the step, if no event can lie inside.
-    #[inline]
-    fn free(
-        &self,
-        flow: &ReadyFlow<N, G>,
-        z: &[f64; N],
-        rate: &[f64; N],
-        guards: &[f64; G],
-    ) -> Option<([f64; N], [f64; G])> {
-        let after = self.guards.apply(z);
-        flow.is_free(&self.sag, rate, guards, &after).then(|| (self.rate.apply_affine(z), after))
-    }
 }
 
 /// The steps that regions are made ready for.
@@ -77,20 +64,19 @@ pub(super) struct Compiled<const N: usize, const G: usize> {
     wanted_h: f64,
 }
 
-/// What rounding took from the matrix of a region.
-fn rest<const N: usize>(system: &System, region: &Region) -> Matrix<N> {
-    let rest = system.rest(region);
-    Matrix::from_fn(|i, j| rest[i][j])
-}
-
 impl<const N: usize, const G: usize> Compiled<N, G> {
     pub(super) fn new(system: &System, region: &Region, reach: Reach, energy: bool) -> Self {
         let flow = system.flow(region);
         let a = Matrix::from_fn(|i, j| flow.rows[i].0[j]);
         let reach_s = reach.longest_s;
+        // What rounding took from the matrix.
+        let rest = || {
+            let rest = system.rest(region);
+            Matrix::from_fn(|i, j| rest[i][j])
+        };
         let ladder = match reach.even {
-            true => Ladder::halving(a, reach_s, || rest(system, region)),
-            false => Ladder::with_rest(a, reach_s, || rest(system, region)),
+            true => Ladder::halving(a, reach_s, rest),
+            false => Ladder::with_rest(a, reach_s, rest),
         };
         let guards = flow.guards.iter().map(|guard| shorten(&guard.value.row.0));
         Self {
@@ -112,6 +98,9 @@ impl<const N: usize, const G: usize> Compiled<N, G> {
     /// not pay for it.
     #[inline]
     pub(super) fn is_ready(&mut self, h: f64, even: bool) -> bool {
+        /// Steps that have to be uneven before the table for them, which costs some tens of them,
+        /// is worth it.
+        const WORTH: u32 = 32;
         if self.step.as_ref().is_some_and(|step| step.h.to_bits() == h.to_bits()) {
             return true;
         }
@@ -124,7 +113,10 @@ impl<const N: usize, const G: usize> Compiled<N, G> {
         if wanted {
             self.step = Some(Box::new(self.prepare(h)));
         } else {
-            self.count_uneven();
+            self.uneven += 1;
+            if self.uneven == WORTH {
+                self.table = Some(Table::new(&self.flow.ladder, self.reach_s));
+            }
         }
         wanted
     }
@@ -163,7 +155,10 @@ impl<const N: usize, const G: usize> Compiled<N, G> {
         rate: &[f64; N],
         guards: &[f64; G],
     ) -> Option<([f64; N], [f64; G])> {
-        self.step.as_ref()?.free(&self.flow, z, rate, guards)
+        let step = self.step.as_ref()?;
+        let after = step.guards.apply(z);
+        let is_free = self.flow.is_free(&step.sag, rate, guards, &after);
+        is_free.then(|| (step.rate.apply_affine(z), after))
     }
 
     /// `k` prepared steps from `base` on, at most [`BLOCK`].
@@ -184,18 +179,6 @@ impl<const N: usize, const G: usize> Compiled<N, G> {
             None => ladder.advance(z, span),
         };
         (next, cover)
-    }
-
-    /// Counts a step of a new length; after some the table for them is made.
-    #[inline]
-    fn count_uneven(&mut self) {
-        /// Steps that have to be uneven before the table, which costs some tens of them, is worth
-        /// it.
-        const WORTH: u32 = 32;
-        self.uneven += 1;
-        if self.uneven == WORTH {
-            self.table = Some(Table::new(&self.flow.ladder, self.reach_s));
-        }
     }
 
     fn prepare(&self, h: f64) -> EvenStep<N, G> {

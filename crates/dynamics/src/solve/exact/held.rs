@@ -6,14 +6,14 @@
 
 use super::Exact;
 use super::compiled::Reach;
-use super::run::Run;
+use super::run::Stepped;
 use crate::error::{DynamicsError, Result, finite};
 use crate::scene::ModelScene;
 use crate::scene::actuators::{BrakeLaw, DriveMode};
 use crate::scene::environment::Environment;
 use crate::solve::with_length;
 use crate::system::command::Actuator;
-use crate::system::region::{Contact, Region, Side};
+use crate::system::region::{Contact, Side};
 use crate::system::row::MOST;
 use crate::system::{OMEGA, System, THETA};
 use crate::trajectory::{Forces, WorkCounts};
@@ -42,7 +42,7 @@ impl HeldScene {
     /// # Errors
     /// A parameter that makes no sense; the thesis' brake, which has no level that could be held; a
     /// term with an input of its own.
-    pub fn new(scene: &ModelScene, chord_rad: f64) -> std::result::Result<Self, DynamicsError> {
+    pub fn new(scene: &ModelScene, chord_rad: f64) -> Result<Self> {
         if scene.brake.law == BrakeLaw::Thesis {
             let what = "a held command needs the level of a set-valued brake";
             let remedy = "set brake.law to \"coulomb\"";
@@ -81,12 +81,12 @@ impl HeldScene {
     ///
     /// # Errors
     /// A state that is not finite.
-    pub fn start(&self, longest_s: f64) -> std::result::Result<HeldRun<'_>, DynamicsError> {
+    pub fn start(&self, longest_s: f64) -> Result<HeldRun<'_>> {
         // A controller's moves have one length: pieces are then halves of it, and leave nothing
         // over.
         let reach = Reach { longest_s, even: true };
         let [motor, brake] = [&self.motor, &self.brake]
-            .map(|system| with_length!(system.layout.n, system.stepped(reach)));
+            .map(|system| with_length!(system.layout.n, system.stepped(Exact::default(), reach)));
         let (z, _) = self.motor.start();
         let held = HeldCommand { by_motor: true, force_n: 0.0 };
         let mut run =
@@ -138,7 +138,7 @@ impl HeldRun<'_> {
     ///
     /// # Errors
     /// A command that is not finite; a state that is not.
-    pub fn hold(&mut self, command: HeldCommand) -> std::result::Result<(), DynamicsError> {
+    pub fn hold(&mut self, command: HeldCommand) -> Result<()> {
         finite("command.force_n", command.force_n)?;
         if command == self.held {
             return Ok(());
@@ -160,7 +160,7 @@ impl HeldRun<'_> {
     ///
     /// # Errors
     /// A state that is no longer finite, or a work limit.
-    pub fn advance(&mut self, to_s: f64) -> std::result::Result<(), DynamicsError> {
+    pub fn advance(&mut self, to_s: f64) -> Result<()> {
         while self.t_s < to_s {
             // What is a multiple of the reach up to rounding is that many equal moves.
             let next_s = if to_s - self.t_s > self.reach_s * (1.0 + 1e-9) {
@@ -197,49 +197,6 @@ impl HeldRun<'_> {
 
     fn now_mut(&mut self) -> &mut dyn Stepped {
         if self.held.by_motor { &mut *self.motor } else { &mut *self.brake }
-    }
-}
-
-/// A run that is moved from moment to moment.
-trait Stepped: Send {
-    /// Goes on from a state at a moment, with the finger in a contact.
-    fn take_up(&mut self, t_s: f64, z: &[f64], contact: Contact) -> Result<()>;
-    /// Moves from one moment to another.
-    fn advance(&mut self, from_s: f64, to_s: f64) -> Result<()>;
-    fn state(&self) -> &[f64];
-    fn region(&self) -> &Region;
-    /// Products with a flow matrix beside the moves, and exponentials.
-    fn counts(&self) -> [u64; 2];
-}
-
-impl System {
-    fn stepped<'a, const N: usize>(&'a self, reach: Reach) -> Box<dyn Stepped + 'a> {
-        match self.layout.finger {
-            Some(_) => Box::new(Run::<N, 6>::new(Exact::default(), self, reach)),
-            None => Box::new(Run::<N, 4>::new(Exact::default(), self, reach)),
-        }
-    }
-}
-
-impl<const N: usize, const G: usize> Stepped for Run<'_, N, G> {
-    fn take_up(&mut self, t_s: f64, z: &[f64], contact: Contact) -> Result<()> {
-        self.resume(t_s, z, contact)
-    }
-
-    fn advance(&mut self, from_s: f64, to_s: f64) -> Result<()> {
-        self.go_on(from_s, to_s)
-    }
-
-    fn state(&self) -> &[f64] {
-        &self.z
-    }
-
-    fn region(&self) -> &Region {
-        self.region_now()
-    }
-
-    fn counts(&self) -> [u64; 2] {
-        [self.pieces, self.compiled]
     }
 }
 

@@ -1,6 +1,6 @@
 //! The method with its limits, and a system prepared for it.
 
-use crate::error::DynamicsError;
+use crate::error::Result;
 use crate::solve::Grid;
 use crate::trajectory::Trajectory;
 
@@ -46,20 +46,12 @@ pub trait Prepared {
     ///
     /// # Errors
     /// As [`crate::Solver::run`].
-    fn run_into(
-        &mut self,
-        grid: &Grid,
-        out: &mut Trajectory,
-    ) -> std::result::Result<(), DynamicsError>;
+    fn run_into(&mut self, grid: &Grid, out: &mut Trajectory) -> Result<()>;
 
     /// The same without keeping samples: `visit(t, state)` sees each of them. Memory does not grow
     /// with the grid.
     ///
     /// # Errors
     /// As [`crate::Solver::run`].
-    fn visit(
-        &mut self,
-        grid: &Grid,
-        visit: &mut dyn FnMut(f64, &[f64]),
-    ) -> std::result::Result<Trajectory, DynamicsError>;
+    fn visit(&mut self, grid: &Grid, visit: &mut dyn FnMut(f64, &[f64])) -> Result<Trajectory>;
 }

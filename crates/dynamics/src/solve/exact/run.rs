@@ -5,7 +5,7 @@ use super::compiled::{Compiled, Reach};
 use super::work::Sums;
 use super::{Exact, Prepared};
 use crate::energy::EnergyBalance;
-use crate::error::{DynamicsError, Result, in_bounds};
+use crate::error::{Result, in_bounds};
 use crate::solve::{Grid, shorten};
 use crate::system::region::{Contact, Region};
 use crate::system::row::MOST;
@@ -13,15 +13,43 @@ use crate::system::transition::EventKind;
 use crate::system::{Cursor, System, THETA};
 use crate::trajectory::{Event, Trajectory, WorkCounts};
 
+/// A run that can also be moved from moment to moment.
+pub(super) trait Stepped: Prepared + Send {
+    /// Goes on from a state at a moment not before the last one, with the finger in a contact.
+    fn take_up(&mut self, t_s: f64, z: &[f64], contact: Contact) -> Result<()>;
+    /// Moves from one moment to another, not further than the reach.
+    fn advance(&mut self, from_s: f64, to_s: f64) -> Result<()>;
+    fn state(&self) -> &[f64];
+    /// The region that holds.
+    fn region(&self) -> &Region;
+    /// Products with a flow matrix beside the moves, and exponentials.
+    fn counts(&self) -> [u64; 2];
+}
+
+impl System {
+    /// A run of the system. A region has at most four guards of the lever and actuators, and two
+    /// of a finger.
+    pub(super) fn stepped<'a, const N: usize>(
+        &'a self,
+        limits: Exact,
+        reach: Reach,
+    ) -> Box<dyn Stepped + 'a> {
+        match self.layout.finger {
+            Some(_) => Box::new(Run::<N, 6>::new(limits, self, reach)),
+            None => Box::new(Run::<N, 4>::new(limits, self, reach)),
+        }
+    }
+}
+
 /// The state with its rate and guard values, the counts, and the regions met so far.
-pub(super) struct Run<'a, const N: usize, const G: usize> {
+struct Run<'a, const N: usize, const G: usize> {
     limits: Exact,
     system: &'a System,
     reach: Reach,
     regions: Vec<Compiled<N, G>>,
     current: usize,
     cursor: Cursor,
-    pub(super) z: [f64; N],
+    z: [f64; N],
     rate: [f64; N],
     guards: [f64; G],
     /// The state so many even steps ago (fewer than a block), from which the next ones are taken
@@ -29,8 +57,8 @@ pub(super) struct Run<'a, const N: usize, const G: usize> {
     base: [f64; N],
     steps: usize,
     events: Vec<Event>,
-    pub(super) pieces: u64,
-    pub(super) compiled: u64,
+    pieces: u64,
+    compiled: u64,
     sums: Sums,
     impacts_j: f64,
 }
@@ -66,22 +94,14 @@ impl<const N: usize> Record<N> for Show<'_> {
 }
 
 impl<const N: usize, const G: usize> Prepared for Run<'_, N, G> {
-    fn run_into(
-        &mut self,
-        grid: &Grid,
-        out: &mut Trajectory,
-    ) -> std::result::Result<(), DynamicsError> {
+    fn run_into(&mut self, grid: &Grid, out: &mut Trajectory) -> Result<()> {
         out.clear(self.system.layout, grid.samples());
         self.along(grid, &mut Keep(out))?;
         self.finish(grid, out);
         Ok(())
     }
 
-    fn visit(
-        &mut self,
-        grid: &Grid,
-        visit: &mut dyn FnMut(f64, &[f64]),
-    ) -> std::result::Result<Trajectory, DynamicsError> {
+    fn visit(&mut self, grid: &Grid, visit: &mut dyn FnMut(f64, &[f64])) -> Result<Trajectory> {
         let mut out = Trajectory::new(self.system.layout, 0);
         self.along(grid, &mut Show(visit))?;
         self.finish(grid, &mut out);
@@ -89,8 +109,41 @@ impl<const N: usize, const G: usize> Prepared for Run<'_, N, G> {
     }
 }
 
+impl<const N: usize, const G: usize> Stepped for Run<'_, N, G> {
+    fn take_up(&mut self, t_s: f64, z: &[f64], contact: Contact) -> Result<()> {
+        let mut full = [0.0; MOST];
+        full[..N].copy_from_slice(&z[..N]);
+        self.system.pass(&mut self.cursor, t_s, &mut full);
+        let region = self.system.settle(&full, contact, None);
+        self.z = shorten(&full);
+        self.enter(&region, t_s)
+    }
+
+    fn advance(&mut self, from_s: f64, to_s: f64) -> Result<()> {
+        self.events.clear();
+        if self.cursor.end_s >= to_s {
+            self.cross(from_s, to_s - from_s, false)?;
+        } else {
+            self.cross_spans(from_s, to_s)?;
+        }
+        if self.cursor.end_s <= to_s { self.pass_input(to_s) } else { Ok(()) }
+    }
+
+    fn state(&self) -> &[f64] {
+        &self.z
+    }
+
+    fn region(&self) -> &Region {
+        &self.regions[self.current].region
+    }
+
+    fn counts(&self) -> [u64; 2] {
+        [self.pieces, self.compiled]
+    }
+}
+
 impl<'a, const N: usize, const G: usize> Run<'a, N, G> {
-    pub(super) fn new(limits: Exact, system: &'a System, reach: Reach) -> Self {
+    fn new(limits: Exact, system: &'a System, reach: Reach) -> Self {
         let (full, cursor) = system.start();
         Self {
             limits,
@@ -110,32 +163,6 @@ impl<'a, const N: usize, const G: usize> Run<'a, N, G> {
             sums: Sums::default(),
             impacts_j: 0.0,
         }
-    }
-
-    /// Goes on from a state at a moment not before the last one, with the finger in a contact.
-    pub(super) fn resume(&mut self, t: f64, z: &[f64], contact: Contact) -> Result<()> {
-        let mut full = [0.0; MOST];
-        full[..N].copy_from_slice(&z[..N]);
-        self.system.pass(&mut self.cursor, t, &mut full);
-        let region = self.system.settle(&full, contact, None);
-        self.z = shorten(&full);
-        self.enter(&region, t)
-    }
-
-    /// From one moment to another, not further than the reach.
-    pub(super) fn go_on(&mut self, from: f64, to: f64) -> Result<()> {
-        self.events.clear();
-        if self.cursor.end_s >= to {
-            self.cross(from, to - from, false)?;
-        } else {
-            self.cross_spans(from, to)?;
-        }
-        if self.cursor.end_s <= to { self.pass_input(to) } else { Ok(()) }
-    }
-
-    /// The region that holds.
-    pub(super) fn region_now(&self) -> &Region {
-        &self.regions[self.current].region
     }
 
     /// From the system's start along a grid.
@@ -231,7 +258,7 @@ impl<'a, const N: usize, const G: usize> Run<'a, N, G> {
             let end = self.cursor.end_s;
             self.pieces += 1;
             if self.pieces > self.limits.most_pieces {
-                return Err(self.too_much(self.limits.most_pieces, "pieces", at));
+                return Err(self.system.too_much(self.limits.most_pieces, "pieces", at));
             }
             self.cross(at, end - at, false)?;
             self.pass_input(end)?;
@@ -319,7 +346,7 @@ impl<'a, const N: usize, const G: usize> Run<'a, N, G> {
                 work.add(&before, event.map_or(rest, |(after, _)| after), &mut self.sums);
             }
             if self.pieces > limit {
-                return Err(self.too_much(limit, "pieces", t));
+                return Err(self.system.too_much(limit, "pieces", t));
             }
             let Some((after, kind)) = event else {
                 if compiled.flow.ladder.is_long(rest) {
@@ -348,7 +375,7 @@ impl<'a, const N: usize, const G: usize> Run<'a, N, G> {
             self.refresh();
         }
         if !in_bounds(&self.z) {
-            return Err(DynamicsError::NotFinite { t_s: t + h, suspect: self.system.suspect() });
+            return Err(self.system.not_finite(t + h));
         }
         Ok(())
     }
@@ -356,7 +383,7 @@ impl<'a, const N: usize, const G: usize> Run<'a, N, G> {
     /// Carries an event out and enters the region that follows.
     fn happen(&mut self, t: f64, kind: EventKind) -> Result<()> {
         if self.events.len() as u64 > self.limits.most_events {
-            return Err(self.too_much(self.limits.most_events, "events", t));
+            return Err(self.system.too_much(self.limits.most_events, "events", t));
         }
         let region = self.regions[self.current].region;
         let before_j = self.system.stored_j(&self.z);
@@ -387,7 +414,7 @@ impl<'a, const N: usize, const G: usize> Run<'a, N, G> {
         }
         // A flow that is not finite would show as NaN in the states, long after its reason.
         if !self.regions[self.current].flow.ladder.reaches(self.reach.longest_s) {
-            return Err(DynamicsError::NotFinite { t_s: t, suspect: self.system.suspect() });
+            return Err(self.system.not_finite(t));
         }
         self.refresh();
         Ok(())
@@ -422,9 +449,5 @@ impl<'a, const N: usize, const G: usize> Run<'a, N, G> {
             impacts_j,
             stored_j,
         }
-    }
-
-    fn too_much(&self, limit: u64, what: &'static str, t_s: f64) -> DynamicsError {
-        DynamicsError::TooMuchWork { limit, what, t_s, suspect: self.system.suspect() }
     }
 }

@@ -36,7 +36,7 @@ impl<const N: usize> Table<N> {
         let mut span = libm::ldexp(ladder.rungs[0].span, -BITS * LEVELS_BELOW);
         let mut levels = Vec::new();
         while span <= reach {
-            levels.push(Level::new(ladder, span));
+            levels.push(Level { span, per_span: 1.0 / span, flows: ladder.flows(span) });
             span = libm::ldexp(span, BITS);
         }
         levels.reverse();
@@ -57,12 +57,6 @@ impl<const N: usize> Table<N> {
             }
         }
         series(a, &z, rest)
-    }
-}
-
-impl<const N: usize> Level<N> {
-    fn new(ladder: &Ladder<N>, span: f64) -> Self {
-        Self { span, per_span: 1.0 / span, flows: ladder.flows(span) }
     }
 }
 

@@ -96,32 +96,20 @@ fn shifted<const N: usize>(row: [f64; N], rest_rad: f64) -> [f64; N] {
 
 impl<const N: usize> Part<N> {
     fn new(place: usize, force: [f64; N], velocity: [f64; N], ladder: &Ladder<N>) -> Self {
-        let mut part =
-            Self { place, force, velocity, rungs: Vec::with_capacity(ladder.rungs.len()) };
-        part.rungs.push(part.lowest(ladder));
-        for rung in &ladder.rungs[..ladder.rungs.len() - 1] {
-            let form = &part.rungs[part.rungs.len() - 1];
-            let next = form.zip(&rung.flow.congruence(form), |a, b| a + b);
-            part.rungs.push(next);
-        }
-        part
-    }
-
-    fn lowest(&self, ladder: &Ladder<N>) -> Matrix<N> {
-        let power = self.power();
+        // The power as a symmetric form.
+        let power = Matrix::from_fn(|i, j| 0.5 * (force[i] * velocity[j] + force[j] * velocity[i]));
         let span = ladder.rungs[0].span;
-        let mut sum = Matrix::<N>::ZERO;
+        let mut lowest = Matrix::<N>::ZERO;
         for (node, weight) in GAUSS {
             let seen = ladder.flow(node * span).congruence(&power);
-            sum = sum.zip(&seen, |a, b| a + weight * span * b);
+            lowest = lowest.zip(&seen, |a, b| a + weight * span * b);
         }
-        sum
-    }
-
-    /// The power as a symmetric form.
-    fn power(&self) -> Matrix<N> {
-        Matrix::from_fn(|i, j| {
-            0.5 * (self.force[i] * self.velocity[j] + self.force[j] * self.velocity[i])
-        })
+        let mut rungs = vec![lowest];
+        for rung in &ladder.rungs[..ladder.rungs.len() - 1] {
+            let form = &rungs[rungs.len() - 1];
+            let next = form.zip(&rung.flow.congruence(form), |a, b| a + b);
+            rungs.push(next);
+        }
+        Self { place, force, velocity, rungs }
     }
 }

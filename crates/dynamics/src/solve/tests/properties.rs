@@ -11,6 +11,7 @@ use super::super::symplectic_euler::SymplecticEuler;
 use super::super::tr_bdf2::TrBdf2;
 use super::super::*;
 use crate::energy::EnergyBalance;
+use crate::error::DynamicsError;
 use crate::scene::actuators::{BrakeLaw, DriveMode};
 use crate::scene::environment::Environment;
 use crate::scene::finger::{Finger, FingerLaw};

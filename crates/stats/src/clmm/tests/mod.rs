@@ -11,20 +11,11 @@ use super::quadrature::integrate;
 use super::*;
 use crate::Unestimable;
 use crate::answers::Answers;
+use crate::bootstrap::{normal, uniform};
 use crate::clm;
 use gauss_hermite::rule;
 use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
-
-/// A number in (0, 1).
-fn uniform(rng: &mut ChaCha8Rng) -> f64 {
-    ((rng.next_u64() >> 11) as f64 + 0.5) / (1_u64 << 53) as f64
-}
-
-fn normal(rng: &mut ChaCha8Rng) -> f64 {
-    let radius = (-2.0 * libm::log(uniform(rng))).sqrt();
-    radius * libm::cos(2.0 * core::f64::consts::PI * uniform(rng))
-}
+use rand_chacha::rand_core::SeedableRng;
 
 /// A study: 1 to 5, modes by treatment columns, two sessions.
 struct Study {
@@ -80,6 +71,16 @@ impl Study {
     fn model(&self, terms: Terms) -> Model {
         Model::new(&self.ratings(), terms).unwrap()
     }
+}
+
+/// A study of modes without names.
+fn of_modes<'a>(
+    answers: &'a [u8],
+    participants: &'a [usize],
+    modes: &'a [usize],
+    sessions: &'a [usize],
+) -> ModeStudy<'a> {
+    ModeStudy { answers, points: 5, participants, modes, sessions, mode_names: &[] }
 }
 
 fn point(sd: [f64; 2]) -> Point {
@@ -291,14 +292,7 @@ fn one_answer_per_mode_of_people_who_differ_a_lot_has_all_its_intervals() {
         }
         let (participants, modes): (Vec<usize>, Vec<usize>) =
             (0..80).map(|row| (row / 4, row % 4)).unzip();
-        let study = ModeStudy {
-            answers: &answers,
-            points: 5,
-            participants: &participants,
-            modes: &modes,
-            sessions: &[0; 80],
-            mode_names: &[],
-        };
+        let study = of_modes(&answers, &participants, &modes, &[0; 80]);
         let found = compare_modes(&study, &[[3, 0], [3, 1], [3, 2]], 0.95, 1).unwrap();
         assert!(found.sd_participant > 2.0, "{}", found.sd_participant);
         for ratio in found.odds_ratios {
@@ -479,14 +473,7 @@ fn modes_are_compared_against_the_reference_for_one_person() {
     let study = study(12, 6, 4, [0.8, 0.3]);
     let sessions: Vec<usize> =
         study.columns[2].values.iter().map(|&second| 1 + second as usize).collect();
-    let modes = ModeStudy {
-        answers: &study.answers,
-        points: 5,
-        participants: &study.participants,
-        modes: &study.modes,
-        sessions: &sessions,
-        mode_names: &[],
-    };
+    let modes = of_modes(&study.answers, &study.participants, &study.modes, &sessions);
     let found = compare_modes(&modes, &[[1, 0], [1, 2]], 0.95, 4).unwrap();
     assert_eq!((found.participants, found.odds_ratios.len()), (6, 2));
     assert_eq!(found.integral, Integral::Quadrature);
@@ -516,14 +503,7 @@ fn a_separated_mode_has_a_bound_and_a_ratio_test_and_leaves_the_others_their_est
         *answer = if *mode == 2 { 5 } else { *answer };
     }
     let sessions = vec![1; apart.answers.len()];
-    let modes = ModeStudy {
-        answers: &apart.answers,
-        points: 5,
-        participants: &apart.participants,
-        modes: &apart.modes,
-        sessions: &sessions,
-        mode_names: &[],
-    };
+    let modes = of_modes(&apart.answers, &apart.participants, &apart.modes, &sessions);
     let pairs = [[2, 0], [1, 0], [0, 2], [1, 2]];
     let found = compare_modes(&modes, &pairs, 0.95, 4).unwrap();
     let [above, others, below, above_1] =
@@ -534,14 +514,7 @@ fn a_separated_mode_has_a_bound_and_a_ratio_test_and_leaves_the_others_their_est
     let pick = |values: &[usize]| kept.iter().map(|i| values[*i]).collect::<Vec<_>>();
     let answers: Vec<u8> = kept.iter().map(|i| apart.answers[*i]).collect();
     let (people, two, once) = (pick(&apart.participants), pick(&apart.modes), pick(&sessions));
-    let pair = ModeStudy {
-        answers: &answers,
-        points: 5,
-        participants: &people,
-        modes: &two,
-        sessions: &once,
-        mode_names: &[],
-    };
+    let pair = of_modes(&answers, &people, &two, &once);
     let alone = compare_modes(&pair, &[[1, 0]], 0.95, 4).unwrap();
     let expect = alone.odds_ratios[0].as_ref().unwrap();
     assert!((found.log_likelihood - alone.log_likelihood).abs() < 1e-7, "{found:?} {alone:?}");
@@ -568,14 +541,7 @@ fn answers_that_two_modes_do_not_share_at_all_are_bounded_too() {
     let participants: Vec<usize> = (0..16).map(|i| i / 4).collect();
     let modes: Vec<usize> = (0..16).map(|i| i % 4 / 2).collect();
     let sessions = [1; 16];
-    let study = ModeStudy {
-        answers: &answers,
-        points: 5,
-        participants: &participants,
-        modes: &modes,
-        sessions: &sessions,
-        mode_names: &[],
-    };
+    let study = of_modes(&answers, &participants, &modes, &sessions);
     let found = compare_modes(&study, &[[0, 1]], 0.95, 4).unwrap();
     let ratio = found.odds_ratios[0].as_ref().unwrap();
     assert_eq!(ratio.estimate, None);
@@ -660,14 +626,7 @@ fn one_answer_per_person_and_mode_is_compared_with_participants_alone() {
     let participants: Vec<usize> = (0..24).map(|row| row / 3).collect();
     let modes: Vec<usize> = (0..24).map(|row| row % 3).collect();
     let sessions = [1; 24];
-    let study = ModeStudy {
-        answers: &answers,
-        points: 5,
-        participants: &participants,
-        modes: &modes,
-        sessions: &sessions,
-        mode_names: &[],
-    };
+    let study = of_modes(&answers, &participants, &modes, &sessions);
     let found = compare_modes(&study, &[[2, 0], [2, 1]], 0.95, 1).unwrap();
     assert_eq!(found.participants, 8);
     let estimate = found.odds_ratios[0].as_ref().unwrap().estimate;

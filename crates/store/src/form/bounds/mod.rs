@@ -83,7 +83,7 @@ pub(crate) struct FooterClaims {
     /// The bytes that are its schema.
     pub(crate) schema: Bytes,
     /// The claimed number of rows.
-    pub(crate) rows: i64,
+    pub(crate) rows: usize,
     /// Its keys and their values.
     pub(crate) entries: BTreeMap<String, String>,
 }
@@ -111,6 +111,7 @@ pub(crate) fn check_footer_in(content: &Content) -> Result<FooterClaims, Why> {
     });
     let entries: Result<_, FromUtf8Error> = entries.collect();
     let entries = entries.map_err(|_| "its footer is no text")?;
+    let rows = usize::try_from(rows).unwrap_or(0);
     Ok(FooterClaims { schema: footer.slice(schema), rows, entries })
 }
 

@@ -135,8 +135,7 @@ pub(crate) fn study_warning(
         return None;
     }
     let changes = matters(log, study, hash)?;
-    let participant = &log.record.participant;
-    let session = &log.record.session;
+    let SessionRecord { participant, session, .. } = &log.record;
     let what = format!("study.toml has changed since {participant} {session} began: {changes}");
     let copy = layout.study_copy(participant, session);
     let as_it_was = match &log.study {
@@ -146,11 +145,8 @@ pub(crate) fn study_warning(
     let study = layout.study();
     let accept =
         format!("zwidth recover {study} --accept-study-change -p {participant} -s {session}");
-    Some(StoreError::new(
-        &log.path,
-        what,
-        format!("put it back{as_it_was}, or accept it with `{accept}`"),
-    ))
+    let remedy = format!("put it back{as_it_was}, or accept it with `{accept}`");
+    Some(StoreError::new(&log.path, what, remedy))
 }
 
 #[cfg(test)]

@@ -1,14 +1,12 @@
 //! Each part of a session in turn contradicts all the others.
 
 use super::*;
-use crate::append_events;
 use crate::form::head::head_of;
-use crate::laid_down;
-use crate::lay_down;
-use crate::record_bytes;
-use crate::tests::crashes::{UTC, meta, planned, record, rows, study_alone, toml};
-use crate::write_new;
-use crate::{Journal, RealFiles, StudyData, TrialFile, verify};
+use crate::tests::crashes::{FOUR, UTC, ended_as, meta, planned, record, rows, study_alone, toml};
+use crate::{
+    RealFiles, StudyData, TrialFile, append_events, laid_down, lay_down, record_bytes, verify,
+    write_new,
+};
 use std::fs;
 use std::path::PathBuf;
 use zwidth_study::{Calibration, Event, Source, TrialMeta};
@@ -53,14 +51,9 @@ impl Laid {
         ];
         let file: TrialFile = says.into_iter().map(|(k, v)| (k.to_owned(), v)).collect();
         let meta = TrialMeta { source: Source::Twin, ..meta(1) };
-        let mut journal =
-            Journal::create(&RealFiles, &layout, &meta, &file, &crate::Protocol::default())
-                .unwrap();
-        journal.append(&rows(0, 3)).unwrap();
-        journal.end().unwrap();
-        journal
-            .finish(&RealFiles, &layout, Some(zwidth_study::Given { value: 4, time_ms: None }), UTC)
-            .unwrap();
+        let protocol = crate::Protocol::default();
+        let journal = ended_as(&RealFiles, &layout, &meta, &file, &protocol, &rows(0, 3));
+        journal.finish(&RealFiles, &layout, FOUR, UTC).unwrap();
         let laid = Self { _folder: folder, layout, record, path };
         assert_eq!((verify(&laid.layout), laid.counting()), (vec![], 1));
         laid
@@ -68,6 +61,13 @@ impl Laid {
 
     fn counting(&self) -> usize {
         StudyData::load(&self.layout).unwrap().counting().count()
+    }
+
+    /// The trial does not count, and its mark is the footer's.
+    fn check_left_out(&self, field: &str) {
+        assert_eq!(self.counting(), 0, "{field}");
+        let data = StudyData::load(&self.layout).unwrap();
+        assert!(data.trials.iter().all(|t| t.meta.source == Source::Twin), "{field}");
     }
 
     /// Writes the record anew with something changed.
@@ -113,16 +113,9 @@ fn each_field_of_a_record_that_is_edited_is_found_and_leaves_its_trials_out() {
         let laid = Laid::new(true);
         laid.edit(edit);
         let found = verify(&laid.layout);
-        assert!(
-            found.iter().any(|f| f.path == laid.path && f.what.contains("by its log")),
-            "{field}: {found:?}"
-        );
-        assert_eq!(laid.counting(), 0, "{field}");
-        let data = StudyData::load(&laid.layout).unwrap();
-        assert!(
-            data.trials.iter().all(|t| t.meta.source == Source::Twin),
-            "{field}: the mark is the footer's"
-        );
+        let is_told = found.iter().any(|f| f.path == laid.path && f.what.contains("by its log"));
+        assert!(is_told, "{field}: {found:?}");
+        laid.check_left_out(field);
     }
 }
 
@@ -133,12 +126,8 @@ fn where_no_log_knows_the_record_the_footers_and_the_calibrations_hash_speak_aga
         let laid = Laid::new(false);
         laid.edit(edit);
         let found = verify(&laid.layout);
-        assert!(!found.is_empty() && laid.counting() == 0, "{field}: {found:?}");
-        let data = StudyData::load(&laid.layout).unwrap();
-        assert!(
-            data.trials.iter().all(|t| t.meta.source == Source::Twin),
-            "{field}: the mark is the footer's"
-        );
+        assert!(!found.is_empty(), "{field}: {found:?}");
+        laid.check_left_out(field);
     }
 }
 
@@ -157,14 +146,12 @@ fn a_record_that_lost_its_log_beside_a_trial_is_not_laid_down_anew() {
 fn a_session_whose_record_is_gone_is_not_laid_down_anew() {
     let laid = Laid::new(true);
     fs::remove_file(&laid.path).unwrap();
-    let log = fs::read(laid.layout.events(&laid.record.participant, &laid.record.session)).unwrap();
+    let path = laid.layout.events(&laid.record.participant, &laid.record.session);
+    let log = fs::read(&path).unwrap();
     let again = lay_down(&RealFiles, &laid.layout, UTC, &laid.record, &toml(&laid.layout));
     assert!(again.unwrap_err().what.contains("its record is missing"));
     assert!(!laid.path.exists());
-    assert_eq!(
-        fs::read(laid.layout.events(&laid.record.participant, &laid.record.session)).unwrap(),
-        log
-    );
+    assert_eq!(fs::read(&path).unwrap(), log);
 }
 
 #[test]

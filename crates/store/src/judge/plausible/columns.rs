@@ -259,32 +259,20 @@ fn off_neighbours(values: &[f64], share: f64) -> Option<Off> {
 /// The lowest or the highest value, if it is far from all others: where it is first, and how often.
 fn apart(values: &[f64]) -> Option<(usize, usize)> {
     let (low, high) = ends(values);
-    let mut lows = 0;
-    let mut highs = 0;
-    let mut second = f64::INFINITY;
-    let mut last_but_one = f64::NEG_INFINITY;
-    for value in values {
-        if value.to_bits() == low.to_bits() {
-            lows += 1;
-        } else {
-            second = second.min(*value);
+    for end in [low, high] {
+        let is_end = |value: &f64| value.to_bits() == end.to_bits();
+        let mut others = 0;
+        let mut least = f64::INFINITY;
+        let mut most = f64::NEG_INFINITY;
+        for value in values.iter().filter(|value| !is_end(value)) {
+            others += 1;
+            least = least.min(*value);
+            most = most.max(*value);
         }
-        if value.to_bits() == high.to_bits() {
-            highs += 1;
-        } else {
-            last_but_one = last_but_one.max(*value);
-        }
-    }
-    for (end, count, rest, gap) in [
-        (low, lows, high - second, second - low),
-        (high, highs, last_but_one - low, high - last_but_one),
-    ] {
-        let is_apart =
-            values.len() - count >= LEAST_SAMPLES && rest > 0.0 && gap > ALONE_FORCE * rest;
-        if is_apart
-            && let Some(place) = values.iter().position(|value| value.to_bits() == end.to_bits())
-        {
-            return Some((place, count));
+        let rest = most - least;
+        let gap = (least - end).max(end - most);
+        if others >= LEAST_SAMPLES && rest > 0.0 && gap > ALONE_FORCE * rest {
+            return Some((values.iter().position(is_end)?, values.len() - others));
         }
     }
     None
@@ -434,12 +422,9 @@ fn stopped(expected: &Asked, samples: &dyn Columns, signal: Signal, least: usize
         let motion = [Signal::Theta, Signal::ThetaDot];
         let rests = signal == Signal::Theta || held == 0.0;
         let is_isometric = motion.contains(&signal) && rests && !motion.contains(&other);
-        if is_isometric {
-            return None;
-        }
         // Nobody pushes against nothing: no force is what is to be measured there.
-        let nothing = held == 0.0 && matches!(expected.scene, Scene::Free | Scene::None);
-        if nothing {
+        let is_free = held == 0.0 && matches!(expected.scene, Scene::Free | Scene::None);
+        if is_isometric || is_free {
             return None;
         }
         let what = format!("it is {held} throughout, while {} changes", other.name());

@@ -23,10 +23,8 @@ impl Doubt {
 
     pub(super) fn at(self, path: &Path) -> StoreError {
         let error = StoreError::new(path, self.what, self.remedy).column(self.signal.name());
-        match self.row {
-            Some(row) => error.row0(row),
-            None => error,
-        }
+        // An error counts rows from 1.
+        StoreError { row: self.row.map(|row| row + 1), ..error }
     }
 }
 

@@ -1,7 +1,7 @@
 //! Recordings spoilt on purpose.
 
 use super::{Asked, implausible};
-use crate::{Samples, Signal};
+use crate::{Samples, Signal, StoreError};
 use core::f64::consts::TAU;
 use std::path::Path;
 use zwidth_study::{Coordinate, Scene, Spring};
@@ -40,19 +40,35 @@ fn recording() -> Samples {
     samples
 }
 
+/// The recording with one signal changed, sample by sample.
+fn changed(signal: Signal, change: impl Fn(usize, f64) -> f64) -> Samples {
+    let mut samples = recording();
+    let values = samples.get(signal).unwrap().iter().enumerate();
+    let values = values.map(|(i, v)| change(i, *v)).collect();
+    samples.set(signal, values);
+    samples
+}
+
+/// What is said of samples.
+fn findings(samples: &Samples) -> Vec<StoreError> {
+    implausible(&asked(), Path::new("a"), samples)
+}
+
 /// What is said of the recording with one signal changed, sample by sample: columns and words.
 #[track_caller]
 fn check(signal: Signal, change: impl Fn(usize, f64) -> f64, expect: &[(Signal, &str)]) {
-    let mut samples = recording();
-    let changed = samples.get(signal).unwrap().iter().enumerate();
-    let changed = changed.map(|(i, v)| change(i, *v)).collect();
-    samples.set(signal, changed);
-    let found = implausible(&asked(), Path::new("a"), &samples);
+    let found = findings(&changed(signal, change));
     assert_eq!(found.len(), expect.len(), "{found:#?}");
     for (found, (signal, words)) in found.iter().zip(expect) {
         assert_eq!(found.column.as_deref(), Some(signal.name()), "{found}");
         assert!(found.to_string().contains(words), "{found} without '{words}'");
     }
+}
+
+/// The same where the changed signal alone is told.
+#[track_caller]
+fn check_own(signal: Signal, change: impl Fn(usize, f64) -> f64, words: &str) {
+    check(signal, change, &[(signal, words)]);
 }
 
 #[test]
@@ -62,13 +78,7 @@ fn a_recording_that_fits_itself_has_no_finding() {
 
 #[test]
 fn a_clock_that_jumps_is_found_where_it_does() {
-    let later = |i, t| if i >= 700 { t + 5.0 } else { t };
-    let mut samples = recording();
-    samples.set(
-        Signal::Time,
-        samples.get(Signal::Time).unwrap().iter().enumerate().map(|(i, t)| later(i, *t)).collect(),
-    );
-    let found = implausible(&asked(), Path::new("a"), &samples);
+    let found = findings(&changed(Signal::Time, |i, t| if i >= 700 { t + 5.0 } else { t }));
     assert_eq!(found[0].row, Some(701));
     assert!(found[0].what.starts_with("the clock jumps by 5.002 s"), "{}", found[0]);
 }
@@ -84,12 +94,9 @@ fn a_hole_of_a_few_hundredths_of_a_second_is_found() {
 /// As [`check`] of the time, with a sample every millisecond.
 #[track_caller]
 fn check_at_1_khz(change: impl Fn(usize, f64) -> f64, expect: &[(Signal, &str)]) {
-    let mut samples = recording();
-    let changed = (0..1000).map(|i| change(i, 1e-3 * i as f64)).collect();
-    samples.set(Signal::Time, changed);
-    let velocity = samples.get(Signal::ThetaDot).unwrap().iter().map(|v| 2.0 * v).collect();
-    samples.set(Signal::ThetaDot, velocity);
-    let found = implausible(&asked(), Path::new("a"), &samples);
+    let mut samples = changed(Signal::ThetaDot, |_, v| 2.0 * v);
+    samples.set(Signal::Time, (0..1000).map(|i| change(i, 1e-3 * i as f64)).collect());
+    let found = findings(&samples);
     let found: Vec<_> = found.iter().map(ToString::to_string).collect();
     assert_eq!(found.len(), expect.len(), "{found:#?}");
     assert!(found.iter().zip(expect).all(|(f, (_, words))| f.contains(words)), "{found:#?}");
@@ -103,30 +110,20 @@ fn noise_above_the_onset_before_the_movement_is_found() {
         0..10 if i.is_multiple_of(3) => 0.21 * if i.is_multiple_of(2) { 1.0 } else { -1.0 },
         _ => v,
     };
-    check(Signal::ThetaDot, noisy, &[(Signal::ThetaDot, "passes onset_deg_s 4 times")]);
+    check_own(Signal::ThetaDot, noisy, "passes onset_deg_s 4 times");
     let one_way = |i: usize, v: f64| if i < 10 { noisy(i, v).abs() } else { v };
     check(Signal::ThetaDot, one_way, &[]);
 }
 
 #[test]
 fn milliseconds_taken_for_seconds_and_the_other_way_round_are_named() {
-    let both = |signal, words: &'static str| (signal, words);
-    check(
-        Signal::Time,
-        |_, t| 1e3 * t,
-        &[
-            both(Signal::Time, "milliseconds taken for seconds"),
-            both(Signal::ThetaDot, "1000 times"),
-        ],
-    );
-    check(
-        Signal::Time,
-        |_, t| 1e-3 * t,
-        &[
-            both(Signal::Time, "seconds taken for milliseconds"),
-            both(Signal::ThetaDot, "0.001 times"),
-        ],
-    );
+    for (factor, words, times) in [
+        (1e3, "milliseconds taken for seconds", "1000 times"),
+        (1e-3, "seconds taken for milliseconds", "0.001 times"),
+    ] {
+        let both = [(Signal::Time, words), (Signal::ThetaDot, times)];
+        check(Signal::Time, |_, t| factor * t, &both);
+    }
 }
 
 #[test]
@@ -134,7 +131,7 @@ fn two_clocks_that_differ_are_named() {
     let mut samples = recording();
     let device = samples.get(Signal::Time).unwrap().iter().map(|t| 1e3 * t).collect();
     samples.set(Signal::DeviceTime, device);
-    let found = implausible(&asked(), Path::new("a"), &samples);
+    let found = findings(&samples);
     assert_eq!(found.len(), 1, "{found:#?}");
     assert!(found[0].what.contains("another unit"), "{}", found[0]);
 }
@@ -154,11 +151,8 @@ fn an_angle_of_a_thousand_degrees_is_none() {
 
 #[test]
 fn an_angle_that_starts_over_at_a_full_turn_is_found_where_it_does() {
-    let mut samples = recording();
-    let wrapped = |v: &f64| if *v < 0.0 { v + TAU } else { *v };
-    let theta = samples.get(Signal::Theta).unwrap().iter().map(wrapped).collect();
-    samples.set(Signal::Theta, theta);
-    let found = implausible(&asked(), Path::new("a"), &samples);
+    let samples = changed(Signal::Theta, |_, v| if v < 0.0 { v + TAU } else { v });
+    let found = findings(&samples);
     let words = "goes from 360° to 0° within a sample";
     assert!(found[0].what.contains(words) && found[0].row.is_some(), "{found:#?}");
     let linear = Asked { coordinate: Coordinate::Linear { lever_m: 1e-3 }, ..asked() };
@@ -168,38 +162,27 @@ fn an_angle_that_starts_over_at_a_full_turn_is_found_where_it_does() {
 
 #[test]
 fn a_force_that_no_hand_has_is_found() {
-    let mut samples = recording();
-    let mut force = samples.get(Signal::ForceEx).unwrap().to_vec();
-    force[20] = -9999.0;
-    samples.set(Signal::ForceEx, force);
-    let found = implausible(&asked(), Path::new("a"), &samples);
+    let found = findings(&changed(Signal::ForceEx, |i, v| if i == 20 { -9999.0 } else { v }));
     assert!(found[0].what.starts_with("-9.999e3 N is more than a person weighs"), "{found:#?}");
     assert_eq!(found[0].row, Some(21));
 }
 
 #[test]
 fn a_signal_that_stops_is_found_and_no_force_in_free_motion_is_none() {
-    check(Signal::ForceEx, |_, _| 0.0, &[(Signal::ForceEx, "it is 0 throughout, while theta_rad")]);
-    check(
-        Signal::ForceEx,
-        |i, v| if i >= 300 { 3.25 } else { v },
-        &[(Signal::ForceEx, "it holds 3.25 for 1.40 s")],
-    );
-    let mut samples = recording();
-    samples.set(Signal::ForceEx, vec![0.0; 1000]);
+    check_own(Signal::ForceEx, |_, _| 0.0, "it is 0 throughout, while theta_rad");
+    let held = |i: usize, v: f64| if i >= 300 { 3.25 } else { v };
+    check_own(Signal::ForceEx, held, "it holds 3.25 for 1.40 s");
+    let none = changed(Signal::ForceEx, |_, _| 0.0);
     let free = Asked { scene: Scene::Free, ..asked() };
-    assert!(implausible(&free, Path::new("a"), &samples).is_empty());
+    assert!(implausible(&free, Path::new("a"), &none).is_empty());
 }
 
 /// Samples of 2 ms: few of them are looked at before all are.
 #[test]
 fn a_force_that_holds_for_little_more_than_a_second_is_found_wherever_it_does() {
     let is_found = |held: std::ops::Range<usize>| {
-        let mut samples = recording();
-        let mut force = samples.get(Signal::ForceEx).unwrap().to_vec();
-        force[held].fill(3.25);
-        samples.set(Signal::ForceEx, force);
-        let found = implausible(&asked(), Path::new("a"), &samples);
+        let hold = |i: usize, v: f64| if held.contains(&i) { 3.25 } else { v };
+        let found = findings(&changed(Signal::ForceEx, hold));
         found.iter().any(|f| f.what.starts_with("it holds 3.25 for 1.01 s"))
     };
     for from in (150..350).step_by(13) {
@@ -210,37 +193,25 @@ fn a_force_that_holds_for_little_more_than_a_second_is_found_wherever_it_does() 
 
 #[test]
 fn a_force_at_the_end_of_its_sensors_range_is_found() {
-    check(
-        Signal::ForceEx,
-        |_, v| v.min(4.5),
-        &[(Signal::ForceEx, "it stands at its largest value")],
-    );
+    check_own(Signal::ForceEx, |_, v| v.min(4.5), "it stands at its largest value");
     let held = |i: usize, _| 4.0 * f64::from(u32::try_from(i / 60).unwrap() % 5 + 1);
-    let mut samples = recording();
-    samples.set(Signal::ForceEx, (0..1000).map(|i| held(i, 0.0)).collect());
-    let found = implausible(&asked(), Path::new("a"), &samples);
+    let found = findings(&changed(Signal::ForceEx, held));
     assert!(found.iter().all(|f| !f.what.contains("largest")), "a slow sensor: {found:#?}");
 }
 
 #[test]
 fn a_velocity_in_another_unit_or_with_another_sign_is_named() {
-    check(
-        Signal::ThetaDot,
-        |_, v| v.to_degrees(),
-        &[(Signal::ThetaDot, "57.3 times the angle's derivative: deg/s taken for rad/s")],
-    );
-    check(
-        Signal::ThetaDot,
-        |_, v| -v,
-        &[(Signal::ThetaDot, "1 times the angle's derivative, with the opposite sign")],
-    );
-    check(Signal::ThetaDot, |_, v| v * 60.0 / TAU, &[(Signal::ThetaDot, "rpm taken for rad/s")]);
+    let degrees = "57.3 times the angle's derivative: deg/s taken for rad/s";
+    check_own(Signal::ThetaDot, |_, v| v.to_degrees(), degrees);
+    let turned = "1 times the angle's derivative, with the opposite sign";
+    check_own(Signal::ThetaDot, |_, v| -v, turned);
+    check_own(Signal::ThetaDot, |_, v| v * 60.0 / TAU, "rpm taken for rad/s");
     check(Signal::ThetaDot, |_, v| v * 1.5, &[]);
 }
 
 #[test]
 fn a_force_against_the_motion_has_the_wrong_sign() {
-    check(Signal::ForceEx, |_, v| -v, &[(Signal::ForceEx, "set sign = -1")]);
+    check_own(Signal::ForceEx, |_, v| -v, "set sign = -1");
 }
 
 /// A device that swings by itself drives the hand: the sign of its work says nothing of the sensor.
@@ -255,18 +226,14 @@ fn of_a_lever_that_swings_fast_the_sign_of_the_force_is_not_asked() {
     samples.set(Signal::ForceEx, force);
     samples.set(Signal::ThetaDot, velocity);
     samples.set(Signal::Theta, theta);
-    let found = implausible(&asked(), Path::new("a"), &samples);
+    let found = findings(&samples);
     assert!(found.iter().all(|f| !f.to_string().contains("sign = -1")), "{found:#?}");
 }
 
 #[test]
 fn a_torque_taken_for_a_force_is_a_lever_too_small() {
-    check(Signal::ForceEx, |_, v| 0.075 * v, &[(Signal::ForceEx, "a torque in N·m taken")]);
-    check(
-        Signal::ForceEx,
-        |_, v| v / 0.075,
-        &[(Signal::ForceEx, "a force in N taken for a torque")],
-    );
+    check_own(Signal::ForceEx, |_, v| 0.075 * v, "a torque in N·m taken");
+    check_own(Signal::ForceEx, |_, v| v / 0.075, "a force in N taken for a torque");
     check(
         Signal::ForceEx,
         |_, v| 1e3 * v,
@@ -281,15 +248,11 @@ fn a_torque_taken_for_a_force_is_a_lever_too_small() {
 #[test]
 fn a_value_that_stands_alone_is_found_and_a_blow_is_none() {
     let lost = |i: usize, v: f64| if [300, 302, 640].contains(&i) { -1.73 } else { v };
-    check(Signal::Theta, lost, &[(Signal::Theta, "where its neighbours are")]);
+    check_own(Signal::Theta, lost, "where its neighbours are");
     let lost = |i: usize, v: f64| if i == 300 { -99.0 } else { v };
-    check(Signal::ForceEx, lost, &[(Signal::ForceEx, "it is -99.0000 where its neighbours are")]);
+    check_own(Signal::ForceEx, lost, "it is -99.0000 where its neighbours are");
     let lost = |i: usize, v: f64| if (900..940).contains(&i) { -999.0 } else { v };
-    check(
-        Signal::ForceEx,
-        lost,
-        &[(Signal::ForceEx, "-999.0000 in 40 samples, far from all others")],
-    );
+    check_own(Signal::ForceEx, lost, "-999.0000 in 40 samples, far from all others");
     // Six newtons more for two samples, as where a lever meets a wall.
     let blow = |i: usize, v: f64| if [500, 501].contains(&i) { v + 6.0 } else { v };
     check(Signal::ForceEx, blow, &[]);
@@ -297,27 +260,22 @@ fn a_value_that_stands_alone_is_found_and_a_blow_is_none() {
 
 #[test]
 fn a_movement_whose_beginning_is_missing_is_found() {
-    let whole = recording();
-    let mut late = Samples::default();
-    for signal in [Signal::Time, Signal::Theta, Signal::ThetaDot, Signal::ForceEx] {
-        late.set(signal, whole.get(signal).unwrap()[250..].to_vec());
-    }
-    let found = implausible(&asked(), Path::new("a"), &late);
-    let found: Vec<String> = found.iter().map(ToString::to_string).collect();
+    let part = |rows: std::ops::Range<usize>| {
+        let mut part = Samples::default();
+        for signal in [Signal::Time, Signal::Theta, Signal::ThetaDot, Signal::ForceEx] {
+            part.set(signal, recording().get(signal).unwrap()[rows.clone()].to_vec());
+        }
+        findings(&part)
+    };
+    let found: Vec<String> = part(250..1000).iter().map(ToString::to_string).collect();
     assert!(found.len() == 1 && found[0].contains("100 % of its largest speed"), "{found:?}");
     // Nor is its end: it may be a hand that never rests.
-    for signal in [Signal::Time, Signal::Theta, Signal::ThetaDot, Signal::ForceEx] {
-        late.set(signal, whole.get(signal).unwrap()[250..750].to_vec());
-    }
-    assert!(implausible(&asked(), Path::new("a"), &late).is_empty());
+    assert!(part(250..750).is_empty());
 }
 
 #[test]
 fn a_recording_shorter_than_a_movement_is_found() {
-    let mut samples = recording();
-    let t = samples.get(Signal::Time).unwrap().iter().map(|t| t / 50.0).collect();
-    samples.set(Signal::Time, t);
-    let found = implausible(&asked(), Path::new("a"), &samples);
+    let found = findings(&changed(Signal::Time, |_, t| t / 50.0));
     assert!(found[0].what.contains("the whole recording lasts 0.0400 s"), "{}", found[0]);
 }
 
@@ -329,7 +287,7 @@ fn a_force_in_coarse_steps_is_at_no_end_and_neither_is_a_load_that_is_held() {
     let mut held = Samples::default();
     held.set(Signal::Time, (0..400).map(|i| 0.01 * f64::from(i)).collect());
     held.set(Signal::ForceEx, (0..400).map(|i| 0.1 * f64::from(i.min(20))).collect());
-    assert!(implausible(&asked(), Path::new("a"), &held).is_empty());
+    assert!(findings(&held).is_empty());
     let plateau = super::plateau(held.get(Signal::ForceEx).unwrap()).unwrap();
     assert!((plateau.value - 2.0).abs() < 1e-12 && plateau.first == 20);
 }

@@ -11,7 +11,6 @@ use anyhow::bail;
 use clap::builder::PossibleValuesParser;
 use scene_file::SceneFile;
 use serde::Serialize;
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use zwidth_figures::MOST_SIDE_BY_SIDE;
 use zwidth_results::{BowTieSample, ChatteringRun, ModelEvent, ModelRun, Row as _};
@@ -83,7 +82,7 @@ pub(crate) fn simulate(
 ) -> anyhow::Result<Exit> {
     let folder = command.out.clone().unwrap_or_else(|| root.join("reports").join("simulate"));
     // Before the first run, which may take long.
-    check_stems(&command.scenes)?;
+    check_stems(&command.scenes, "simulate them apart")?;
     let mut outcomes = Vec::new();
     let mut done = Vec::new();
     let cells = if command.chattering { SOLVERS.len() * CHATTERING_STEPS_S.len() } else { 0 };
@@ -99,14 +98,13 @@ pub(crate) fn simulate(
     bar.finish_and_clear();
     if done.is_empty() {
         let errors = outcomes.into_iter().filter_map(|outcome| outcome.error);
-        bail!("{}", errors.collect::<Vec<_>>().join("\n       "));
+        return Err(super::as_lines(errors.collect(), 0));
     }
     let shared = shared(&done, &folder, command)?;
     let exit = if done.len() == outcomes.len() { Exit::Fine } else { Exit::Partly };
-    if screen.json {
-        screen.listing(&Report { scenes: outcomes, shared })?;
-    } else {
-        for outcome in &outcomes {
+    let report = Report { scenes: outcomes, shared };
+    screen.give(&report, || {
+        for outcome in &report.scenes {
             if let Some(error) = &outcome.error {
                 screen.warn(format!("skipped: {error}"));
             }
@@ -114,20 +112,20 @@ pub(crate) fn simulate(
                 let lines = words::summary_lines(summary);
                 screen.result(format!("{}: {lines}", outcome.scene.display()));
             }
-            tell_files(&outcome.files, screen);
+            screen.files(&outcome.files, &["png"], "  ");
         }
-        tell_files(&shared, screen);
-    }
+        screen.files(&report.shared, &["png"], "  ");
+    })?;
     Ok(exit)
 }
 
-/// Two scenes of one name would write to the same files.
-pub(super) fn check_stems(scenes: &[PathBuf]) -> anyhow::Result<()> {
+/// Two scenes of one name would write to the same files: files are named by the stem alone.
+pub(super) fn check_stems(scenes: &[PathBuf], remedy: &str) -> anyhow::Result<()> {
     for (i, path) in scenes.iter().enumerate() {
         if let Some(other) = scenes[..i].iter().find(|other| stem(other) == stem(path)) {
             let a = other.display();
             let b = path.display();
-            bail!("{a} and {b} would write to the same files; simulate them apart, or rename one");
+            bail!("{a} and {b} would write to the same files; {remedy}, or rename one");
         }
     }
     Ok(())
@@ -185,15 +183,14 @@ fn one(
 fn made_from(
     command: &SimulateArgs,
     scene: Option<&ModelScene>,
-) -> anyhow::Result<BTreeMap<String, String>> {
-    let mut facts = BTreeMap::from([
-        ("solver".to_owned(), command.solver.clone()),
-        ("tolerance".to_owned(), command.tolerance.to_string()),
-    ]);
-    if let Some(scene) = scene {
-        facts.insert("scene".to_owned(), scene.to_toml()?);
-    }
-    Ok(facts)
+) -> anyhow::Result<Vec<(&'static str, String)>> {
+    let scene = scene.map(ModelScene::to_toml).transpose()?;
+    let facts = [
+        ("solver", Some(command.solver.clone())),
+        ("tolerance", Some(command.tolerance.to_string())),
+        ("scene", scene),
+    ];
+    Ok(facts.into_iter().filter_map(|(key, value)| Some((key, value?))).collect())
 }
 
 /// The figures of several scenes: their inputs, and the runs side by side where the page is wide
@@ -225,12 +222,6 @@ fn outcome(path: &Path, result: &anyhow::Result<Done>) -> Outcome {
         files: done.map(|done| done.files.clone()).unwrap_or_default(),
         error: result.as_ref().err().map(|error| format!("{error:#}")),
     }
-}
-
-/// Names the pictures alone; everything else lies beside them.
-fn tell_files(files: &[PathBuf], screen: &Screen) {
-    let pictures = files.iter().filter(|path| path.extension().is_some_and(|e| e == "png"));
-    pictures.for_each(|path| screen.result(format!("  {}", path.display())));
 }
 
 #[cfg(test)]

@@ -13,7 +13,6 @@ use crate::exit::Exit;
 use crate::screen::Screen;
 use anyhow::{Context as _, bail};
 use serde::Serialize;
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use zwidth_figures::{BoundaryOf, Side, StabilityPanel, StableArea};
 use zwidth_results::{BoundaryExtent, LimitKind, LimitName, StiffestWall, WallQuantity};
@@ -67,11 +66,8 @@ pub(crate) fn stability(
         .scene
         .as_ref()
         .map_or("the simulated device".to_owned(), |path| path.display().to_string());
-    let made_from = BTreeMap::from([
-        ("of".to_owned(), scene),
-        ("point".to_owned(), format!("{point:?}")),
-        ("version".to_owned(), VERSION.to_string()),
-    ]);
+    let made_from =
+        [("of", scene), ("point", format!("{point:?}")), ("version", VERSION.to_string())];
     let mut output = Output::new(&folder, made_from);
     let limits = limits(&point)?;
     let spans = spans(command);
@@ -89,18 +85,14 @@ pub(crate) fn stability(
     let outcome = Outcome {
         name,
         maps: maps.iter().map(pair).collect(),
-        limits: limits.iter().map(out).collect(),
+        limits: limits.iter().map(limit_out).collect(),
         told: lines.into_iter().chain(boundaries.iter().map(words::extent)).collect(),
         files: output.files,
     };
-    if screen.json {
-        screen.listing(&[outcome])?;
-    } else {
+    screen.give(&[&outcome], || {
         outcome.told.iter().for_each(|line| screen.result(line));
-        let mut pictures = outcome.files;
-        pictures.retain(|path| path.extension().is_some_and(|e| e == "png"));
-        pictures.iter().for_each(|path| screen.result(path.display().to_string()));
-    }
+        screen.files(&outcome.files, &["png"], "");
+    })?;
     Ok(Exit::Fine)
 }
 
@@ -224,7 +216,7 @@ fn write_boundaries(
     output.table("measured_by_others", &extents_table(&extents)?)
 }
 
-fn out(limit: &StiffestWall) -> LimitOut {
+fn limit_out(limit: &StiffestWall) -> LimitOut {
     LimitOut {
         limit: limit.limit.as_str(),
         kind: limit.kind.as_str(),

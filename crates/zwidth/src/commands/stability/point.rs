@@ -1,10 +1,10 @@
 //! The device and the wall that a command names.
 
+use super::super::impedance::{bare, count_m};
 use super::args::StabilityArgs;
 use anyhow::Context as _;
-use std::f64::consts::TAU;
-use zwidth_device::{COUNTS_PER_TURN, SHAFT_PER_LEVER, TwinParameters};
-use zwidth_dynamics::{DryLimits, ModelScene, SampledWall};
+use zwidth_device::TwinParameters;
+use zwidth_dynamics::{DryLimits, ModelScene};
 use zwidth_stability::{Point, of_scene};
 
 /// T: the thesis' controller, s (Table 3).
@@ -30,18 +30,10 @@ pub(super) fn from_args(command: &StabilityArgs) -> anyhow::Result<(String, Poin
 /// that ask for them.
 fn twin() -> Point {
     let twin = TwinParameters::default();
-    let plant = twin.plant(None);
     let lever_m = twin.lever_m;
-    let viscous = twin.friction_viscous_ns_per_rad + plant.back_emf_ns_per_rad.unwrap_or(0.0);
-    let mass_kg = plant.inertia_kg_m2 / (lever_m * lever_m);
     let dry = DryLimits {
         friction_n: twin.friction_static_n * twin.friction_kinetic_share,
-        count_m: TAU / f64::from(COUNTS_PER_TURN) / SHAFT_PER_LEVER * lever_m,
+        count_m: count_m(lever_m),
     };
-    Point {
-        wall: SampledWall::bare(mass_kg, viscous / lever_m, PERIOD_S),
-        lever_m,
-        step_s: PERIOD_S,
-        dry: Some(dry),
-    }
+    Point { wall: bare(&twin, PERIOD_S), lever_m, step_s: PERIOD_S, dry: Some(dry) }
 }

@@ -6,10 +6,9 @@ use crate::exit::Exit;
 use crate::screen::Screen;
 use anyhow::{anyhow, bail};
 use serde::Serialize;
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use zwidth_plan::{Oscillations, oscillations};
-use zwidth_replay::{Oscillation, SwingAnswer, VERSION, trial_oscillation};
+use zwidth_replay::{SwingAnswer, VERSION, trial_oscillation};
 use zwidth_store::StudyData;
 use zwidth_study::{StudyId, TrialMeta};
 use zwidth_tables::Table;
@@ -34,9 +33,7 @@ pub(super) fn recorded(
     command: &StabilityArgs,
     screen: &Screen,
 ) -> anyhow::Result<Exit> {
-    let layout = super::super::study(root, study.clone())?;
-    let data =
-        StudyData::load(&layout).map_err(|findings| super::super::join_findings(&findings))?;
+    let data = super::super::load(root, study)?;
     let wanted = |meta: &TrialMeta| {
         command.participant.as_ref().is_none_or(|participant| *participant == meta.participant)
             && command.session.as_ref().is_none_or(|session| *session == meta.session)
@@ -51,11 +48,17 @@ pub(super) fn recorded(
     bar.finish_and_clear();
     oscillations.problems.iter().for_each(|problem| screen.warn(problem));
     let files = write(root, &data, command, &oscillations)?;
-    if screen.json {
-        screen.listing(&oscillations.trials.iter().map(trial_out).collect::<Vec<_>>())?;
-    } else {
-        tell(&oscillations, &files, screen);
-    }
+    let trials = oscillations.trials.iter().map(|(meta, one)| TrialOut {
+        participant: meta.participant.as_str(),
+        session: meta.session.as_str(),
+        trial: meta.trial,
+        answer: one.origin.answer().as_str(),
+        why: one.origin.why(),
+        frequency_hz: one.recorded.map(|swings| swings.frequency_hz),
+        amplitude_rad: one.recorded.map(|swings| swings.amplitude_rad),
+        power_factor: one.power_factor,
+    });
+    screen.give(&trials.collect::<Vec<_>>(), || tell(&oscillations, &files, screen))?;
     Ok(if oscillations.problems.is_empty() { Exit::Fine } else { Exit::Partly })
 }
 
@@ -68,15 +71,15 @@ fn write(
     let study = data.layout.study();
     let usual = root.join("reports").join(study.as_str()).join("stability");
     let folder = command.out.clone().unwrap_or(usual);
-    let mut made_from = BTreeMap::from([
-        ("study".to_owned(), study.to_string()),
-        ("plant".to_owned(), words::plant(oscillations.is_fitted).to_owned()),
-        ("version".to_owned(), VERSION.to_string()),
-    ]);
     let sources = oscillations.trials.iter().map(|(meta, _)| meta.source);
     let mark = zwidth_figures::mark(sources);
     let source = mark.clone().unwrap_or_else(|| "recorded, and model runs beside it".to_owned());
-    made_from.insert("source".to_owned(), source);
+    let made_from = [
+        ("study", study.to_string()),
+        ("plant", words::plant(oscillations.is_fitted).to_owned()),
+        ("version", VERSION.to_string()),
+        ("source", source),
+    ];
     let mut output = Output::new(&folder, made_from);
     let rows: Vec<_> =
         oscillations.trials.iter().map(|(meta, one)| trial_oscillation(meta, one)).collect();
@@ -97,19 +100,6 @@ fn write(
     Ok(output.files)
 }
 
-fn trial_out((meta, one): &(TrialMeta, Oscillation)) -> TrialOut<'_> {
-    TrialOut {
-        participant: meta.participant.as_str(),
-        session: meta.session.as_str(),
-        trial: meta.trial,
-        answer: one.origin.answer().as_str(),
-        why: one.origin.why(),
-        frequency_hz: one.recorded.map(|swings| swings.frequency_hz),
-        amplitude_rad: one.recorded.map(|swings| swings.amplitude_rad),
-        power_factor: one.power_factor,
-    }
-}
-
 fn tell(oscillations: &Oscillations, files: &[PathBuf], screen: &Screen) {
     /// Trials of which each has a line; of more only what is not calm.
     const FEW: usize = 12;
@@ -118,19 +108,14 @@ fn tell(oscillations: &Oscillations, files: &[PathBuf], screen: &Screen) {
     let lines = oscillations.trials.iter().filter(|row| is_few || row.1.recorded.is_some());
     lines.for_each(|(meta, one)| screen.result(words::trial_line(meta, one)));
     if oscillations.trials.len() > 1 {
-        let answers =
-            [SwingAnswer::Calm, SwingAnswer::Real, SwingAnswer::Forced, SwingAnswer::CannotTell];
-        let parts = answers.map(|answer| {
+        let parts = SwingAnswer::ALL.map(|answer| {
             let n = oscillations.trials.iter().filter(|t| t.1.origin.answer() == answer).count();
             format!("{n} {}", answer.as_str())
         });
         screen.result(format!("{} trials: {}", oscillations.trials.len(), parts.join(", ")));
     }
     screen.result(words::plant(oscillations.is_fitted));
-    let shown = files.iter().filter(|path| {
-        path.extension().is_some_and(|extension| extension == "png" || extension == "csv")
-    });
-    shown.for_each(|path| screen.result(path.display().to_string()));
+    screen.files(files, &["png", "csv"], "");
 }
 
 mod words {

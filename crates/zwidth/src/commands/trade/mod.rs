@@ -1,22 +1,18 @@
 //! `zwidth trade`: every solver and step on scenes, and the cheapest that is good enough.
 
-mod args;
 mod setups;
 mod source;
 mod timing;
 mod words;
 
-pub(crate) use args::TradeArgs;
+pub(crate) use source::TradeArgs;
 
 use super::output::Output;
 use crate::exit::Exit;
 use crate::screen::Screen;
-use crate::text::read_beside;
-use anyhow::bail;
 use serde::Serialize;
-use setups::{Study, Written, setups};
+use setups::{Study, Written, is_made, setups};
 use source::{Requested, Source, requested};
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use zwidth_figures::Felt;
 use zwidth_results::TradeChoice;
@@ -57,21 +53,22 @@ pub(crate) fn trade(root: &Path, command: &TradeArgs, screen: &Screen) -> anyhow
     };
     for source in &scenes {
         done(&source.stem, source.settings(), &|| {
-            Some(scene_account(source, one(source, command.fresh, &|| bar.inc(1))))
+            let result = one(source, command.fresh, &|| bar.inc(1));
+            Some(account(source.stem.clone(), &source.stem, result))
         });
     }
     for study in &studies {
         done(setups::STEM, study.trials(), &|| {
-            study_account(study, setups(root, study, command.fresh, &|| bar.inc(1)))
+            // None where it has no trial to simulate.
+            let result = setups(root, study, command.fresh, &|| bar.inc(1)).transpose()?;
+            Some(account(format!("{} on the simulated device", study.name), setups::STEM, result))
         });
     }
     bar.finish_and_clear();
     let failed = outcomes.iter().filter(|outcome| outcome.0.error.is_some()).count();
     if failed == outcomes.len() {
-        bail!(
-            "{}",
-            outcomes.iter().filter_map(|o| o.0.error.clone()).collect::<Vec<_>>().join("\n       ")
-        );
+        let errors = outcomes.into_iter().filter_map(|(outcome, _)| outcome.error);
+        return Err(super::as_lines(errors.collect(), 0));
     }
     if screen.json {
         screen.listing(&outcomes.iter().map(|outcome| &outcome.0).collect::<Vec<_>>())?;
@@ -79,47 +76,17 @@ pub(crate) fn trade(root: &Path, command: &TradeArgs, screen: &Screen) -> anyhow
     Ok(if failed == 0 { Exit::Fine } else { Exit::Partly })
 }
 
-/// What came of a study's setups; none where it has no trial to simulate.
-fn study_account(study: &Study, result: anyhow::Result<Option<Written>>) -> Option<Account> {
-    let (files, lines, error) = match result {
-        Ok(written) => written.map(|written| (written.files, written.lines, None))?,
-        Err(error) => (Vec::new(), Vec::new(), Some(format!("{}: {error:#}", setups::STEM))),
-    };
-    let outcome = Outcome {
-        scene: format!("{} on the simulated device", study.name),
-        yardstick: None,
-        recommended: None,
-        up_to_date: error.is_none() && files.is_empty(),
-        files,
-        error,
-    };
-    Some((outcome, lines))
-}
-
-/// What came of a scene, and the lines about it.
+/// What came of a scene or of a study's setups, and the lines about it.
 type Account = (Outcome, Vec<String>);
 
-/// What one scene gave: its trade if it was made anew, and its files.
-struct Done {
-    trade: Option<Trade>,
-    files: Vec<PathBuf>,
-}
-
-fn scene_account(source: &Source, result: anyhow::Result<Done>) -> Account {
-    let (done, error) = match result {
-        Ok(done) => (Some(done), None),
-        Err(error) => (None, Some(format!("{}: {error:#}", source.stem))),
+fn account(scene: String, stem: &str, result: anyhow::Result<Written>) -> Account {
+    let (written, error) = match result {
+        Ok(written) => (written, None),
+        Err(error) => (Written::default(), Some(format!("{stem}: {error:#}"))),
     };
-    let trade = done.as_ref().and_then(|done| done.trade.as_ref());
-    let outcome = Outcome {
-        scene: source.stem.clone(),
-        yardstick: trade.map(|trade| trade.proof.as_str()),
-        recommended: trade.and_then(|t| t.choice.as_ref()).map(|choice| choice.setting.words()),
-        up_to_date: error.is_none() && trade.is_none(),
-        error,
-        files: done.as_ref().map(|done| done.files.clone()).unwrap_or_default(),
-    };
-    (outcome, trade.map(words::trade_lines).unwrap_or_default())
+    let Written { files, lines, yardstick, recommended } = written;
+    let up_to_date = error.is_none() && files.is_empty();
+    (Outcome { scene, yardstick, recommended, up_to_date, files, error }, lines)
 }
 
 fn tell((outcome, lines): &Account, screen: &Screen) {
@@ -131,27 +98,17 @@ fn tell((outcome, lines): &Account, screen: &Screen) {
         None => {
             screen.result(format!("{}:", outcome.scene));
             lines.iter().for_each(|line| screen.result(format!("  {line}")));
-            let pictures = outcome
-                .files
-                .iter()
-                .filter(|path| path.extension().is_some_and(|e| e == "png" || e == "toml"));
-            pictures.for_each(|path| screen.result(format!("  {}", path.display())));
+            screen.files(&outcome.files, &["png", "toml"], "  ");
         }
     }
 }
 
 /// Makes the trade of a scene, unless nothing changed since its files were written.
-fn one(source: &Source, fresh: bool, progress: &(dyn Fn() + Sync)) -> anyhow::Result<Done> {
+fn one(source: &Source, fresh: bool, progress: &(dyn Fn() + Sync)) -> anyhow::Result<Written> {
     let key = source.key()?;
-    let key_file = source.folder.join(format!("{}.trade.json", source.stem));
-    // The key alone is not enough: somebody may have removed the figures.
-    let is_there = source.folder.join(format!("{}.trade.png", source.stem)).exists();
-    if !fresh
-        && is_there
-        && read_beside(&key_file)
-            .is_ok_and(|previous| previous.is_some_and(|previous| previous == key))
-    {
-        return Ok(Done { trade: None, files: Vec::new() });
+    let name = format!("{}.trade", source.stem);
+    if !fresh && is_made(&source.folder, &name, &key) {
+        return Ok(Written::default());
     }
     let parameters = Parameters::full(&source.scene, &source.perception);
     let mut trades = Vec::new();
@@ -164,15 +121,19 @@ fn one(source: &Source, fresh: bool, progress: &(dyn Fn() + Sync)) -> anyhow::Re
             None => trade_scene(model, &parameters, None, progress)?,
         });
     }
-    let made_from = BTreeMap::from([("scene".to_owned(), source.scene.to_toml()?)]);
-    let mut output = Output::new(&source.folder, made_from);
+    let mut output = Output::new(&source.folder, [("scene", source.scene.to_toml()?)]);
     write(source, &trades, &mut output)?;
-    let timing = timing::table(&trades[0])?;
+    let trade = &trades[0];
+    let timing = timing::table(trade)?;
     output.table(&format!("{}.timing", source.stem), &timing)?;
     // Last: a run that is cut off before leaves no key, and is done again.
-    output.text(&format!("{}.trade", source.stem), "json", &key)?;
-    let trade = trades.into_iter().next();
-    Ok(Done { trade, files: output.files })
+    output.text(&name, "json", &key)?;
+    Ok(Written {
+        files: output.files,
+        lines: words::trade_lines(trade),
+        yardstick: Some(trade.proof.as_str()),
+        recommended: trade.choice.as_ref().map(|choice| choice.setting.words()),
+    })
 }
 
 fn write(source: &Source, trades: &[Trade], output: &mut Output) -> anyhow::Result<()> {

@@ -6,7 +6,7 @@ use super::super::output::Output;
 use crate::devices::twin;
 use crate::text::read_beside;
 use anyhow::anyhow;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use zwidth_device::{Device as _, Twin};
 use zwidth_plan::{OtherSetups, Rehearsal, rehearsal, rehearsed, rehearsed_trials};
@@ -43,11 +43,23 @@ impl Study {
     }
 }
 
-/// The files that were written, none where nothing changed, and what they say in sentences.
+/// The files that were written, none where nothing changed, and what they say in sentences; of a
+/// scene also its yardstick and what is recommended.
 #[derive(Default)]
 pub(super) struct Written {
     pub(super) files: Vec<PathBuf>,
     pub(super) lines: Vec<String>,
+    pub(super) yardstick: Option<&'static str>,
+    pub(super) recommended: Option<String>,
+}
+
+/// Whether the files of this name were made from this key.
+pub(super) fn is_made(folder: &Path, name: &str, key: &str) -> bool {
+    // The key alone is not enough: somebody may have removed the figures.
+    let is_there = folder.join(format!("{name}.png")).exists();
+    is_there
+        && read_beside(&folder.join(format!("{name}.json")))
+            .is_ok_and(|previous| previous.is_some_and(|previous| previous == key))
 }
 
 /// Simulates a study's trials at every setup, unless nothing changed since; none where no condition
@@ -62,27 +74,17 @@ pub(super) fn setups(
     let bench = bench(root, study.data.layout.study().clone(), None)?;
     let twin_of = |participant: &ParticipantId, session: &SessionId| -> Result<Twin, JobError> {
         let seed = study.seed(participant, session);
-        Ok(twin(&bench.occasion(seed, participant, session), false)?)
+        Ok(twin(&bench, seed, participant, session, false)?)
     };
     let key = key(study, &rehearsal, &bench, &twin_of)?;
-    let key_file = study.folder.join(format!("{STEM}.json"));
-    // The key alone is not enough: somebody may have removed the figures.
-    let is_there = study.folder.join(format!("{STEM}.png")).exists();
-    if !fresh
-        && is_there
-        && read_beside(&key_file)
-            .is_ok_and(|previous| previous.is_some_and(|previous| previous == key))
-    {
+    if !fresh && is_made(&study.folder, STEM, &key) {
         return Ok(Some(Written::default()));
     }
     let setups =
         rehearsed(&study.data, &twin_of, progress).map_err(|e| anyhow!("{}: {e}", study.name))?;
     let Some(setups) = setups else { return Ok(None) };
     let table = twin_table(&setups.shifts)?;
-    let made_from = BTreeMap::from([
-        ("study".to_owned(), study.name.clone()),
-        ("source".to_owned(), "twin, not measured".to_owned()),
-    ]);
+    let made_from = [("study", study.name.clone()), ("source", "twin, not measured".to_owned())];
     let mut output = Output::new(&study.folder, made_from);
     output.table(STEM, &table)?;
     let short = twin_summary_table(&setups.summary, &setups.stops)?;
@@ -93,7 +95,7 @@ pub(super) fn setups(
     output.figure(STEM, figure)?;
     // Last: a run that is cut off before leaves no key, and is done again.
     output.text(STEM, "json", &key)?;
-    Ok(Some(Written { files: output.files, lines }))
+    Ok(Some(Written { files: output.files, lines, ..Written::default() }))
 }
 
 /// All that its files depend on, as text.

@@ -1,9 +1,9 @@
-//! The scenes of a trade: from files, or a study's conditions.
+//! The arguments of `zwidth trade`, and the scenes that they name: from files, or a study's
+//! conditions.
 
 use super::super::simulate::scene_file::SceneFile;
 use super::super::simulate::{check_stems, stem};
 use super::super::{join_findings, no_study, studies};
-use super::args::TradeArgs;
 use super::setups::Study;
 use crate::screen::Screen;
 use anyhow::{Context as _, bail};
@@ -12,6 +12,23 @@ use zwidth_plan::Traded;
 use zwidth_store::{Layout, StudyData};
 use zwidth_study::{Perception, StudyId};
 use zwidth_trade::{ModelScene, Parameters, VERSION, models};
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct TradeArgs {
+    /// Scenes, files that end in .toml, or studies, of which every condition is one, and whose
+    /// trials are simulated with another loop and other sensors [default: all studies under raw/]
+    #[arg(value_name = "SCENE.toml|STUDY")]
+    pub(crate) scenes: Vec<PathBuf>,
+    /// A study, as above
+    #[arg(long, value_name = "STUDY")]
+    pub(crate) study: Vec<StudyId>,
+    /// Folder to write to [default: reports/trade; for a study reports/STUDY/timing]
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Do everything again, whether it changed or not
+    #[arg(long)]
+    pub(crate) fresh: bool,
+}
 
 /// A scene, what a person can feel of it, and where its results go.
 pub(super) struct Source {
@@ -71,15 +88,20 @@ pub(super) fn requested(
             format!("{text} is neither a scene, which is a file that ends in .toml, nor a study")
         })?);
     }
-    check_stems(&files)?;
+    check_stems(&files, "simulate them apart")?;
     let folder = command.out.clone().unwrap_or_else(|| root.join("reports").join("trade"));
-    let mut requested = Requested {
-        scenes: files
-            .iter()
-            .map(|path| read_scene(path, &folder))
-            .collect::<anyhow::Result<_>>()?,
-        studies: Vec::new(),
-    };
+    let mut requested = Requested { scenes: Vec::new(), studies: Vec::new() };
+    for path in &files {
+        let scene = SceneFile::read(path)?.scene;
+        requested.scenes.push(Source {
+            stem: stem(path),
+            title: scene.name.clone(),
+            scene,
+            traded: None,
+            perception: Perception::default(),
+            folder: folder.clone(),
+        });
+    }
     if files.is_empty() || !named.is_empty() {
         for layout in studies(root, named)? {
             add_study(&layout, command, screen, &mut requested)?;
@@ -118,16 +140,4 @@ fn add_study(
     }));
     requested.studies.push(Study { data, folder, name });
     Ok(())
-}
-
-fn read_scene(path: &Path, folder: &Path) -> anyhow::Result<Source> {
-    let file = SceneFile::read(path)?;
-    Ok(Source {
-        stem: stem(path),
-        title: file.scene.name.clone(),
-        scene: file.scene,
-        traded: None,
-        perception: Perception::default(),
-        folder: folder.to_owned(),
-    })
 }

@@ -15,11 +15,8 @@ use zwidth_results::{
 use zwidth_store::{Quantity, Sweep};
 
 /// The figure [`characteristic`].
-pub const CHARACTERISTIC: FigureKind = FigureKind {
-    stem: "characteristic",
-    shows: "response to the command, with the chosen fit",
-    drawn_from: "sweep",
-};
+pub const CHARACTERISTIC: FigureKind =
+    FigureKind::new("characteristic", "response to the command, with the chosen fit", "sweep");
 
 /// Width of the figure, mm.
 const WIDTH_MM: f64 = 110.0;
@@ -65,6 +62,7 @@ impl<'a> Characterised<'a> {
 /// with its R², the chosen fit, and where it begins and ends to rise; below, from the chosen fit
 /// on, the band for a new response and the samples. Its coefficients are in their table.
 pub fn characteristic(actuator: &str, sweeps: &[Sweep], fitted: Characterised) -> Figure {
+    let nothing = || Quantity { name: String::new(), unit: String::new() };
     let command = sweeps.first().map_or_else(nothing, |sweep| sweep.command.clone());
     let response = sweeps.first().map_or_else(nothing, |sweep| sweep.response.clone());
     let chosen = fitted.chosen();
@@ -72,13 +70,10 @@ pub fn characteristic(actuator: &str, sweeps: &[Sweep], fitted: Characterised) -
     layers.extend(curves(fitted, sweeps.len()));
     layers.extend(corners(fitted, &command.unit));
     let x = axis(&command).linked("command");
-    let panel = Panel::new(Cell::at(0, 0), x.clone(), axis(&response), layers);
+    let panel = Panel::new(Cell::at(0, 0), x.clone(), axis(&response), layers).tall(PANEL_MM);
     let off = Axis::new("off the fit", plain(&response.unit));
-    let below = residuals(fitted, sweeps).map(|layers| Panel {
-        height_mm: Some(RESIDUALS_MM),
-        ..Panel::new(Cell::at(1, 0), x, off, layers)
-    });
-    let panel = Panel { height_mm: Some(PANEL_MM), ..panel };
+    let below = residuals(fitted, sweeps)
+        .map(|layers| Panel::new(Cell::at(1, 0), x, off, layers).tall(RESIDUALS_MM));
     let mut footnotes = Vec::new();
     footnotes.extend(chosen.map(|chosen| about(chosen, &response.unit, actuator)));
     if actuator == "motor" {
@@ -102,10 +97,6 @@ pub fn characteristic(actuator: &str, sweeps: &[Sweep], fitted: Characterised) -
     }
 }
 
-fn nothing() -> Quantity {
-    Quantity { name: String::new(), unit: String::new() }
-}
-
 fn axis(quantity: &Quantity) -> Axis {
     Axis::new(plain(&quantity.name), plain(&quantity.unit))
 }
@@ -122,13 +113,21 @@ fn are_seen(chosen: Option<&FittedModel>, sweeps: &[Sweep]) -> bool {
 /// All samples as points, or each sweep as a faint line where points would be a blot; named where
 /// they are seen.
 fn samples(sweeps: &[Sweep], seen: bool) -> Vec<Layer> {
-    let n: usize = sweeps.iter().map(|s| s.command_values.len()).sum();
+    let commands = sweeps.iter().flat_map(|s| &s.command_values).copied();
+    let n = commands.clone().count();
     if n <= MOST_POINTS {
-        return vec![points(sweeps, n > MANY_POINTS, seen)];
+        let many = n > MANY_POINTS;
+        return vec![Layer::Points(Points {
+            x: commands.collect(),
+            y: sweeps.iter().flat_map(|s| &s.response_values).copied().collect(),
+            colour: style::GREY,
+            opacity: if many { 0.25 } else { 0.6 },
+            diameter_pt: if many { 1.4 } else { style::POINT_PT },
+            name: seen.then(|| "samples".to_owned()),
+        })];
     }
-    let all = sweeps.iter().flat_map(|s| &s.command_values).copied();
     let (low, high) =
-        all.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
+        commands.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
     let mut layers = Vec::new();
     for (number, sweep) in sweeps.iter().enumerate() {
         let (x, y) =
@@ -138,17 +137,6 @@ fn samples(sweeps: &[Sweep], seen: bool) -> Vec<Layer> {
         layers.push(Layer::Line(Line { x, y, stroke, name, ..Line::default() }));
     }
     layers
-}
-
-fn points(sweeps: &[Sweep], many: bool, seen: bool) -> Layer {
-    Layer::Points(Points {
-        x: sweeps.iter().flat_map(|s| &s.command_values).copied().collect(),
-        y: sweeps.iter().flat_map(|s| &s.response_values).copied().collect(),
-        colour: style::GREY,
-        opacity: if many { 0.25 } else { 0.6 },
-        diameter_pt: if many { 1.4 } else { style::POINT_PT },
-        name: seen.then(|| "samples".to_owned()),
-    })
 }
 
 /// Means of runs of samples whose commands lie in one step of this width, in the order of
@@ -223,13 +211,7 @@ impl Part<'_> {
 /// The samples off the chosen fit, and the band for a new response on them; `None` where there is
 /// no fit.
 fn residuals(fitted: Characterised, sweeps: &[Sweep]) -> Option<Vec<Layer>> {
-    let zero = Reference {
-        direction: Direction::Horizontal,
-        at: 0.0,
-        label: None,
-        stroke: style::zero(),
-        name: None,
-    };
+    let zero = Reference::new(Direction::Horizontal, 0.0, style::zero());
     let n: usize = sweeps.iter().map(|s| s.command_values.len()).sum();
     let stride = n.div_ceil(MOST_POINTS).max(1);
     let named = (stride > 1).then(|| format!("one sample of {stride}, off the fit"));
@@ -313,13 +295,10 @@ fn corners(fitted: Characterised, unit: &str) -> Vec<Layer> {
             CommandWay::Both => String::new(),
             way => format!(" ({})", way.as_str()),
         };
-        corners.push(Layer::Reference(Reference {
-            direction: Direction::Vertical,
-            at: p.estimate,
-            label: Some(format!("{what} {} {}{way}", significant(p.estimate), plain(unit))),
-            stroke: style::reference().dashed(Dash::Dotted),
-            name: None,
-        }));
+        let pen = style::reference().dashed(Dash::Dotted);
+        let line = Reference::new(Direction::Vertical, p.estimate, pen);
+        let label = Some(format!("{what} {} {}{way}", significant(p.estimate), plain(unit)));
+        corners.push(Layer::Reference(Reference { label, ..line }));
     }
     corners
 }
@@ -404,21 +383,19 @@ mod tests {
     }
 
     fn curve() -> Vec<CurvePoint> {
-        let mut points = Vec::new();
-        for branch in [CommandWay::Up, CommandWay::Down] {
-            points.extend([0.0, 8.0].map(|at| CurvePoint {
-                branch,
-                command: at,
-                mean: Some(at),
-                fit: at,
-                ci_low: at,
-                ci_high: at,
-                prediction_low: at,
-                prediction_high: at,
-                first_order: at,
-            }));
-        }
-        points
+        let point = |branch, at| CurvePoint {
+            branch,
+            command: at,
+            mean: Some(at),
+            fit: at,
+            ci_low: at,
+            ci_high: at,
+            prediction_low: at,
+            prediction_high: at,
+            first_order: at,
+        };
+        let ways = [CommandWay::Up, CommandWay::Down];
+        ways.into_iter().flat_map(|way| [0.0, 8.0].map(|at| point(way, at))).collect()
     }
 
     fn figure(sweeps: &[Sweep], note: &str) -> Figure {
@@ -451,16 +428,12 @@ mod tests {
         let found = figure(&sweeps(2, 50, Source::Recorded), "");
         let bands = ["95 % prediction band, up", "95 % prediction band, down"];
         let fits = ["chosen fit, up", "chosen fit, down"];
-        let rest =
-            ["mean of the sweeps", "mean of the sweeps", "first-order fit, *R*^{2} = 0.9877"];
+        let mean = "mean of the sweeps";
+        let rest = [mean, mean, "first-order fit, *R*^{2} = 0.9877"];
         assert_eq!(names(&found), [&["samples"][..], &fits, &rest, &bands].concat());
-        assert_eq!(
-            found.footnotes,
-            [
-                "Chosen: hinge, y = a + b max(x − x_{0}, 0), up and down apart; RMS 0.100 N. Coefficients: table \
-              parameters.brake."
-            ]
-        );
+        let note = "Chosen: hinge, y = a + b max(x − x_{0}, 0), up and down apart; RMS 0.100 N. Coefficients: \
+                    table parameters.brake.";
+        assert_eq!(found.footnotes, [note]);
         assert_eq!(found.mark, None);
         assert!(figure(&sweeps(1, 50, Source::Twin), "").mark.is_some());
     }
@@ -493,11 +466,10 @@ mod tests {
     #[test]
     fn many_samples_become_a_faint_line_a_sweep() {
         let found = figure(&sweeps(3, 6000, Source::Recorded), "");
-        let is_sweep = |layer: &&Layer| matches!(layer, Layer::Line(l) if l.stroke == style::faint(style::GREY));
-        let lines: Vec<&Layer> = found.panels[0].layers.iter().filter(is_sweep).collect();
+        let is_sweep = |line: &&Line| line.stroke == style::faint(style::GREY);
+        let lines: Vec<&Line> = found.panels[0].lines().filter(is_sweep).collect();
         assert_eq!(lines.len(), 3);
-        let Layer::Line(line) = lines[0] else { panic!() };
-        assert!(line.x.len() < 260 && names(&found)[0] == "sweeps");
+        assert!(lines[0].x.len() < 260 && names(&found)[0] == "sweeps");
     }
 
     #[test]
@@ -511,10 +483,8 @@ mod tests {
             found.panels[0].layers.iter().filter_map(label).collect()
         };
         assert_eq!(labels(""), ["begins at 1.00 V (up)", "begins at 0.500 V (down)"]);
-        assert_eq!(
-            labels("≤ 0.1 V (edge of the data): not identifiable"),
-            ["begins at 1.00 V (up)"]
-        );
+        let note = "≤ 0.1 V (edge of the data): not identifiable";
+        assert_eq!(labels(note), ["begins at 1.00 V (up)"]);
     }
 
     #[test]

@@ -55,15 +55,15 @@ impl Lever {
     /// The arc between the stops, with numbers at its ends and upright.
     pub(crate) fn work_space(&self, words: Words, low: f64, high: f64) -> Vec<Layer> {
         let thin = style::single(style::GREY);
-        let mut layers = vec![line(self.arc(ARC, low, high).points().iter().copied(), thin)];
+        let mut layers = vec![line(self.arc(ARC, low, high).points(), thin)];
         let upright = (low < 0.0 && high > 0.0).then_some(0.0);
         for theta in [low, high].into_iter().chain(upright) {
             let tick = self.ray((ARC - 0.03, ARC + 0.03), theta);
-            layers.push(line(tick.points().iter().copied(), thin));
+            layers.push(line(tick.points(), thin));
             layers.push(amid(vec![words.signed_place(theta)], self.at(NUMBERS, theta)));
         }
         let ray = upright.map(|theta| self.ray((0.0, ARC), theta));
-        layers.extend(ray.map(|ray| line(ray.points().iter().copied(), style::reference())));
+        layers.extend(ray.map(|ray| line(ray.points(), style::reference())));
         layers
     }
 
@@ -81,7 +81,7 @@ impl Lever {
         let ray = self.ray((0.0, 1.0), rest_rad);
         let pen = style::reference().dashed(Dash::Dotted);
         let words = over("rest", self.at(0.66, rest_rad - BESIDE_MM / (0.66 * self.length_mm)));
-        vec![line(ray.points().iter().copied(), pen), words]
+        vec![line(ray.points(), pen), words]
     }
 
     /// The angle from upright, at that distance; nothing where it is too small to be drawn.

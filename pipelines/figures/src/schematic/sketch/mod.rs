@@ -9,7 +9,7 @@ mod way;
 pub(crate) use block::Block;
 pub(crate) use lever::{Lever, UPRIGHT_MM};
 pub(crate) use pieces::{
-    amid, arrow, damper, disc, ground, left_of, line, over, panel, right_of, ring, spring, tint,
-    within,
+    amid, arrow, damper, disc, flow, ground, left_of, line, over, panel, right_of, ring, spring,
+    tint, within,
 };
 pub(crate) use way::{Point, Way, polar};

@@ -34,7 +34,12 @@ pub(crate) fn arrow(way: &Way, stroke: Stroke) -> Vec<Layer> {
     let long = HEAD_MM.min(HEAD_SHARE * end);
     let [left, right] = [HEAD_WIDE, -HEAD_WIDE].map(|left| way.at(end - long, left * long));
     let head = [left, way.at(end, 0.0), right];
-    vec![line(way.points().iter().copied(), stroke), line(head, stroke)]
+    vec![line(way.points(), stroke), line(head, stroke)]
+}
+
+/// What goes from point to point: a line in ink that ends in an arrow.
+pub(crate) fn flow(points: impl IntoIterator<Item = Point>) -> Vec<Layer> {
+    arrow(&Way::through(points), style::mean(style::INK))
 }
 
 /// A spring along a way.
@@ -85,7 +90,7 @@ pub(crate) fn ground(way: &Way, stroke: Stroke) -> Vec<Layer> {
             line([way.at(along, 0.0), way.at(along + reach, -reach)], fine)
         })
         .collect();
-    layers.push(line(way.points().iter().copied(), stroke));
+    layers.push(line(way.points(), stroke));
     layers
 }
 
@@ -143,7 +148,7 @@ fn text(lines: Vec<String>, place: TextPlace) -> Layer {
 pub(crate) fn panel(cell: Cell, low: Point, high: Point, layers: Vec<Layer>) -> Panel {
     let x = Axis::bare(low.0, high.0);
     let y = Axis::bare(low.1, high.1);
-    Panel { height_mm: Some(high.1 - low.1), ..Panel::new(cell, x, y, layers) }
+    Panel::new(cell, x, y, layers).tall(high.1 - low.1)
 }
 
 #[cfg(test)]

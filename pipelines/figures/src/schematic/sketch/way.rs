@@ -33,8 +33,8 @@ impl Way {
     }
 
     /// Its points.
-    pub(crate) fn points(&self) -> &[Point] {
-        &self.0
+    pub(crate) fn points(&self) -> impl Iterator<Item = Point> {
+        self.0.iter().copied()
     }
 
     /// Its length, mm.

@@ -33,7 +33,7 @@ function download(name, type, content) {
 }
 
 const named = (id) => (id === EVERY ? "all" : id);
-const fileName = (name) => [study.study, named(browser.of.p), named(browser.of.s), browser.of.e, browser.of.m.join("-"), name].join(".").replace(/[^A-Za-z0-9_.-]/g, "_").slice(0, 150);
+const fileName = (name) => [study.study, named(browser.of.p), named(browser.of.s), browser.of.e, browser.of.m.join("-"), ...(view.beside ? ["beside", view.beside.slice(2)] : []), name].join(".").replace(/[^A-Za-z0-9_.-]/g, "_").slice(0, 150);
 const quoted = (value) => (/[",\r\n]/.test(value) ? `"${String(value).replaceAll('"', '""')}"` : String(value));
 
 /** Every shown curve, every sample, as stored; `origin` marks simulated data in each row. */

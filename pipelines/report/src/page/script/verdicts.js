@@ -109,7 +109,7 @@ function drawMatrix() {
   matrix.table.replaceChildren(matrix.head, ...bodies);
   writeExplored();
   const place = matrix.open && lineOf(matrix.open.key);
-  if (place && matrix.open.view && detail) {
+  if (place && detail) {
     place.querySelector("button").setAttribute("aria-expanded", "true");
     place.after(detail);
   } else if (matrix.open) {
@@ -164,10 +164,14 @@ function metricDetails(row) {
   const charts = make("div", { class: "charts" });
   const isAlone = sessionsOf.size === 1;
   const groups = dotGroups(environment, row.index, sessionsOf.size > MANY), differences = differenceGroups(environment, row.index, isAlone);
-  const width = Math.max(260, Math.min(520, matrix.table.clientWidth / 2 - 30));
-  charts.append(groupChart({ title: `${short(environment.label, 30)}${unit ? ` (${unit})` : ""}`, width, groups, lines: isAlone ? [] : linesOf(groups), yRange: rangeOfGroups(groups), tell }));
-  if (differences.length) charts.append(groupChart({ title: `${short(environment.label, 24)}: differences${unit ? ` (${unit})` : ""}`, width, groups: differences, lines: [], yRange: rangeOfGroups(differences, true), zero: true, tell }));
-  charts.querySelectorAll("svg").forEach(rove);
+  const draw = () => {
+    const width = Math.max(260, Math.min(520, matrix.table.clientWidth / 2 - 30));
+    charts.replaceChildren(groupChart({ title: `${short(environment.label, 30)}${unit ? ` (${unit})` : ""}`, width, groups, lines: isAlone ? [] : linesOf(groups), yRange: rangeOfGroups(groups), tell }));
+    if (differences.length) charts.append(groupChart({ title: `${short(environment.label, 24)}: differences${unit ? ` (${unit})` : ""}`, width, groups: differences, lines: [], yRange: rangeOfGroups(differences, true), zero: true, tell }));
+    charts.querySelectorAll("svg").forEach(rove);
+  };
+  draw();
+  requestAnimationFrame(() => { onWidth(charts, draw); redraws.delete(draw); }); // once it has a width; paper takes what is on the screen
   const means = metric.means.filter((one) => one.environment === row.environment);
   const table = make("table", {}, make("thead", {}, make("tr", {}, ...["mode", "mean", "interval", "SD", "n"].map((text) => make("th", { scope: "col" }, text)))), make("tbody", {}, ...means.map((one) => {
     const text = (value) => (value === null ? "–" : toDigits(value * factor, one.sd === null ? null : one.sd * factor));
@@ -176,7 +180,7 @@ function metricDetails(row) {
   const named = [["compare", "the modes compared"], ["participants", "everybody’s differences"], ["learning", "from repeat to repeat"], ["sessions", "from session to session"]];
   const figures = named.map(([stem, words]) => [byId(`figure-${stem}.${name}`), words]).filter(([figure]) => figure).map(([figure, words]) => make("details", { ontoggle: (event) => { if (event.target.open && !event.target.querySelector("img")) { const image = figure.querySelector("img").cloneNode(); image.loading = "eager"; event.target.append(image); show(image); } } }, make("summary", {}, `Figure: ${words}`)));
   const answers = byId("answers-metric") || byId("answer-plot") ? make("button", { type: "button", onclick: () => besideAnswers(row.index) }, "Answers beside this metric") : null;
-  return [charts, tip, leftOut.size ? make("p", { class: "caption" }, "The table and the figures are of all trials.") : null, make("div", { class: "scroll" }, table), ...figures, answers].filter(Boolean);
+  return [charts, tip, make("p", { class: "caption of-all", hidden: !leftOut.size }, "The table and the figures are of all trials."), make("div", { class: "scroll" }, table), ...figures, answers].filter(Boolean);
 }
 
 function besideAnswers(index) {
@@ -195,7 +199,7 @@ function excludeLines() {
 }
 
 function writeExplored() {
-  matrix.explored.hidden = !leftOut.size;
+  for (const note of [matrix.explored, ...matrix.table.querySelectorAll(".of-all")]) note.hidden = !leftOut.size;
   if (!leftOut.size) return matrix.explored.replaceChildren();
   const people = [...leftOut].filter((key) => !key.includes("/")).length, trials = leftOut.size - people;
   const what = [people ? `${people} ${people === 1 ? "person" : "people"}` : null, trials ? `${trials} ${trials === 1 ? "trial" : "trials"}` : null].filter(Boolean).join(" and ");
