@@ -111,7 +111,9 @@ fn one(
         remove(root)?;
         // Hard links: results are replaced, never written into.
         for folder in folders {
-            lay_down(&base.join(folder), &root.join(folder), std::fs::hard_link)?;
+            let from = base.join(folder);
+            lay_down(&from, &root.join(folder), std::fs::hard_link)
+                .with_context(|| format!("{} was not made", from.display()))?;
         }
         let changed = root.join("raw").join(STUDY).join(file);
         std::fs::remove_file(&changed)?;

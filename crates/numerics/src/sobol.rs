@@ -96,12 +96,12 @@ mod tests {
     /// coordinate.
     #[test]
     fn every_coordinate_is_stratified() {
-        let points = sobol_points(MOST_SOBOL_DIMENSIONS, 63).unwrap();
+        let points = sobol_points(MOST_SOBOL_DIMENSIONS, 4095).unwrap();
         for coordinate in 0..MOST_SOBOL_DIMENSIONS {
             let mut cells: Vec<u32> =
-                points.iter().map(|point| (64.0 * point[coordinate]) as u32).collect();
+                points.iter().map(|point| (4096.0 * point[coordinate]) as u32).collect();
             cells.sort_unstable();
-            assert_eq!(cells, (1..64).collect::<Vec<_>>(), "coordinate {coordinate}");
+            assert_eq!(cells, (1..4096).collect::<Vec<_>>(), "coordinate {coordinate}");
         }
     }
 

@@ -434,22 +434,27 @@ fn make(
     let results = zwidth_compare::compare(&metrics, stage)?;
     let printed = zwidth_compare::together(&results.metrics, &results.contrasts)?;
     let tables = vec![
-        Table::of_rows(&results.metrics)?,
-        Table::of_rows(&results.cells)?,
-        Table::of_rows(&results.means)?,
-        Table::of_rows(&results.contrasts)?,
+        table_of(results.metrics)?,
+        table_of(results.cells)?,
+        table_of(results.means)?,
+        table_of(results.contrasts)?,
         printed,
-        Table::of_rows(&results.omnibus)?,
-        Table::of_rows(&results.models)?,
-        Table::of_rows(&results.participants)?,
-        Table::of_rows(&results.sessions)?,
-        Table::of_rows(&results.learning)?,
-        Table::of_rows(&results.repeats)?,
-        Table::of_rows(&results.orders)?,
-        Table::of_rows(&results.redrawn)?,
-        Table::of_rows(&results.notes)?,
+        table_of(results.omnibus)?,
+        table_of(results.models)?,
+        table_of(results.participants)?,
+        table_of(results.sessions)?,
+        table_of(results.learning)?,
+        table_of(results.repeats)?,
+        table_of(results.orders)?,
+        table_of(results.redrawn)?,
+        table_of(results.notes)?,
     ];
     write_named(tables, making, *simulated)
+}
+
+/// The table of rows, which go as soon as it is made: those of all metrics are many.
+fn table_of<R: Row>(rows: Vec<R>) -> Result<Table, TableError> {
+    Table::of_rows(&rows)
 }
 
 fn make_answers(

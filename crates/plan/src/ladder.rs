@@ -335,7 +335,7 @@ impl Auto {
         rendering: &Rendering,
         analysis: &Analysis,
         held_out: &[HeldOutModel],
-    ) -> Result<Vec<zwidth_replay::TrialReplay>, JobError> {
+    ) -> Result<Vec<zwidth_results::ReplayedTrial>, JobError> {
         let Some((set, knobs)) = zwidth_ladder::fitted(held_out) else {
             return Err("no trial could be fitted, so there is no model: say [replay] model = \"by_eye\" in study.toml".into());
         };

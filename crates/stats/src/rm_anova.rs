@@ -110,6 +110,10 @@ mod tests {
         close(found.p_greenhouse_geisser, 3.84552635469624e-05, 1e-8);
         close(found.huynh_feldt, 1.0, 1e-15);
         close(found.p_huynh_feldt, 9.45426320247059e-07, 1e-8);
+        // Whole numbers are exact far from zero, too.
+        let far =
+            shrout_fleiss().into_iter().map(|row| row.into_iter().map(|v| v + 1e12).collect());
+        assert_eq!(rm_anova(&far.collect::<Vec<_>>()).unwrap().test, found.test);
     }
 
     /// With ε̂ = 0.6 of 8 participants and 4 modes: (8 · 3 · 0.6 − 2) / (3 (7 − 1.8)).

@@ -54,9 +54,7 @@ pub fn calibrated(
     // Forces of negative voltages are those of positive ones with the other sign.
     let low = chosen.voltage_v.0.max(0.0);
     let high = chosen.voltage_v.1;
-    let refuse = |problem: String| {
-        Err(CharacteriseError::Refused(format!("no calibration of the {actuator}: {problem}")))
-    };
+    let refuse = |problem: String| Err(CharacteriseError::no_calibration(actuator, &problem));
     if high <= low {
         return refuse(format!(
             "its sweeps end at {high} V: record them up to the voltage that is to be used"

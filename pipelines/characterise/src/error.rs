@@ -17,3 +17,9 @@ pub enum CharacteriseError {
     #[error(transparent)]
     Numerics(#[from] NumericsError),
 }
+
+impl CharacteriseError {
+    pub(crate) fn no_calibration(actuator: &str, problem: &str) -> Self {
+        Self::Refused(format!("no calibration of the {actuator}: {problem}"))
+    }
+}

@@ -163,9 +163,7 @@ impl Fit {
     pub fn chosen(&self, actuator: &'static str) -> Result<Chosen, CharacteriseError> {
         let command = self.command_unit.as_str();
         let response = self.response_unit.as_str();
-        let refused = |problem: &str| {
-            CharacteriseError::Refused(format!("no calibration of the {actuator}: {problem}"))
-        };
+        let refused = |problem: &str| CharacteriseError::no_calibration(actuator, problem);
         if (command, response) != ("V", "N") {
             let problem = format!(
                 "its sweeps hold {response} against {command}, not N against V: convert them on import, or give them another actuator's name"

@@ -54,5 +54,5 @@ pub use model::*;
 pub use schematic::*;
 pub use words::{Words, mark};
 
-/// Version of the figures: raised when one would look different from the same data.
+/// Version of the figures: raised when one would look different from the same data, or there is a new one.
 pub const VERSION: u32 = 30;

@@ -94,8 +94,7 @@ impl Drive {
         causality: Causality,
         parameters: &Parameters,
     ) -> Result<Course, ReplayError> {
-        let recorded = &self.recorded;
-        let t_s = &recorded.t_s;
+        let Course { t_s, theta_rad, force_ex_n, .. } = &self.recorded;
         match causality {
             Causality::ForceDriven => {
                 let system = System::new(parameters.put(&self.scene))?;
@@ -105,33 +104,35 @@ impl Drive {
                     -(forces.motor_n + forces.brake_n)
                 });
                 Ok(Course {
+                    t_s: t_s.clone(),
                     theta_rad: run.theta_rad().collect(),
                     theta_dot_rad_s: run.theta_dot_rad_s().collect(),
+                    force_ex_n: force_ex_n.clone(),
                     feedback_n: Some(feedback_n.collect()),
-                    ..recorded.clone()
                 })
             }
             Causality::PositionDriven => {
                 // What a lag holds is a state, and a prescribed motion has none.
                 let system = System::new(parameters.without_lags().put(&self.scene))?;
-                let theta_rad = &recorded.theta_rad;
                 let theta_dot = central_differences(t_s, theta_rad)?;
                 let theta_ddot = central_differences(t_s, &theta_dot)?;
                 let forces: Vec<_> = (0..t_s.len())
                     .map(|i| system.prescribed(theta_rad[i], theta_dot[i], theta_ddot[i]))
                     .collect();
                 Ok(Course {
+                    t_s: t_s.clone(),
+                    theta_rad: theta_rad.clone(),
+                    theta_dot_rad_s: theta_dot,
                     force_ex_n: forces.iter().map(|f| f.external_n).collect(),
                     feedback_n: Some(forces.iter().map(|f| -(f.motor_n + f.brake_n)).collect()),
-                    theta_dot_rad_s: theta_dot,
-                    ..recorded.clone()
                 })
             }
             Causality::ClosedLoop => {
                 let held = self.held.as_ref().map_err(|why| *why)?;
                 let (theta_rad, theta_dot_rad_s) =
                     closed_loop::run(held, t_s, &self.scene, parameters)?;
-                Ok(Course { theta_rad, theta_dot_rad_s, feedback_n: None, ..recorded.clone() })
+                let (t_s, force_ex_n) = (t_s.clone(), force_ex_n.clone());
+                Ok(Course { t_s, theta_rad, theta_dot_rad_s, force_ex_n, feedback_n: None })
             }
         }
     }

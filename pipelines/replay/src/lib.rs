@@ -48,10 +48,10 @@ pub use error::{ReplayError, WhyNot};
 pub use oscillation::{
     Origin, Oscillation, RecordedSwings, SwingAnswer, SwingCourse, oscillation, trial_oscillation,
 };
-pub use replay::{TrialReplay, replay, replay_with};
+pub use replay::{replay, replay_with};
 pub use runs::runs;
 pub use scene::{Parameters, Rendering};
-pub use table::{in_order, own_model, rows};
+pub use table::{in_order, own_model};
 
 /// Version of the algorithms here: a change of any number they give raises it.
 pub const VERSION: u32 = 8;

@@ -3,11 +3,6 @@
 use zwidth_results::ReplayedTrial;
 use zwidth_study::Source;
 
-/// The rows of replays, in the order given.
-pub fn rows(replays: &[ReplayedTrial]) -> Vec<ReplayedTrial> {
-    replays.to_vec()
-}
-
 /// The replays of several conditions in the order of participant, session and trial; those of a
 /// trial stay in theirs.
 #[must_use]

@@ -2,7 +2,7 @@
 //! row and remedy, and a study as it was before.
 
 use crate::binary::{Ran, zwidth};
-use crate::folders::{edit, flip_bit, listing, truncate};
+use crate::folders::{flip_bit, listing, truncate};
 use crate::small::{Study, repeats};
 use std::fs;
 use std::path::PathBuf;
@@ -44,7 +44,9 @@ impl World {
     pub(crate) fn new() -> Self {
         let folder = tempfile::tempdir().unwrap();
         zwidth(folder.path(), &["new", "rig"]).exits(0);
-        edit(&folder.path().join("raw/rig/study.toml"), "repeats = 6", "repeats = 1");
+        let study = folder.path().join("raw/rig/study.toml");
+        let text = fs::read_to_string(&study).unwrap().replace("repeats = 6", "repeats = 1");
+        fs::write(&study, text).unwrap();
         Self { folder, map: format!("{LABELS}{COLUMNS}") }
     }
 
@@ -82,6 +84,19 @@ impl World {
     pub(crate) fn refuses_text(&self, content: impl AsRef<[u8]>, words: &[&str]) {
         self.refuses(&[self.file("bad.csv", content)], words);
     }
+
+    /// The import must take this text, and give these forces, bit for bit.
+    #[track_caller]
+    pub(crate) fn takes(&self, content: impl AsRef<[u8]>, forces_n: &[f64]) {
+        self.import(&[self.file("good.csv", content)]).exits(0);
+        let path =
+            self.folder.path().join("raw/rig/trials/participant=P01/session=S01/trial-001.parquet");
+        let trial = read_trial(&path, Signal::all()).unwrap();
+        let found = trial.samples.get(Signal::ForceEx).unwrap();
+        let bits = |values: &[f64]| values.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
+        assert_eq!(bits(found), bits(forces_n), "{found:?}");
+        zwidth(self.folder.path(), &["verify", "rig"]).exits(0);
+    }
 }
 
 /// [`GOOD`], with one text in place of another.
@@ -92,26 +107,32 @@ pub(crate) fn good_but(from: &str, to: &str) -> String {
 
 #[test]
 fn good_samples_are_taken() {
-    let world = World::new();
-    world.import(&[world.file("good.csv", GOOD)]).exits(0);
-    let path = "raw/rig/trials/participant=P01/session=S01/trial-001.parquet";
-    let trial = read_trial(&world.folder.path().join(path), Signal::all()).unwrap();
-    assert_eq!(trial.samples.get(Signal::ForceEx).unwrap(), [0.1, 0.2, 0.4, 0.0]);
-    zwidth(world.folder.path(), &["verify", "rig"]).exits(0);
+    World::new().takes(GOOD, &[0.1, 0.2, 0.4, 0.0]);
 }
 
 #[test]
 fn a_wrong_unit_in_a_mapping_is_refused_with_its_line() {
-    let volts = ["line 15", "column[0].unit", "mV", "theta_rad", "rad, mrad, deg", "mend the line"];
-    for (unit, words) in [
-        ("mV", &volts[..]),
-        ("furlong", &["line 15", "furlong", "mend the line"]),
-        // Millimetres become an angle only where the study's coordinate is a length.
-        ("mm", &["column angle", "coordinate.kind", "add it to study.toml"]),
-    ] {
-        let world = World::new().mapping("unit = \"deg\"", &format!("unit = \"{unit}\""));
-        world.refuses_text(GOOD, &[&["map.toml"], words].concat());
-    }
+    let volts = World::new().mapping("unit = \"deg\"", "unit = \"mV\"");
+    volts.refuses_text(
+        GOOD,
+        &[
+            "map.toml",
+            "line 15",
+            "column[0].unit",
+            "mV",
+            "theta_rad",
+            "rad, mrad, deg",
+            "mend the line",
+        ],
+    );
+    let unknown = World::new().mapping("unit = \"deg\"", "unit = \"furlong\"");
+    unknown.refuses_text(GOOD, &["map.toml", "line 15", "furlong", "mend the line"]);
+    // Millimetres become an angle only where the study's coordinate is a length.
+    let length = World::new().mapping("unit = \"deg\"", "unit = \"mm\"");
+    length.refuses_text(
+        GOOD,
+        &["map.toml", "column angle", "coordinate.kind", "add it to study.toml"],
+    );
 }
 
 #[test]
@@ -125,8 +146,13 @@ fn a_missing_column_is_refused_with_the_columns_there_are() {
 #[test]
 fn a_cell_that_is_no_number_is_refused_with_column_and_row() {
     let world = World::new();
-    let cells = [("NaN", "NaN is not a number"), ("1e999", "finite"), ("", "empty"), ("x", "'x'")];
-    for (cell, what) in cells {
+    for (cell, what) in [
+        ("NaN", "NaN is not a number"),
+        ("inf", "finite"),
+        ("1e999", "finite"),
+        ("", "empty"),
+        ("x", "'x'"),
+    ] {
         world.refuses_text(
             good_but("0.2", cell),
             &["bad.csv", "column f", "row 2", "line 3", what, "mend the cell"],
@@ -192,10 +218,28 @@ fn one_bad_file_among_good_ones_keeps_all_of_them_out() {
 }
 
 #[test]
-fn semicolons_and_decimal_commas_that_the_mapping_does_not_name_are_refused() {
+fn denormals_are_taken_with_their_bits() {
+    World::new().takes(
+        good_but("0.1", "1e-321").replace("0.2", "-1.98614e-321"),
+        &[1e-321, -1.98614e-321, 0.4, 0.0],
+    );
+}
+
+#[test]
+fn carriage_returns_and_a_byte_order_mark_are_taken() {
+    World::new().takes(GOOD.replace('\n', "\r\n"), &[0.1, 0.2, 0.4, 0.0]);
+    World::new().takes(format!("\u{feff}{GOOD}"), &[0.1, 0.2, 0.4, 0.0]);
+}
+
+#[test]
+fn semicolons_with_decimal_commas_are_taken_where_the_mapping_says_so() {
     let text = GOOD.replace(',', ";").replace('.', ",");
-    let words = ["bad.csv", "line 2 has 3 cells where 1 belong", "set delimiter in [file]"];
-    World::new().refuses_text(&text, &words);
+    let dialect = "kind = \"trials\"\n[file]\ndelimiter = \";\"\ndecimal = \",\"";
+    World::new().mapping("kind = \"trials\"", dialect).takes(&text, &[0.1, 0.2, 0.4, 0.0]);
+    World::new().refuses_text(
+        &text,
+        &["bad.csv", "line 2 has 3 cells where 1 belong", "set delimiter in [file]"],
+    );
     let delimiter = "kind = \"trials\"\n[file]\ndelimiter = \";\"";
     World::new().mapping("kind = \"trials\"", delimiter).refuses_text(
         "t;angle;f\n0;1;2\n1;1,5;2\n",
@@ -276,9 +320,16 @@ fn a_study_or_a_mapping_that_is_not_there_or_not_understood_is_told() {
     World::new()
         .mapping("kind = \"trials\"", "kind = \"trails\"")
         .refuses_text(GOOD, &["map.toml", "line 2", "trails"]);
-    edit(&root.join("raw/rig/study.toml"), "schema = 2", "schema = 9");
-    let words = ["line 5", "schema", "version 9 is unknown", "this software reads version 2"];
-    import("rig", map, good).says(&["study.toml"]).says(&words);
+    let toml = root.join("raw/rig/study.toml");
+    let text = fs::read_to_string(&toml).unwrap().replace("schema = 2", "schema = 9");
+    fs::write(&toml, text).unwrap();
+    import("rig", map, good).says(&[
+        "study.toml",
+        "line 5",
+        "schema",
+        "version 9 is unknown",
+        "this software reads version 2",
+    ]);
 }
 
 /// An XDF recording of three streams' worth of chunks: `chunks` of 20 samples at 100 Hz, each behind a
@@ -328,18 +379,25 @@ fn a_damaged_xdf_is_told_by_import_list_verify_and_run() {
     damaged[places[2] + 16] = 9;
     let file = world.file("damaged.xdf", &damaged);
     let lost = "100 of 120 samples are read: the XDF file is damaged or was cut off";
-    world.import(&[file]).exits(3).prints(&["read with care", lost]);
+    told(&world.import(&[file]).exits(3), &["read with care", lost]);
     let root = world.folder.path();
-    zwidth(root, &["list", "rig"]).exits(0).prints(&["lost: trial 1: ", lost]);
+    told(&zwidth(root, &["list", "rig"]).exits(0), &["lost: trial 1: ", lost]);
     let remedy = "import a whole copy of the recording as another session, or exclude the trial";
-    let words = ["trial-001.parquet", lost, remedy];
-    zwidth(root, &["verify", "rig"]).exits(1).prints(&words);
-    zwidth(root, &["run", "rig"]).exits(3).says(&["P01 S01 trial 1", lost]);
+    told(&zwidth(root, &["verify", "rig"]).exits(1), &["trial-001.parquet", lost, remedy]);
+    told(&zwidth(root, &["run", "rig"]).exits(3), &["P01 S01 trial 1", lost]);
     let summary = fs::read_to_string(root.join("reports/rig/summary.md")).unwrap();
     assert!(summary.contains("100 of 120 samples"), "{summary}");
     // Who excludes the trial has settled it.
     let exclude = ["exclude", "rig", "-p", "P01", "-s", "S01", "--trial", "1", "a part is lost"];
     zwidth(root, &exclude).exits(0);
     zwidth(root, &["verify", "rig"]).exits(0);
-    zwidth(root, &["list", "rig"]).prints(&["lost: trial 1: "]);
+    told(&zwidth(root, &["list", "rig"]), &["lost: trial 1: "]);
+}
+
+/// Each of these words must be printed.
+#[track_caller]
+fn told(ran: &Ran, words: &[&str]) {
+    for word in words {
+        assert!(ran.out.contains(word) || ran.err.contains(word), "'{word}' is not in {ran:#?}");
+    }
 }

@@ -5,7 +5,6 @@ use crate::acquire::{Desk, Live, TRIALS};
 use crate::binary::zwidth;
 use crate::folders::files;
 use std::fs;
-use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::thread::{self, JoinHandle};
@@ -13,7 +12,7 @@ use std::time::{Duration, Instant};
 use zwidth_device::{
     Capabilities, Cue, Device, DeviceError, Person, Reading, Twin, TwinParameters,
 };
-use zwidth_link::board::NEWTONS_PER_COUNT;
+use zwidth_link::board::{NEWTONS_PER_COUNT, ZERO_COUNTS};
 use zwidth_link::{AngleAt, Board, Link, Pair, Settings, Wire as _};
 use zwidth_store::{Signal, read_trial};
 use zwidth_study::{Calibration, Study, Voltages};
@@ -22,13 +21,14 @@ use zwidth_study::{Calibration, Study, Voltages};
 /// as in other tests in real time. Fewer would make the spring of a motor swing.
 const RATE_HZ: f64 = 30.0;
 
-/// The twin, which gives so many readings a second.
-struct AtRate {
-    twin: Twin,
-    capabilities: Capabilities,
+/// The twin, and every reading that was asked of it.
+pub(crate) struct Remembering {
+    pub(crate) twin: Twin,
+    pub(crate) capabilities: Capabilities,
+    pub(crate) seen: Arc<Mutex<Vec<Reading>>>,
 }
 
-impl Device for AtRate {
+impl Device for Remembering {
     fn capabilities(&self) -> &Capabilities {
         &self.capabilities
     }
@@ -38,7 +38,9 @@ impl Device for AtRate {
     }
 
     fn read(&mut self, now_s: f64) -> Result<Reading, DeviceError> {
-        self.twin.read(now_s)
+        let reading = self.twin.read(now_s)?;
+        self.seen.lock().unwrap().push(reading);
+        Ok(reading)
     }
 
     fn write(&mut self, now_s: f64, voltages: Voltages) -> Result<(), DeviceError> {
@@ -50,77 +52,58 @@ impl Device for AtRate {
     }
 }
 
-/// A board at the end of a line, with the twin behind it. Dropped, its cable is pulled.
-pub(crate) struct Plugged {
-    pub(crate) port: PathBuf,
-    /// Every reading that it sent.
-    pub(crate) sent: Arc<Mutex<Vec<Reading>>>,
+/// A board at the end of a line, until it is dropped or its cable is pulled.
+struct OnDesk {
+    port: String,
+    seen: Arc<Mutex<Vec<Reading>>>,
     pulled: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
 }
 
-impl Plugged {
-    /// One that speaks a link, so many readings a second; the loop at a link that streams needs 1.25
-    /// times as many. What the host must be told lies in the study's folder.
-    pub(crate) fn new(desk: &Desk, link: Link, angle: AngleAt, rate_hz: f64) -> Self {
+impl OnDesk {
+    fn new(desk: &Desk) -> Self {
         let text = fs::read_to_string(desk.root().join("raw/small/study.toml")).unwrap();
         let environments = Study::from_toml(&text).unwrap().environments;
+        let (line, seen) = (Pair::open().unwrap(), Arc::<Mutex<Vec<Reading>>>::default());
         let twin = Twin::new(TwinParameters::default(), Person::draw(3), 5).unwrap();
-        let capabilities = Capabilities { rate_hz, ..twin.capabilities().clone() };
-        let (mut line, mut cell) = (Pair::open().unwrap(), Pair::open().unwrap());
-        let of_board = |link| Settings::of_board(link, angle, rate_hz, &capabilities, cell.port());
-        let force_hz = capabilities.force_rate_hz;
-        let mut settings = of_board(link);
-        settings.baud = (link == Link::Framed && rate_hz > 500.0).then_some(1_000_000);
-        if let Some(lines) = settings.text.as_mut().filter(|_| rate_hz < force_hz) {
-            // So few forces a second are too few for a motor: they come at a port of their own.
-            lines.line = "{t_us},{counts}".to_owned();
-            settings.hx711 = of_board(Link::Firmata).hx711;
-        }
-        let rig = toml::to_string(&settings).unwrap();
-        fs::write(desk.root().join("raw/small/rig.toml"), rig).unwrap();
-        let (sent, pulled) = (Arc::<Mutex<Vec<Reading>>>::default(), Arc::<AtomicBool>::default());
-        let (telling, gone) = (Arc::clone(&sent), Arc::clone(&pulled));
-        let device = AtRate { twin, capabilities };
-        let board = Board::by(&settings, device, environments).unwrap();
-        let mut board = board.telling(move |reading| telling.lock().unwrap().push(*reading));
-        let port = line.port().to_owned();
-        let thread = thread::spawn(move || {
+        let capabilities = Capabilities { rate_hz: RATE_HZ, ..twin.capabilities().clone() };
+        let device = Remembering { twin, capabilities, seen: Arc::clone(&seen) };
+        let mut board = Board::new(device, environments);
+        let (port, pulled) = (line.port().to_string_lossy().into_owned(), Arc::default());
+        let gone: Arc<AtomicBool> = Arc::clone(&pulled);
+        let mut line = line;
+        let run = move || {
             let began = Instant::now();
             while !gone.load(Ordering::Relaxed) {
                 let (mut bytes, mut out) = ([0; 64], Vec::new());
                 let came = line.receive(&mut bytes, Duration::from_millis(1)).unwrap();
                 board.take(began.elapsed().as_secs_f64(), &bytes[..came], &mut out).unwrap();
-                // What nobody reads is gone: the program looks at it from homing on.
-                let _ = line.send(&out);
-                let _ = cell.send(&board.load_cell());
+                line.send(&out).unwrap();
             }
-        });
-        Self { port, sent, pulled, thread: Some(thread) }
+        };
+        let scale =
+            format!("newtons_per_count = {NEWTONS_PER_COUNT:?}\nzero_counts = {ZERO_COUNTS:?}\n");
+        fs::write(desk.root().join("raw/small/rig.toml"), scale).unwrap();
+        Self { port, seen, pulled, thread: Some(thread::spawn(run)) }
     }
 
-    /// A board that is asked for its readings.
-    fn framed(desk: &Desk) -> Self {
-        Self::new(desk, Link::Framed, AngleAt::I2c, RATE_HZ)
-    }
-
-    /// What `--device` calls it.
-    pub(crate) fn device(&self) -> String {
-        format!("rig:{}", self.port.display())
+    fn pull(&mut self) {
+        self.pulled.store(true, Ordering::Relaxed);
+        if let Some(thread) = self.thread.take() {
+            thread.join().unwrap();
+        }
     }
 }
 
-impl Drop for Plugged {
+impl Drop for OnDesk {
     fn drop(&mut self) {
         self.pulled.store(true, Ordering::Relaxed);
-        // A panic of it was told.
-        let _ = self.thread.take().map(JoinHandle::join);
     }
 }
 
 /// Up to the first trial.
-fn ready(desk: &Desk, board: &Plugged) -> Live {
-    let mut live = Live::new(desk, &["--device", &board.device()]);
+fn ready(desk: &Desk, board: &OnDesk) -> Live {
+    let mut live = Live::new(desk, &["--device", &format!("rig:{}", board.port)]);
     live.on_to("ready 1 ");
     live
 }
@@ -128,19 +111,20 @@ fn ready(desk: &Desk, board: &Plugged) -> Live {
 #[test]
 fn ports_asks_the_board_at_a_port_who_it_is() {
     let desk = Desk::slow();
-    let board = Plugged::framed(&desk);
-    let port = board.port.display().to_string();
-    zwidth(desk.root(), &["ports", &port]).exits(0).prints(&[
-        &format!("{port}: board with twin"),
-        "watchdog 50 ms",
-        "link = \"framed\"",
-    ]);
+    let board = OnDesk::new(&desk);
+    let asked = zwidth(desk.root(), &["ports", &board.port]);
+    let told = asked.out;
+    assert_eq!(asked.code, Some(0), "{told} {}", asked.err);
+    for part in [&format!("{}: board with twin", board.port), "watchdog 50 ms", "link = \"framed\""]
+    {
+        assert!(told.contains(part), "{part}: {told}");
+    }
 }
 
 #[test]
 fn every_sample_of_a_trial_over_a_serial_line_is_what_the_board_saw() {
     let desk = Desk::slow();
-    let board = Plugged::framed(&desk);
+    let board = OnDesk::new(&desk);
     let mut live = ready(&desk, &board);
     live.say("start");
     live.on_to("question ");
@@ -154,7 +138,7 @@ fn every_sample_of_a_trial_over_a_serial_line_is_what_the_board_saw() {
     assert_eq!(trial.meta.source.as_str(), "twin", "a simulated board's data are simulated");
     let times = trial.samples.get(Signal::DeviceTime).unwrap();
     let forces = trial.samples.get(Signal::ForceEx).unwrap();
-    let seen = board.sent.lock().unwrap();
+    let seen = board.seen.lock().unwrap();
     assert!(seen.len() > times.len());
     let micros = |s: f64| (s * 1e6).round() as i64;
     let place = |s: f64| {
@@ -173,8 +157,8 @@ fn every_sample_of_a_trial_over_a_serial_line_is_what_the_board_saw() {
 #[test]
 fn a_check_that_asks_keeps_tare_and_known_mass_with_the_session() {
     let desk = Desk::slow();
-    let board = Plugged::framed(&desk);
-    let device = board.device();
+    let board = OnDesk::new(&desk);
+    let device = format!("rig:{}", board.port);
     let more = ["--ask", "--mass", "0.2", "--device", &device];
     let mut live = Live::new(&desk, &more);
     for (asked, answer) in [
@@ -202,11 +186,11 @@ fn a_check_that_asks_keeps_tare_and_known_mass_with_the_session() {
 #[test]
 fn a_pulled_cable_stops_the_session_and_what_was_finished_stays() {
     let desk = Desk::slow();
-    let board = Plugged::framed(&desk);
+    let mut board = OnDesk::new(&desk);
     let mut live = ready(&desk, &board);
     live.say("start");
     live.until("trial 1 ");
-    drop(board);
+    board.pull();
     let stopped = live.until("stopped ");
     assert!(stopped.contains("cable") && stopped.contains("home again"), "{stopped}");
     live.say("quit");
@@ -242,8 +226,8 @@ fn a_rig_that_cannot_be_used_is_refused_before_anything_is_written() {
 fn a_rig_without_a_calibration_of_its_own_is_warned_of() {
     const WARNING: &str = "calibration.toml is missing, so the nominal calibration";
     let desk = Desk::slow();
-    let board = Plugged::framed(&desk);
-    let device = board.device();
+    let board = OnDesk::new(&desk);
+    let device = format!("rig:{}", board.port);
     let told = || {
         let mut live = ready(&desk, &board);
         live.say("quit");
@@ -263,15 +247,65 @@ fn a_rig_without_a_calibration_of_its_own_is_warned_of() {
     assert!(!silent.contains(WARNING), "{silent}");
 }
 
+/// A board at the end of a line that speaks any link, and the counts that it sent.
+struct Speaking {
+    port: String,
+    sent: Arc<Mutex<Vec<u16>>>,
+    unplugged: Arc<AtomicBool>,
+}
+
+impl Speaking {
+    /// Of a link that streams, so many readings a second: the loop needs 1.25 times as many.
+    fn new(desk: &Desk, link: Link, angle: AngleAt, rate_hz: f64) -> Self {
+        let text = fs::read_to_string(desk.root().join("raw/small/study.toml")).unwrap();
+        let environments = Study::from_toml(&text).unwrap().environments;
+        let twin = Twin::new(TwinParameters::default(), Person::draw(3), 5).unwrap();
+        let capabilities = Capabilities { rate_hz: RATE_HZ, ..twin.capabilities().clone() };
+        let (mut line, mut cell) = (Pair::open().unwrap(), Pair::open().unwrap());
+        let mut settings = Settings::of_board(link, angle, rate_hz, &capabilities, cell.port());
+        if let Some(lines) = &mut settings.text {
+            // Twenty forces a second are too few for a motor: they come at a port of their own.
+            lines.line = "{t_us},{counts}".to_owned();
+            settings.hx711 =
+                Settings::of_board(Link::Firmata, angle, rate_hz, &capabilities, cell.port()).hx711;
+        }
+        let rig = toml::to_string(&settings).unwrap();
+        fs::write(desk.root().join("raw/small/rig.toml"), rig).unwrap();
+        let (sent, unplugged) = (Arc::<Mutex<Vec<u16>>>::default(), Arc::<AtomicBool>::default());
+        let (telling, gone) = (Arc::clone(&sent), Arc::clone(&unplugged));
+        let device = Remembering { twin, capabilities, seen: Arc::default() };
+        let board = Board::by(&settings, device, environments).unwrap();
+        let mut board = board.telling(move |reading| telling.lock().unwrap().extend(reading.raw()));
+        let port = line.port().to_string_lossy().into_owned();
+        thread::spawn(move || {
+            let began = Instant::now();
+            while !gone.load(Ordering::Relaxed) {
+                let (mut bytes, mut out) = ([0; 64], Vec::new());
+                let came = line.receive(&mut bytes, Duration::from_millis(1)).unwrap();
+                board.take(began.elapsed().as_secs_f64(), &bytes[..came], &mut out).unwrap();
+                // What nobody reads is gone: the program looks at it from homing on.
+                let _ = line.send(&out);
+                let _ = cell.send(&board.load_cell());
+            }
+        });
+        Self { port, sent, unplugged }
+    }
+}
+
+impl Drop for Speaking {
+    fn drop(&mut self) {
+        self.unplugged.store(true, Ordering::Relaxed);
+    }
+}
+
 /// Every trial of a session that goes by itself, as counts without those that repeat the one
 /// before, and those that the board sent.
 fn session_over(link: Link, angle: AngleAt) -> (Vec<Vec<u16>>, Vec<u16>) {
     let desk = Desk::slow();
     desk.edit_study("pause_s = 3.0", "pause_s = 0.5");
     desk.edit_study("trial_limit_s = 4.0", "trial_limit_s = 2.0");
-    let rate_hz = if link == Link::Framed { RATE_HZ } else { 20.0 };
-    let board = Plugged::new(&desk, link, angle, rate_hz);
-    let device = board.device();
+    let board = Speaking::new(&desk, link, angle, 20.0);
+    let device = format!("rig:{}", board.port);
     // A machine that stands still for so long that safety stops a trial goes on as often as it
     // takes.
     let session = || {
@@ -293,7 +327,7 @@ fn session_over(link: Link, angle: AngleAt) -> (Vec<Vec<u16>>, Vec<u16>) {
         counts.dedup();
         counts
     };
-    let mut sent: Vec<u16> = board.sent.lock().unwrap().iter().filter_map(Reading::raw).collect();
+    let mut sent = board.sent.lock().unwrap().clone();
     sent.dedup();
     (trials.iter().map(counts).collect(), sent)
 }

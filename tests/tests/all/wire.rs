@@ -2,14 +2,18 @@
 
 use crate::acquire::{Desk, Live};
 use crate::folders::files;
-use crate::rig::Plugged;
+use crate::rig::Remembering;
 use std::fs;
 use std::os::unix::fs::symlink;
-use std::path::PathBuf;
-use std::time::Instant;
-use zwidth_device::Reading;
-use zwidth_link::{AngleAt, Link};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
+use zwidth_device::{Capabilities, Device as _, Person, Reading, Twin, TwinParameters};
+use zwidth_link::{AngleAt, Board, Link, Pair, Settings, Wire as _};
 use zwidth_store::{Signal, read_trial};
+use zwidth_study::Study;
 
 /// A reading as a board sent it: its clock, µs, and the angle's count.
 type Sent = (i64, u16);
@@ -17,6 +21,63 @@ type Sent = (i64, u16);
 fn sent_as(reading: &Reading) -> Sent {
     let micros = reading.t_device_s.map_or(0, |t_s| (t_s * 1e6).round() as i64);
     (micros, reading.raw().unwrap_or_default())
+}
+
+/// A board that is plugged in, until it is dropped.
+struct Plugged {
+    port: PathBuf,
+    sent: Arc<Mutex<Vec<Sent>>>,
+    out: Arc<AtomicBool>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Plugged {
+    /// The twin behind a link, so many readings a second; what the host must be told lies in the
+    /// study's folder.
+    fn new(desk: &Desk, link: Link, angle: AngleAt, rate_hz: f64) -> Self {
+        let text = fs::read_to_string(desk.root().join("raw/small/study.toml")).unwrap();
+        let environments = Study::from_toml(&text).unwrap().environments;
+        let twin = Twin::new(TwinParameters::default(), Person::draw(3), 5).unwrap();
+        let capabilities = Capabilities { rate_hz, ..twin.capabilities().clone() };
+        let (mut line, mut cell) = (Pair::open().unwrap(), Pair::open().unwrap());
+        let settings = Settings::of_board(link, angle, rate_hz, &capabilities, cell.port());
+        let settings = Settings { baud: (link == Link::Framed).then_some(1_000_000), ..settings };
+        let rig = toml::to_string(&settings).unwrap();
+        fs::write(desk.root().join("raw/small/rig.toml"), rig).unwrap();
+        let device = Remembering { twin, capabilities, seen: Arc::default() };
+        let (sent, out) = (Arc::<Mutex<Vec<Sent>>>::default(), Arc::<AtomicBool>::default());
+        let (telling, pulled) = (Arc::clone(&sent), Arc::clone(&out));
+        let board = Board::by(&settings, device, environments).unwrap();
+        let mut board = board.telling(move |r| telling.lock().unwrap().push(sent_as(r)));
+        let port = line.port().to_owned();
+        let thread = thread::spawn(move || {
+            let began = Instant::now();
+            while !pulled.load(Ordering::Relaxed) {
+                let (mut bytes, mut said) = ([0; 64], Vec::new());
+                let came = line.receive(&mut bytes, Duration::from_millis(1)).unwrap();
+                board.take(began.elapsed().as_secs_f64(), &bytes[..came], &mut said).unwrap();
+                // What nobody reads is gone.
+                let _ = line.send(&said);
+                let _ = cell.send(&board.load_cell());
+            }
+        });
+        Self { port, sent, out, thread: Some(thread) }
+    }
+
+    /// Calls its port so, as a system does with one that is plugged in.
+    fn called(self, name: &Path) -> Self {
+        let _ = fs::remove_file(name);
+        symlink(&self.port, name).unwrap();
+        self
+    }
+}
+
+impl Drop for Plugged {
+    fn drop(&mut self) {
+        self.out.store(true, Ordering::Relaxed);
+        // A panic of it was told.
+        let _ = self.thread.take().map(JoinHandle::join);
+    }
 }
 
 /// Up to a trial that has been answered.
@@ -30,13 +91,7 @@ fn answered(live: &mut Live) {
 fn a_cable_that_is_plugged_in_again_goes_on_with_the_session_after_homing() {
     let desk = Desk::slow();
     let port = desk.root().join("port");
-    // Its port is called so, as a system does with one that is plugged in.
-    let plug = || {
-        let board = Plugged::new(&desk, Link::Framed, AngleAt::I2c, 30.0);
-        let _ = fs::remove_file(&port);
-        symlink(&board.port, &port).unwrap();
-        board
-    };
+    let plug = || Plugged::new(&desk, Link::Framed, AngleAt::I2c, 30.0).called(&port);
     let board = plug();
     let device = format!("rig:{}", port.display());
     let mut live = Live::new(&desk, &["--device", &device]);
@@ -74,7 +129,7 @@ fn session_of_36_trials(link: Link, angle: AngleAt, rate_hz: f64, loop_hz: f64) 
     desk.edit_study("\nfamiliarisation = 1\n", "\nfamiliarisation = 0\n");
     desk.edit_study("pause_s = 3.0", "pause_s = 0.5");
     let board = Plugged::new(&desk, link, angle, rate_hz);
-    let device = board.device();
+    let device = format!("rig:{}", board.port.display());
     let session = || {
         let mut live = Live::new(&desk, &["--auto", "--no-watchdog", "--device", &device]);
         let ended = live.until_any(&["done 36 of 36", "left "]);
@@ -82,7 +137,7 @@ fn session_of_36_trials(link: Link, angle: AngleAt, rate_hz: f64, loop_hz: f64) 
     };
     while !session() {}
     desk.verify();
-    let mut sent: Vec<Sent> = board.sent.lock().unwrap().iter().map(sent_as).collect();
+    let mut sent = board.sent.lock().unwrap().clone();
     if link == Link::Firmata {
         // It has no clock that tells two readings of one angle apart.
         sent.iter_mut().for_each(|(micros, _)| *micros = 0);

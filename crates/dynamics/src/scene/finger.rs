@@ -39,11 +39,12 @@ pub struct Finger {
 impl Finger {
     /// Every number of it.
     pub(super) fn parameters(&self) -> Vec<Parameter> {
-        let usual = [numbers::FINGER_STIFFNESS_N_PER_M, numbers::FINGER_DAMPING_NS_PER_M];
+        let (stiffness, damping) =
+            (numbers::FINGER_STIFFNESS_N_PER_M, numbers::FINGER_DAMPING_NS_PER_M);
         let mut list = vec![
             Parameter::positive("finger.mass_kg", self.mass_kg, numbers::FINGER_MASS_KG),
-            Parameter::not_negative("finger.stiffness_n_per_m", self.stiffness_n_per_m, usual[0]),
-            Parameter::not_negative("finger.damping_ns_per_m", self.damping_ns_per_m, usual[1]),
+            Parameter::not_negative("finger.stiffness_n_per_m", self.stiffness_n_per_m, stiffness),
+            Parameter::not_negative("finger.damping_ns_per_m", self.damping_ns_per_m, damping),
         ];
         let length = self.length_m;
         let usual = numbers::FINGER_LENGTH_M;

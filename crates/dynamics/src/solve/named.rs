@@ -91,8 +91,9 @@ mod tests {
     }
 
     #[test]
-    fn every_solver_goes_by_the_name_that_it_gives_itself() {
+    fn every_solver_goes_by_the_name_that_it_gives_itself_and_names_its_source() {
         for solver in NAMED_SOLVERS {
+            assert!(!solver.name.is_empty() && !solver.citation.is_empty());
             assert_eq!((solver.make)(1e-9).name(), solver.name);
         }
     }

@@ -90,7 +90,7 @@ impl Model for SampledLoop {
         let ticks_s: Vec<f64> = (0..ticks.samples()).map(|k| ticks.time(k)).collect();
         let mut before = self.plant.scene.start.theta_rad;
         let mut commands: Vec<f64> = Vec::with_capacity(ticks.samples());
-        tick_by_tick(&self.plant, &ticks_s, (solver, step_s), |k, start| {
+        tick_by_tick(&self.plant, &ticks_s, solver, step_s, |k, start| {
             commands.push(self.controller.force_n(start.theta_rad, before));
             before = start.theta_rad;
             // The scene under a force that is held, from a state on.
@@ -114,7 +114,8 @@ impl Model for SampledLoop {
 pub(super) fn tick_by_tick(
     plant: &System,
     ticks_s: &[f64],
-    (solver, step_s): (&dyn Solver, f64),
+    solver: &dyn Solver,
+    step_s: f64,
     mut tick: impl FnMut(usize, Start) -> Result<System>,
 ) -> Result<Trajectory> {
     positive("grid.step_s", step_s)?;

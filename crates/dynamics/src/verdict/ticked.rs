@@ -101,7 +101,7 @@ impl<C: TickController> Model for TickedLoop<C> {
 
     fn run(&self, solver: &dyn Solver, step_s: f64) -> Result<Trajectory> {
         let mut controller = self.controller.clone();
-        tick_by_tick(&self.plant, &self.ticks_s, (solver, step_s), |k, start| {
+        tick_by_tick(&self.plant, &self.ticks_s, solver, step_s, |k, start| {
             self.tick(k, start, controller.tick(k, start.theta_rad))
         })
     }

@@ -19,7 +19,7 @@ use crate::shared::trials::{OfTrials, Recordings, TrialLabel, files, read_and_ma
 use rayon::prelude::*;
 use serde::Serialize;
 use std::path::PathBuf;
-use zwidth_replay::{Parameters, Rendering, TrialReplay};
+use zwidth_replay::{Parameters, Rendering};
 use zwidth_results::{Causality, HeldOutModel, ModelPlant, ReplayedPeak, ReplayedTrial};
 use zwidth_runner::{Job, JobError, Made, Making, Stage};
 use zwidth_store::{Layout, StudyData, Trial};
@@ -185,7 +185,7 @@ fn make_auto(
 
 /// A model of a trial.
 type Model<'a> =
-    &'a (dyn Fn(&Trial, &Rendering, &Analysis) -> Result<Vec<TrialReplay>, JobError> + Sync);
+    &'a (dyn Fn(&Trial, &Rendering, &Analysis) -> Result<Vec<ReplayedTrial>, JobError> + Sync);
 
 /// The trials of a condition through a model, and what is wrong with those that are left out.
 fn replay_all(
@@ -193,7 +193,7 @@ fn replay_all(
     labels: &[TrialLabel],
     files: &Recordings,
     model: Model,
-) -> Result<(Vec<TrialReplay>, Vec<String>), JobError> {
+) -> Result<(Vec<ReplayedTrial>, Vec<String>), JobError> {
     let rendering = modelled.rendering.as_ref().ok_or("there is no trial")?;
     let (rows, problems) =
         read_and_make(files, labels, |trial| model(trial, rendering, &modelled.analysis))?;

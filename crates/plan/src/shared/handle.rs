@@ -82,7 +82,10 @@ impl<R: Row> Derived<R> {
     /// # Errors
     /// Those of [`read`](Self::read).
     pub(crate) fn read_of(&self, metric: &MetricId) -> Result<Vec<R>, TableError> {
-        Table::from_parquet(&self.path)?.with_text("metric", metric.as_str())?.to_rows()
+        let fields = R::fields();
+        let names: Vec<&str> = fields.iter().map(|field| &*field.name).collect();
+        let is_own = |part: Table| part.with_text("metric", metric.as_str());
+        Table::gathered(&self.path, &names, is_own)?.to_rows()
     }
 
     /// Its rows in parts, for a table of any length.

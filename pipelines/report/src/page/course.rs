@@ -69,7 +69,7 @@ struct Condition<'a> {
 /// the models' runs of one of them.
 ///
 /// # Errors
-/// None that the memory does not make.
+/// What cannot be packed or written as JSON.
 pub fn condition_script(
     key: &str,
     trials: &[Course],

@@ -38,7 +38,7 @@ struct Turned<'a> {
 /// The script: one entry per mode for each environment's runs.
 ///
 /// # Errors
-/// None that the memory does not make.
+/// What cannot be packed or written as JSON.
 pub fn turned_script(
     environments: &[(&str, Vec<PlantRun>)],
     by_eye: Turn,
