@@ -24,7 +24,11 @@ def browsed(file: Path, drawn: str, people: str, chromium: str):
             browser = playwright.chromium.launch(executable_path=chromium, args=flags)
             page = browser.new_page(viewport={"width": 1440, "height": 900}, reduced_motion="reduce")
             page.goto(file.as_uri(), timeout=PATIENCE_MS)
-            page.wait_for_function(f"{drawn} > 0", timeout=PATIENCE_MS, polling="raf")
+            # Playwright's `wait_for_function` evaluates a text in the page, which our page's policy forbids.
+            page.evaluate(f"""async () => {{
+                while (!({drawn} > 0) && performance.now() < {PATIENCE_MS}) await new Promise((next) => requestAnimationFrame(next));
+                if (!({drawn} > 0)) throw new Error("no trial was drawn");
+            }}""")
             firsts.append(page.evaluate("performance.now()"))
             paints.append(page.evaluate("performance.getEntriesByName('first-contentful-paint')[0]?.startTime"))
             if opening == 0:

@@ -53,9 +53,7 @@ impl<W: Write> Plain<W> {
         if input == Ok(Input::Stop) {
             self.waiting.clear();
         }
-        if !line.trim().is_empty() {
-            self.waiting.push_back(input);
-        }
+        self.waiting.push_back(input);
     }
 
     /// Whether the session can do something with this input now.
@@ -116,8 +114,9 @@ impl<W: Write> Front for Plain<W> {
     }
 }
 
-/// Lines, read on a thread of its own, which ends with the input or with the program: nobody waits
-/// for a line that may never come. `hear` gets each as soon as it is read.
+/// Lines without the space around them, but for blank ones; read on a thread of its own, which ends
+/// with the input or with the program: nobody waits for a line that may never come. `hear` gets
+/// each as soon as it is read.
 pub(crate) fn read_lines(
     input: impl BufRead + Send + 'static,
     hear: impl Fn(&str) + Send + 'static,
@@ -126,7 +125,10 @@ pub(crate) fn read_lines(
     std::thread::spawn(move || {
         // By bytes: a letter in another encoding must not end the session.
         for bytes in input.split(b'\n').map_while(Result::ok) {
-            let line = String::from_utf8_lossy(&bytes).into_owned();
+            let line = String::from_utf8_lossy(&bytes).trim().to_owned();
+            if line.is_empty() {
+                continue;
+            }
             hear(&line);
             if sender.send(line).is_err() {
                 break;
@@ -138,7 +140,6 @@ pub(crate) fn read_lines(
 
 /// A line's input; the error says what may be said.
 fn parse(line: &str) -> Result<Input, String> {
-    let line = line.trim();
     let (word, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
     match (word, rest.trim()) {
         ("start", "") => Ok(Input::Start),

@@ -222,7 +222,7 @@ fn resume_session(
         (None, Some(_)) => Some(vault::find(files, &plan.keys, plan.layout.study(), &log.record)?),
         (None, None) => None,
     };
-    let trials_then = match &seal {
+    let opened = match &seal {
         Some(seal) => seal.opened(&log.record.trials).map_err(|e| {
             AcquireError::refused(
                 format!("session {} of {}: {e}", log.record.session, log.record.participant),
@@ -237,7 +237,7 @@ fn resume_session(
         laid_down: true,
         blinded: log.is_sealed(),
         seal,
-        modes: trials_then.into_iter().map(|trial| trial.mode).collect(),
+        modes: opened.into_iter().map(|trial| trial.mode).collect(),
         events: log.events,
         opening,
     })

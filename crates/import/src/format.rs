@@ -116,7 +116,7 @@ impl Format {
         options: FormatOptions,
         take: &Take,
     ) -> Result<Table, StoreError> {
-        let part_key = self.row().3;
+        let (.., part_key) = self.row();
         if let Some(part) = options.part.filter(|_| part_key.is_none()) {
             let what = format!("'{}' is named, and {} has no parts", shown(part), self.name());
             return Err(StoreError::new(path, what, "remove matrix, sheet or stream from [file]"));

@@ -8,7 +8,7 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 
 /// Labels that a number in a name may be: the key under `[trial]`, the group of the pattern, what its value under
-/// `[trial]` has besides, and the words before such a number, in small letters.
+/// `[trial]` has besides, and the words before such a number, in small letters. The likelier of two comes first.
 const NUMBERED: [(&str, &str, &str, &[&str]); 4] = [
     (
         "participant",
@@ -106,7 +106,7 @@ pub(super) fn names(files: &[PathBuf]) -> Names {
         let value = parts[0][k].1;
         let distinct: BTreeSet<&str> = parts.iter().map(|parts| parts[k].1).collect();
         let same = distinct.len() == 1;
-        // The labels that a number behind the word may be, the likeliest first.
+        // Whether the word before this run is one of these.
         let may_be = |words: &[&str]| words.contains(&word.as_str());
         match kind {
             Kind::Digits => {

@@ -263,7 +263,7 @@ mod tests {
     }
 
     #[test]
-    fn clocks_and_durations_are_seconds_and_no_other_unit() {
+    fn clocks_and_durations_are_seconds_and_a_cell_that_is_neither_is_refused() {
         let rows = |[a, b, c]: [&str; 3]| format!("t,f\n{a},1\n{b},2\n{c},3\n");
         let time = "from = \"t\"\nunit = \"s\"\nzero = \"first\"\n";
         for times_as_written in [

@@ -277,5 +277,7 @@ offset = 1.0
         let world = World::with(slide);
         world.import(&map, &[world.file("a.csv", "t,f\n0,5\n1,10\n")]).unwrap();
         close(&world.column(1, Signal::Theta), &[0.01, 0.02]);
+        let made = world.computed(1);
+        assert!(made.contains("theta_rad by θ = x / L with L = 0.5 m"), "{made}");
     }
 }

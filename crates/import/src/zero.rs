@@ -184,7 +184,7 @@ mod tests {
     }
 
     #[test]
-    fn a_stretch_that_does_not_rest_and_an_odd_first_value_are_told() {
+    fn a_stretch_that_does_not_rest_is_told_and_a_first_value_at_rest_is_not() {
         let (t, x) = pushed(1.15);
         let doubt = find(Zero::Rest { from_s: 0.5, to_s: 2.5 }, &t, &x).unwrap().doubt.unwrap();
         assert!(doubt.contains("does not rest"), "{doubt}");

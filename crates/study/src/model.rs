@@ -74,6 +74,8 @@ impl Study {
 
 /// Trials and their order: `[design]` of `study.toml`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+// Where a value is no such table, serde says what it expected by the name of the type; this one is
+// called as the tables of `file/shape.rs` are, so that all are told in the same words.
 #[serde(deny_unknown_fields, expecting = "struct DesignTable")]
 pub struct Design {
     /// Repeats of each condition in a session.
@@ -144,6 +146,7 @@ pub struct Masses {
 
 /// Resistances of the actuators' windings; `None` if they are not known.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+// What was expected is told in the same words as for [`Design`].
 #[serde(deny_unknown_fields, expecting = "struct ResistancesTable")]
 pub struct Resistances {
     /// The motor's, Ω.
@@ -177,6 +180,7 @@ impl Environment {
 
 /// One mode of the study: an entry of `[[modes]]` in `study.toml`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+// What was expected is told in the same words as for [`Design`].
 #[serde(deny_unknown_fields, expecting = "struct ModeTable")]
 pub struct Mode {
     /// Its id.

@@ -37,9 +37,9 @@ pub fn limits(point: &Point) -> Result<Vec<StiffestWall>, StabilityError> {
             wall.stiffest_passive(),
         ),
     ];
-    // The formulas' limits are the last of a cell's.
-    let formulas = Textbook::ALL.into_iter().zip(LIMITS.into_iter().skip(4));
-    limits.extend(formulas.map(|(formula, (limit, kind))| {
+    // They stand in the order of the formulas.
+    let of_formulas = LIMITS.into_iter().filter(|(_, kind)| *kind == LimitKind::Textbook);
+    limits.extend(Textbook::ALL.into_iter().zip(of_formulas).map(|(formula, (limit, kind))| {
         let stiffest = formula.stiffest(wall, point.dry);
         (limit, kind, formula.formula(), formula.citation(), stiffest)
     }));

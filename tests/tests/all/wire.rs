@@ -127,7 +127,9 @@ fn session_of_36_trials(link: Link, angle: AngleAt, rate_hz: f64, loop_hz: f64) 
     desk.edit_study("\nrate_hz = 30.0", &format!("\nrate_hz = {loop_hz:?}"));
     desk.edit_study("\nrepeats = 1\n", "\nrepeats = 6\n");
     desk.edit_study("\nfamiliarisation = 1\n", "\nfamiliarisation = 0\n");
-    desk.edit_study("pause_s = 3.0", "pause_s = 0.5");
+    // A board's twin is not told when a trial ends: its lever is carried back after the 4 s that a
+    // trial may take, in at most 1.6 s. One still on its way would leap when the next trial begins.
+    desk.edit_study("pause_s = 3.0", "pause_s = 5.0");
     let board = Plugged::new(&desk, link, angle, rate_hz);
     let device = format!("rig:{}", board.port.display());
     let session = || {

@@ -76,8 +76,9 @@ impl Markers {
         if targets.is_empty() {
             return Self { sender: None, failures };
         }
-        let line = |target: &Target| Line { target: target.clone(), tcp: None, failed: None };
-        let mut lines: Vec<Line> = targets.iter().map(line).collect();
+        let targets = targets.iter().cloned();
+        let mut lines: Vec<Line> =
+            targets.map(|target| Line { target, tcp: None, failed: None }).collect();
         std::thread::spawn(move || {
             for marker in markers {
                 lines.iter_mut().for_each(|line| line.send(&marker, &reports));
@@ -206,6 +207,21 @@ mod tests {
             assert_eq!(packet[..n], marker.message());
         }
         assert_eq!(markers.failures(), Vec::<String>::new());
+    }
+
+    #[test]
+    fn a_program_that_is_not_there_is_told_once_and_disturbs_nobody() {
+        let free = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
+        let mut markers = Markers::to(&[Target::Tcp(free.to_string())]);
+        for _ in 0..20 {
+            markers.send(marker(Moment::Start, None));
+        }
+        drop(markers.sender.take());
+        let failures: Vec<String> = markers.failures.iter().collect();
+        assert!(
+            matches!(&failures[..], [one] if one.starts_with(&format!("tcp:{free} takes no markers: "))),
+            "{failures:?}"
+        );
     }
 
     #[test]

@@ -40,7 +40,8 @@ pub(super) fn render(
     }
     // Where there is a question to be read there is no room for a word.
     let is_asked = matches!(sight.now, Now::Question(_)) && !is_answered;
-    let word = if is_asked { String::new() } else { words(&sight.now).0 };
+    let (word, _) = words(&sight.now);
+    let word = if is_asked { String::new() } else { word };
     let is_large = height >= text.len() + ROWS && big_width(&word) <= usize::from(area.width);
     let head = match (is_large, word.is_empty()) {
         (_, true) => Vec::new(),
@@ -90,7 +91,8 @@ fn text(sight: &Sight, typed: &str, is_answered: bool, limit: usize, height: usi
             let environment = sight.environment.as_deref().filter(|_| is_trial);
             let practice = if sight.practice { " (practice)" } else { "" };
             let environment = environment.map(|name| wrap(&format!("{name}{practice}"), limit));
-            [environment.unwrap_or_default(), wrap(words(now).1, limit)].concat()
+            let (_, instruction) = words(now);
+            [environment.unwrap_or_default(), wrap(instruction, limit)].concat()
         }
     }
 }
@@ -170,7 +172,8 @@ mod tests {
                 let told = joined(&rows(&telling(phase.clone()), "", FULL, size));
                 assert!(!told.contains("SECRET") && !told.contains("8888"), "{told}");
                 if size.0 >= SMALL.0 && sight.question().is_none() {
-                    assert!(told.contains(words(&sight.now).1), "{phase:?} {size:?} {told}");
+                    let (_, instruction) = words(&sight.now);
+                    assert!(told.contains(instruction), "{phase:?} {size:?} {told}");
                 }
             }
         }

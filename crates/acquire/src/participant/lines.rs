@@ -52,8 +52,7 @@ pub fn show_lines(
         }
         let has_ended = loop {
             match typed.try_recv() {
-                Ok(line) if line.trim().is_empty() => {}
-                Ok(line) => waiting.push_back(line.trim().to_owned()),
+                Ok(line) => waiting.push_back(line),
                 Err(ended) => break ended == TryRecvError::Disconnected,
             }
         };

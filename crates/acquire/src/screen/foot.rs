@@ -56,20 +56,25 @@ fn alarm(is_bad: bool, number: String, look: Look) -> Span<'static> {
 pub(super) fn keys(view: &View, entry: Option<&Entry>, look: Look) -> Line<'static> {
     let mut spans =
         vec![Span::styled(format!(" {} STOP ", stop_key(entry)), look.style(Role::Stop))];
-    let of_entry: &[(&str, &str)] = match entry {
-        None => &[],
-        Some(Entry::Note(..)) => &[("Enter", "keep the note"), ("Esc", "drop it")],
-        Some(Entry::Exclude(..)) => &[("Enter", "exclude"), ("Esc", "do not")],
-        Some(Entry::Which(_)) => &[("Enter", "that trial"), ("Esc", "none")],
+    let commands = match entry {
+        None => commands(&view.phase),
+        Some(Entry::Note(..)) => vec![("Enter".into(), "keep the note"), ("Esc".into(), "drop it")],
+        Some(Entry::Exclude(..)) => vec![("Enter".into(), "exclude"), ("Esc".into(), "do not")],
+        Some(Entry::Which(_)) => vec![("Enter".into(), "that trial"), ("Esc".into(), "none")],
         Some(Entry::Trial(_)) => {
-            &[("n", "note"), ("x", "exclude"), ("r", "repeat"), ("a", "ask again"), ("Esc", "none")]
+            let keys = [
+                ("n", "note"),
+                ("x", "exclude"),
+                ("r", "repeat"),
+                ("a", "ask again"),
+                ("Esc", "none"),
+            ];
+            keys.map(|(key, does)| (key.into(), does)).to_vec()
         }
-        Some(Entry::Answer(_)) => &[("Enter", "answer"), ("Esc", "take it back")],
-        Some(Entry::Sure(_)) => &[("y", "yes"), ("any other key", "no")],
+        Some(Entry::Answer(_)) => vec![("Enter".into(), "answer"), ("Esc".into(), "take it back")],
+        Some(Entry::Sure(_)) => vec![("y".into(), "yes"), ("any other key".into(), "no")],
     };
-    let of_phase = if entry.is_none() { commands(&view.phase) } else { Vec::new() };
-    let of_entry = of_entry.iter().map(|(key, meaning)| ((*key).into(), *meaning));
-    for (key, meaning) in of_phase.into_iter().chain(of_entry) {
+    for (key, meaning) in commands {
         spans.push(Span::styled(format!("   {key}"), look.style(Role::Accent)));
         spans.push(Span::raw(format!(" {meaning}")));
     }

@@ -1,4 +1,4 @@
-//! Which modes are never allowed on a device.
+//! A request for voltages, and the limits that it is held against.
 
 use zwidth_study::{Mode, Voltages};
 

@@ -115,7 +115,8 @@ fn number(datatype: &Datatype) -> Option<Number> {
         }
         // What h5py has for true and false.
         Datatype::Enumeration { base_type, .. } => {
-            return number(base_type).map(|base| Number { size, ..base });
+            // A damaged file may give it another size than its numbers have.
+            return number(base_type).filter(|base| base.size == size);
         }
         _ => return None,
     };

@@ -133,7 +133,10 @@ fn every_common_mistake_in_the_documentation_is_read_right_refused_with_the_reme
     for (row, [_, expect, words]) in rows.iter().zip(expected) {
         let (becomes, said, world) = told(row);
         // The table has its words between backticks, and apostrophes for those within them.
-        if becomes != expect || !said.replace('`', "'").contains(words.trim_matches('`')) {
+        let words = words.trim_matches('`');
+        let is_said = said.replace('`', "'").contains(words);
+        // Only of what is read there may be nothing to say.
+        if becomes != expect || !is_said || (words.is_empty() && expect != "read") {
             let _ = writeln!(wrong, "{}: {becomes}\n{said}\n", row.what);
         }
         if expect == "read" && row.map.contains("from = \"f\"") && !row.map.contains("\"x\"") {

@@ -198,7 +198,13 @@ fn join_one(trial: &mut TrialEntry, events: &[Event]) -> Option<String> {
             Event::Recorded { blake3, .. } => recorded = Some(blake3.clone()),
             Event::Superseded { by, .. } => trial.superseded_by = Some(*by),
             Event::Excluded { reason, .. } => trial.excluded = Some(reason.clone()),
-            _ => {}
+            Event::Answer { .. }
+            | Event::Note { .. }
+            | Event::Marker { .. }
+            | Event::Unsealed { .. }
+            | Event::StudyAccepted { .. }
+            | Event::LaidDown { .. }
+            | Event::SweepRecorded { .. } => {}
         }
     }
     recorded

@@ -343,16 +343,14 @@ impl Check<'_> {
             (["offset_deg_s", "offset_mm_s"], [a.offset_deg_s, a.offset_mm_s], offset),
             (["slope_from_deg", "slope_from_mm"], [a.slope_from_deg, a.slope_from_mm], 0.0),
         ];
-        for place in [0, 1] {
-            for (keys, values, _) in &numbers {
-                let key = format!("analysis.{}", keys[place]);
-                match values[place] {
-                    Some(_) if place != usize::from(linear) => {
-                        self.error(&key, "is not used for this coordinate; remove it")
-                    }
-                    Some(value) => _ = self.not_negative(&key, value),
-                    None => {}
-                }
+        let [used, unused] = if linear { [1, 0] } else { [0, 1] };
+        for (keys, values, _) in &numbers {
+            if let Some(value) = values[used] {
+                self.not_negative(&format!("analysis.{}", keys[used]), value);
+            }
+            if values[unused].is_some() {
+                let key = format!("analysis.{}", keys[unused]);
+                self.error(&key, "is not used for this coordinate; remove it");
             }
         }
         if a.grid_points < 2 {

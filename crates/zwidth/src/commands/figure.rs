@@ -85,8 +85,8 @@ pub(crate) fn figure(root: &Path, command: &FigureArgs, screen: &Screen) -> anyh
                 command.study
             );
         }
-        let entry = |(name, shows)| Entry { name, shows };
-        let entries: Vec<Entry> = captions.into_iter().map(entry).collect();
+        let entries: Vec<Entry> =
+            captions.into_iter().map(|(name, shows)| Entry { name, shows }).collect();
         screen.give(&entries, || {
             entries.iter().for_each(|e| screen.result(format!("{:<44} {}", e.name, e.shows)));
         })?;

@@ -12,9 +12,10 @@ use std::f64::consts::TAU;
 use std::path::Path;
 use zwidth_device::{COUNTS_PER_TURN, SHAFT_PER_LEVER, TwinParameters};
 use zwidth_dynamics::{DriveMode, PushedWall, SampledWall};
+use zwidth_results::WallBound;
 use zwidth_stability::impedance::{
-    ACTUATOR, Bound, Ending, Found, Probe, Region, Response, Tried, bounds, impedance_points,
-    probes, regions, search, z_widths, z_widths_table,
+    ACTUATOR, Ending, Found, Probe, Region, Response, Tried, bounds, impedance_points, probes,
+    regions, search, z_widths, z_widths_table,
 };
 use zwidth_store::{Quantity, Raw, StudyData, Sweep, hex_blake3, read_sweep, record_sweep};
 use zwidth_study::{ActuatorId, ActuatorKind, Source, Study};
@@ -325,7 +326,7 @@ fn region_line(region: &Region) -> String {
     )
 }
 
-fn stiffness_words(bound: Option<&Bound>) -> String {
+fn stiffness_words(bound: Option<&WallBound>) -> String {
     bound.map_or("none".to_owned(), |bound| {
         let least = if bound.is_censored { "≥ " } else { "" };
         format!("{least}{:.0}", bound.stiffness_n_per_m)

@@ -83,18 +83,19 @@ type Way = (PortFile, Door);
 
 /// A way in for the participant's screen. A session goes on without one where there can be none.
 pub(super) fn way(layout: &Layout, lock: &StudyLock, screen: &Screen) -> Option<Way> {
-    // A door for whoever can read the study's file of it.
-    let door = secret().and_then(|secret| {
-        Door::open(Secret::new(secret))
-            .context("this machine gives no port for the participant's screen")
-    });
-    let way = door.and_then(|door| Ok((PortFile::write(layout, lock, &door.place())?, door)));
-    way.inspect_err(|error| {
+    opened(layout, lock).inspect_err(|error| {
         screen.warn(format!(
             "`zwidth participant` cannot be used with this session, which goes on without: {error:#}"
         ));
-    })
-    .ok()
+    }).ok()
+}
+
+/// A door for whoever can read the study's file of it.
+fn opened(layout: &Layout, lock: &StudyLock) -> anyhow::Result<Way> {
+    let door = Door::open(Secret::new(secret()?))
+        .context("this machine gives no port for the participant's screen")?;
+    let file = PortFile::write(layout, lock, &door.place())?;
+    Ok((file, door))
 }
 
 /// That front end, with the participant's screen beside it where it has a way in.

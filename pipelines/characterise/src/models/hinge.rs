@@ -98,15 +98,15 @@ struct Sums {
 }
 
 impl Sums {
-    /// The sums with `sign` times others: 1 takes these in, −1 out.
-    fn and(self, sign: f64, o: Self) -> Self {
+    /// These and a number times others: 1 takes the others in, −1 out.
+    fn plus_times(self, factor: f64, o: Self) -> Self {
         Self {
-            w: self.w + sign * o.w,
-            x: self.x + sign * o.x,
-            y: self.y + sign * o.y,
-            xx: self.xx + sign * o.xx,
-            xy: self.xy + sign * o.xy,
-            yy: self.yy + sign * o.yy,
+            w: self.w + factor * o.w,
+            x: self.x + factor * o.x,
+            y: self.y + factor * o.y,
+            xx: self.xx + factor * o.xx,
+            xy: self.xy + factor * o.xy,
+            yy: self.yy + factor * o.yy,
         }
     }
 }
@@ -139,22 +139,22 @@ fn cuts(at: &[Point], scale: &Scale, highest: f64) -> Vec<Cut> {
             let y = p.response - scale.mean;
             let w = p.weight;
             let at = Sums { w, x: w * x, y: w * y, xx: w * x * x, xy: w * x * y, yy: w * y * y };
-            sums.and(1.0, at)
+            sums.plus_times(1.0, at)
         });
-        below = below.and(1.0, here);
+        below = below.plus_times(1.0, here);
         if same[0].command <= highest {
             let above = Sums::default();
             cuts.push(Cut { level: x, commands_below: commands + 1, below, above });
         }
     }
     // Now `below` has all points.
-    cuts.iter_mut().for_each(|cut| cut.above = below.and(-1.0, cut.below));
+    cuts.iter_mut().for_each(|cut| cut.above = below.plus_times(-1.0, cut.below));
     cuts
 }
 
 impl Cut {
     fn all(&self) -> Sums {
-        self.below.and(1.0, self.above)
+        self.below.plus_times(1.0, self.above)
     }
 
     /// The best fit with its break at this level: a regression on h = max(x − level, 0).

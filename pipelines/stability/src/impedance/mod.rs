@@ -22,4 +22,3 @@ pub use frequency::{Recording, Response, ResponsePoint, response};
 pub use region::{Region, regions};
 pub use search::{Ending, Found, Probe, Tried, probes, search};
 pub use tables::{bounds, impedance_points, z_widths, z_widths_table};
-pub use zwidth_results::WallBound as Bound;

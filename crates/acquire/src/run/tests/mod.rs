@@ -420,11 +420,13 @@ fn a_session_refuses_another_device_rate_calibration_or_seed_and_says_which_with
     plan.calibration.motor.force_n[1] = 4.0;
     assert!(refused(&plan, &Mock::default()).contains("the calibration is "));
     let plan = Plan { rate_hz: 60.0, seed: Some(4), ..desk.plan.clone() };
-    let all = format!(
-        "the device is mock 2, and was mock 1; the rate is 60 Hz, and was 120 Hz; the seed is 4, and was {}",
+    let expect = format!(
+        "cannot go on with {}: the device is mock 2, and was mock 1; the rate is 60 Hz, and was 120 Hz; the seed is 4, \
+         and was {}; begin a new session, or restore what this one began with",
+        plan.layout.session(&plan.participant, &plan.session).display(),
         crate::seed_of(&plan.study)
     );
-    assert!(refused(&plan, &other).contains(&all));
+    assert_eq!(refused(&plan, &other), expect);
 }
 
 #[test]

@@ -26,7 +26,7 @@ fn goes_on(desk: &Desk) {
     assert_eq!((outcome.done, verify(&desk.plan.layout)), (TRIALS, vec![]));
 }
 
-/// Somebody by whose time the study's folder goes, when two trials are done and the phase is right.
+/// Somebody whose study's folder goes elsewhere when two trials are done, in a phase of this kind.
 fn leaves_at(
     desk: &Desk,
     is_phase: fn(&Shown) -> bool,

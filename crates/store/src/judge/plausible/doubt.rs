@@ -23,8 +23,10 @@ impl Doubt {
 
     pub(super) fn at(self, path: &Path) -> StoreError {
         let error = StoreError::new(path, self.what, self.remedy).column(self.signal.name());
-        // An error counts rows from 1.
-        StoreError { row: self.row.map(|row| row + 1), ..error }
+        match self.row {
+            Some(row) => error.row0(row),
+            None => error,
+        }
     }
 }
 

@@ -181,8 +181,8 @@ fn a_signal_that_stops_is_found_and_no_force_in_free_motion_is_none() {
 #[test]
 fn a_force_that_holds_for_little_more_than_a_second_is_found_wherever_it_does() {
     let is_found = |held: std::ops::Range<usize>| {
-        let hold = |i: usize, v: f64| if held.contains(&i) { 3.25 } else { v };
-        let found = findings(&changed(Signal::ForceEx, hold));
+        let samples = changed(Signal::ForceEx, |i, v| if held.contains(&i) { 3.25 } else { v });
+        let found = findings(&samples);
         found.iter().any(|f| f.what.starts_with("it holds 3.25 for 1.01 s"))
     };
     for from in (150..350).step_by(13) {
