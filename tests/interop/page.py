@@ -145,7 +145,7 @@ class Visit:
 
 
 def wait_until(page, condition, seconds=30):
-    """Waits for a condition, looked at before each frame. Playwright's own way evaluates a text in the page, which the page's policy forbids."""
+    """Waits for a condition, looked at before each frame. Playwright's `wait_for_function` looks once before it asks the page to evaluate a text, which the page's policy forbids: it passes when the condition holds at once."""
     page.evaluate(f"""new Promise((done, fail) => {{
         const began = performance.now();
         const look = () => ({condition}) ? done() : performance.now() - began > {1000 * seconds} ? fail(new Error("waited in vain for " + {json.dumps(condition)})) : requestAnimationFrame(look);
@@ -386,7 +386,7 @@ def the_matrix_is_opened(visit):
     summary = page.locator(".detail details summary").first
     summary.focus()
     page.set_viewport_size({"width": 1100, "height": 900})
-    page.wait_for_function("document.querySelector('.detail .chart').viewBox.baseVal.width < 520")
+    wait_until(page, "document.querySelector('.detail .chart').viewBox.baseVal.width < 520")
     page.set_viewport_size({"width": 1440, "height": 900})
     checks.equal("a narrower window leaves open what is open, and the focus where it is", (page.locator(".detail details[open]").count(), summary.evaluate("(it) => it === document.activeElement")), (1, True))
     name.focus()
@@ -717,7 +717,7 @@ def labels_have_their_curves(visit):
 
 
 def without(report, folder, trials, lacks):
-    """A copy of the page without the trials that `trials` names, and of the others' data without the columns that `lacks` gives for a file."""
+    """A copy of the page without the trials that `trials` names, and of the others' data without the columns that `lacks` gives for the beginning of a condition's line."""
     copy = Path(folder) / report.name
     shutil.copytree(report, copy)
     page = (copy / "index.html").read_text()
@@ -727,10 +727,11 @@ def without(report, folder, trials, lacks):
     study["trials"] = [trial for trial in study["trials"] if not trials(trial)]
     (copy / "index.html").write_text(page[:begin] + json.dumps(study).replace("<", "\\u003c") + page[end:])
     for file in (copy / "report-data").glob("*.js"):
-        text = file.read_text()
-        for column in lacks(file.stem):
-            text = text.replace(f'"{column}"', f'"no_{column}"')
-        file.write_text(text)
+        lines = file.read_text().splitlines()
+        for number, line in enumerate(lines):
+            for column in lacks(line.partition('", ')[0]):
+                lines[number] = lines[number].replace(f'"{column}"', f'"no_{column}"')
+        file.write_text("\n".join(lines))
     return copy
 
 
@@ -741,10 +742,10 @@ def what_is_missing_has_no_label(browser, report):
         modes, environment = [mode["id"] for mode in study["modes"]], study["environments"][0]["id"]
         first, last = modes[0], modes[-1]
         cases = [
-            (f"{first} has no trial", lambda trial: trial["mode"] == first and trial["environment"] == environment, lambda stem: []),
-            (f"trials in {last} lack the force", lambda trial: False, lambda stem: ["force_ex_n"] if stem.endswith(f".{last}") else []),
-            ("no trial has an angle or a velocity", lambda trial: False, lambda stem: ["theta_rad", "theta_dot_rad_s"]),
-            ("no trial has a force", lambda trial: False, lambda stem: ["force_ex_n"]),
+            (f"{first} has no trial", lambda trial: trial["mode"] == first and trial["environment"] == environment, lambda begin: []),
+            (f"trials in {last} lack the force", lambda trial: False, lambda begin: ["force_ex_n"] if begin.endswith(f".{last}") else []),
+            ("no trial has an angle or a velocity", lambda trial: False, lambda begin: ["theta_rad", "theta_dot_rad_s"]),
+            ("no trial has a force", lambda trial: False, lambda begin: ["force_ex_n"]),
         ]
         for number, (what, trials, lacks) in enumerate(cases):
             visit = Visit(browser, without(report, Path(folder) / str(number), trials, lacks)).ready()

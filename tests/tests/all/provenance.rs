@@ -125,7 +125,7 @@ fn a_copy_anywhere_is_traced_by_what_it_says_or_else_by_its_content() {
         ("tables/conditions", "tex typ md html csv", "table conditions"),
         ("summary", "md", "summary"),
         ("index", "html", "page"),
-        ("report-data/P01.S01.spring.hybrid", "js", "samples P01 S01 spring"),
+        ("report-data/P01.S01.spring", "js", "samples P01 S01 spring"),
     ] {
         for extension in extensions.split(' ') {
             let file = format!("{name}.{extension}");

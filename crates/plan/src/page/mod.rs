@@ -1,5 +1,5 @@
 //! Stage `page`: the summary for a browser, `index.html`, and beside it one script of samples per
-//! condition, which the page loads when somebody asks for those trials.
+//! environment of a session, which the page loads when somebody asks for trials in it.
 
 pub(crate) mod counted;
 pub(crate) mod methods;
@@ -30,7 +30,7 @@ use zwidth_study::{Environment, EnvironmentId, ModeId};
 use zwidth_tables::Table;
 
 /// Its version is raised when the page would be written differently from the same data.
-const STAGE: Stage = Stage { name: "page", version: 23 };
+const STAGE: Stage = Stage { name: "page", version: 24 };
 
 /// The job that makes the page itself.
 pub const JOB: &str = "page";
@@ -139,7 +139,7 @@ fn with_origin(script: String, making: &Making) -> String {
     script + &origin.unwrap_or_default()
 }
 
-/// What the scripts of an environment's conditions depend on besides files.
+/// What the script of an environment's conditions depends on besides files.
 #[derive(Serialize)]
 struct Conditions {
     conditions: Vec<OfTrials<Condition>>,
@@ -167,22 +167,22 @@ impl Inputs for Files {
     }
 }
 
-/// The scripts of an environment's conditions, one for each: made together, because events and
-/// models' runs are in one table for all of them.
+/// The script of an environment's conditions, in one: people look at all modes of an environment at
+/// once, and a large study would have thousands of files more.
 fn samples_job(data: &StudyData, session: &Session, environment: &Environment) -> Option<Job> {
     let modes = data.study.modes.iter();
     let all: Vec<Repeats> = modes.filter_map(|mode| session.repeats(environment, mode)).collect();
     let events = metrics::events_of(&data.layout, &all.first()?.trials[0].meta);
     let mut conditions = Vec::new();
     let mut files = Vec::new();
-    let mut outputs = Vec::new();
     for repeats in &all {
         let means = Alignment::ALL.map(|a| average::aligned(&data.layout, repeats, a)).to_vec();
         files.push((trial_files(&repeats.trials), means));
         let condition = Condition { key: repeats.key.clone(), mode: repeats.mode.id.clone() };
         conditions.push(OfTrials::new(condition, &repeats.trials));
-        outputs.push(data.layout.reports().join(format!("report-data/{}.js", repeats.key)));
     }
+    let script = format!("report-data/{}.js", session.ids_with(environment).join("."));
+    let outputs = vec![data.layout.reports().join(script)];
     let courses = courses::file(data, session, environment);
     let files = Files { conditions: files, events, courses };
     let name = format!("samples {} {}", session.who(), environment.id);
@@ -198,7 +198,7 @@ fn make_samples(
     let events = files.events.read_if_made()?.unwrap_or_default();
     let samples = files.courses.as_ref().map(Derived::read_if_made).transpose()?.flatten();
     let samples = samples.unwrap_or_default();
-    let mut scripts = Vec::new();
+    let mut script = String::new();
     let mut problems = Vec::new();
     // One after the other: of long trials no more are in memory than those of one condition.
     for (condition, (recordings, averages)) in conditions.iter().zip(&files.conditions) {
@@ -218,10 +218,9 @@ fn make_samples(
         for (_, number, columns) in &mut replays {
             in_time_of(&trials, *number, columns);
         }
-        let script = condition_script(key, &courses, &means, &replays)?;
-        scripts.push(with_origin(script, making).into_bytes());
+        script += &condition_script(key, &courses, &means, &replays)?;
     }
-    Ok(Made { problems, ..Made::of(scripts) })
+    Ok(Made { problems, ..Made::of(vec![with_origin(script, making).into_bytes()]) })
 }
 
 /// A trial's samples and events for the page.

@@ -1,4 +1,4 @@
-//! The samples of a condition's trials, bit for bit, as a script that the page loads on request.
+//! The samples of a condition's trials, bit for bit, as a line of a script that the page loads on request.
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
@@ -65,7 +65,7 @@ struct Condition<'a> {
     replay: BTreeMap<&'static str, PackedCourse<'a>>,
 }
 
-/// The script of one condition: one call that gives `key` its trials, their means by alignment and
+/// A script's line for one condition: a call that gives `key` its trials, their means by alignment and
 /// the models' runs of one of them.
 ///
 /// # Errors

@@ -81,16 +81,20 @@ pub fn single_file(
     }
     let keys: BTreeSet<&str> =
         data.split(KEY).skip(1).filter_map(|rest| rest.split('"').next()).collect();
+    // Keys of one script stand together.
+    let mut script = (String::new(), String::new());
     for key in keys {
-        let script = read(&format!("report-data/{key}.js"))?;
-        // What the script calls with.
-        let script = String::from_utf8_lossy(&script);
-        let call = script.lines().next().unwrap_or_default();
-        let call = call.strip_prefix(&format!("zwidthData(\"{key}\", "));
-        let samples = call.and_then(|rest| rest.strip_suffix(");")).ok_or_else(|| {
-            io::Error::other(format!(
-                "report-data/{key}.js is not what `zwidth run` writes; run it again"
-            ))
+        // As the page's own script finds it: that of the condition's environment.
+        let file = format!("report-data/{}.js", key.rsplit_once('.').map_or(key, |(of, _)| of));
+        if script.0 != file {
+            let text = String::from_utf8_lossy(&read(&file)?).into_owned();
+            script = (file, text);
+        }
+        let (file, text) = &script;
+        let begin = format!("zwidthData(\"{key}\", ");
+        let call = text.lines().find_map(|line| line.strip_prefix(&begin)?.strip_suffix(");"));
+        let samples = call.ok_or_else(|| {
+            io::Error::other(format!("{file} is not what `zwidth run` writes; run it again"))
         })?;
         one += &format!(
             "<script type=\"text/plain\" class=\"trial-data\" data-key=\"{key}\">{samples}</script>"

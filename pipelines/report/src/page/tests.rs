@@ -253,7 +253,7 @@ fn one_file_holds_pictures_and_samples_and_is_else_the_same() {
     let course = |key: &str| condition_script(key, &[], &[], &[]).unwrap() + "// origin\n";
     let one = single_file(&html, |path| match path {
         "figures/modes.P01.svg" => Ok(b"<svg/>".to_vec()),
-        "report-data/P01.S01.spring.active.js" => Ok(course("P01.S01.spring.active").into_bytes()),
+        "report-data/P01.S01.spring.js" => Ok(course("P01.S01.spring.active").into_bytes()),
         other => panic!("{other}"),
     })
     .unwrap();

@@ -2,24 +2,33 @@
 
 const MOST_KEPT = 48; // conditions kept decoded; older ones are loaded again
 const kept = new Map();
-const awaited = new Map();
-window.zwidthData = (key, content) => awaited.get(key)?.(content);
+/** The scripts that are being loaded, by their files, with the conditions that each has given. */
+const arriving = new Map();
+/** A condition's script is that of its environment, with all of its modes. */
+const scriptOf = (key) => (key.includes(".") ? key.slice(0, key.lastIndexOf(".")) : key);
+window.zwidthData = (key, content) => arriving.get(scriptOf(key))?.given.set(key, content);
+
+/** What a script gives; nothing where it cannot be read. */
+function load(file) {
+  if (!arriving.has(file)) {
+    const given = new Map(), script = make("script", { src: `report-data/${encodeURIComponent(file)}.js` });
+    const ended = new Promise((resolve) => { for (const end of ["load", "error"]) script.addEventListener(end, resolve); });
+    arriving.set(file, { given, loaded: ended.then(() => { arriving.delete(file); script.remove(); return given; }) });
+    document.head.append(script);
+  }
+  return arriving.get(file).loaded;
+}
 
 /** The condition's object as it stands in the page (one file) or beside it. */
-function fetchCondition(key) {
+async function fetchCondition(key) {
   if (study.single_file) {
     const block = [...document.querySelectorAll("script.trial-data")].find((element) => element.dataset.key === key);
-    return block ? Promise.resolve(JSON.parse(block.textContent)) : Promise.reject(new Error(`this page holds no data of ${short(key, 80)}`));
+    if (!block) throw new Error(`this page holds no data of ${short(key, 80)}`);
+    return JSON.parse(block.textContent);
   }
-  return new Promise((resolve, reject) => {
-    const script = make("script", { src: `report-data/${encodeURIComponent(key)}.js` });
-    const finish = (end, result) => { awaited.delete(key); script.remove(); end(result); };
-    awaited.set(key, (content) => finish(resolve, content));
-    const missing = () => awaited.has(key) && finish(reject, new Error(`the data of ${short(key, 80)} could not be read: the folder report-data must lie beside this page`));
-    script.addEventListener("error", missing);
-    script.addEventListener("load", missing); // it ran and gave nothing
-    document.head.append(script);
-  });
+  const content = (await load(scriptOf(key))).get(key);
+  if (!content) throw new Error(`the data of ${short(key, 80)} could not be read: the folder report-data must lie beside this page`);
+  return content;
 }
 
 const blocks = (name) => new Map([...document.querySelectorAll(`script.${name}`)].map((element) => [element.dataset.key, element]));
