@@ -130,12 +130,14 @@ pub struct Measured {
 }
 
 /// Whether a metric describes something that a person could feel: nobody feels the precision of a
-/// number, a bound set by the resolution of a sensor, or the error of a stiffness relative to its
-/// command.
+/// number, a bound set by the resolution of a sensor, the error of a stiffness relative to its
+/// command, or a sum over a whole movement, for which the thresholds of an angle and of a force say
+/// nothing.
 pub fn is_felt(metric: &str) -> bool {
     const KNOWLEDGE: [&str; 5] =
         ["std_error", "ci_low", "ci_high", "hold_rigidity_min", "stiffness_error"];
-    !KNOWLEDGE.iter().any(|part| metric.contains(part))
+    const SUMS: [&str; 2] = ["path_rad", "force_rms_n"];
+    !SUMS.contains(&metric) && !KNOWLEDGE.iter().any(|part| metric.contains(part))
 }
 
 /// Vibration that is just felt, over frequency.

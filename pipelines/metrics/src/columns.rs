@@ -7,7 +7,7 @@ use zwidth_store::Signal;
 use zwidth_study::{Better, CURRENT_BRAKE, CURRENT_MOTOR, Channel, REFERENCE, Scene};
 
 /// Version of the algorithms here: a change of any number they give, or a further metric, raises it.
-pub const VERSION: u32 = 21;
+pub const VERSION: u32 = 22;
 
 /// Where a value stands in a row.
 pub(crate) enum Get<R> {
@@ -210,11 +210,13 @@ pub fn is_possible(metric: &str, scene: &Scene, signals: &[Signal], channels: &[
 
 #[rustfmt::skip]
 const MOVEMENT: &[Spec] = &[
+    float("recording_s", "s", "length of the recording", |r| r.movement.recording_s),
     float("onset_s", "s", "first time above the onset's velocity", |r| r.movement.onset_s),
     float("reversal_s", "s", "first time of the largest angle between onset and end", |r| r.movement.reversal_s),
     float("end_s", "s", "first time below the offset's velocity after the last above the onset's", |r| r.movement.end_s),
     averaged("duration_s", "s", "duration, from onset to end", |r| r.movement.duration_s),
     averaged("theta_max_rad", "rad", "largest angle", |r| r.movement.theta_max_rad),
+    float("path_rad", "rad", "path length: every way forward and back, onset to end", |r| r.movement.path_rad),
     float("velocity_forward_mean_rad_s", "rad/s", "mean speed, onset to reversal", |r| r.movement.velocity_forward_mean_rad_s),
     float("velocity_forward_peak_rad_s", "rad/s", "largest speed, onset to reversal", |r| r.movement.velocity_forward_peak_rad_s),
     float("velocity_backward_mean_rad_s", "rad/s", "mean speed, reversal to end", |r| r.movement.velocity_backward_mean_rad_s),
@@ -229,6 +231,8 @@ const MOVEMENT: &[Spec] = &[
 const FORCE: &[Spec] = &[
     averaged("force_mean_n", "N", "the user's force, mean over the recording", |r| r.force.mean_n),
     averaged("force_largest_n", "N", "the user's force of the largest magnitude in the recording", |r| r.force.largest_n),
+    float("force_rms_n", "N", "the user's force, root of its mean square over the recording", |r| r.force.rms_n),
+    float("force_peak_s", "s", "time from the movement's onset to the user's force of the largest magnitude in it", |r| r.force.peak_s),
 ];
 
 #[rustfmt::skip]

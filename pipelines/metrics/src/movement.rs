@@ -14,6 +14,8 @@ const RETREAT_SHARE: f64 = 0.01;
 /// When the lever moves, how far and how fast. Times are the trial's own `t_s`, to the sample.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Movement {
+    /// Last time of the recording − first, s.
+    pub recording_s: Option<f64>,
     /// First time with |θ̇| above `analysis.onset_rad_s`, s. Null if never, or without θ̇.
     pub onset_s: Option<f64>,
     /// First time of the largest θ between onset and end, s.
@@ -26,6 +28,9 @@ pub struct Movement {
     pub duration_s: Option<f64>,
     /// Largest θ of the whole recording, rad.
     pub theta_max_rad: Option<f64>,
+    /// Path length: Σ |θᵢ₊₁ − θᵢ| from onset to end, rad. What the angle sensor trembles by while the
+    /// lever is slow counts as way.
+    pub path_rad: Option<f64>,
     /// Mean |θ̇| over time, onset to reversal: ∫|θ̇| dt / Δt by the trapezoidal rule, rad/s.
     pub velocity_forward_mean_rad_s: Option<f64>,
     /// Largest |θ̇|, onset to reversal, rad/s.
@@ -67,6 +72,7 @@ pub(crate) fn movement(
         let (from, to) = ways.filter(|_| angles.is_some_and(|a| a.is_movement[way]))?[way];
         Smoothness::of(&t[from..=to], &theta_dot.as_ref()?[from..=to])
     });
+    let recording_s = t.first().zip(t.last()).map(|(first, last)| last - first);
     let onset_s = activity.map(|a| t[a.onset]);
     let end_s = activity.and_then(|a| a.end).map(|i| t[i]);
     let reversal_s = phases.map(|p| t[p.reversal]);
@@ -76,11 +82,13 @@ pub(crate) fn movement(
     let [sparc_forward, sparc_backward] =
         smoothness.map(|way| way.and_then(Smoothness::spectral_arc_length));
     Ok(Movement {
+        recording_s,
         onset_s,
         reversal_s,
         end_s,
         duration_s: onset_s.zip(end_s).map(|(onset, end)| end - onset),
         theta_max_rad: angles.map(|a| a.most_rad),
+        path_rad: angles.and_then(|a| a.path_rad),
         velocity_forward_mean_rad_s: forward.and_then(|s| s.mean),
         velocity_forward_peak_rad_s: forward.map(|s| s.peak),
         velocity_backward_mean_rad_s: backward.and_then(|s| s.mean),
@@ -96,6 +104,8 @@ pub(crate) fn movement(
 #[derive(Clone, Copy)]
 struct Angles {
     most_rad: f64,
+    /// From onset to end.
+    path_rad: Option<f64>,
     /// Whether the way forward, and the way back, is long enough to have a shape.
     is_movement: [bool; 2],
     /// Arrivals at the lower and the upper end of the work space.
@@ -109,9 +119,12 @@ impl Angles {
         let is_movement = ways.map_or([false; 2], |ways| {
             ways.map(|(from, to)| (theta[to] - theta[from]).abs() > MOVEMENT_SHARE * travelled)
         });
+        let path_rad = ways.map(|[(onset, _), (_, end)]| {
+            theta[onset..=end].windows(2).map(|pair| (pair[1] - pair[0]).abs()).sum()
+        });
         let hits = [(parameters.theta_min_rad, -1.0), (parameters.theta_max_rad, 1.0)]
             .map(|(limit, sign)| Some(arrivals(theta, limit?, sign, RETREAT_SHARE * travelled)));
-        Self { most_rad, is_movement, hits }
+        Self { most_rad, path_rad, is_movement, hits }
     }
 }
 
@@ -190,6 +203,12 @@ mod tests {
         let mean = way / (period_s / 2.0 - onset);
         assert!((found.velocity_forward_mean_rad_s.unwrap() / mean - 1.0).abs() < 1e-4);
         assert_eq!(found.duration_s, Some(found.end_s.unwrap() - found.onset_s.unwrap()));
+        assert!((found.recording_s.unwrap() - (period_s + 1.0)).abs() <= SAMPLE_S);
+        // there and back, less what is left of both ways when the lever is slow
+        let left = stroke_rad * (1.0 - libm::cos(omega * onset)) / 2.0;
+        let end = found.end_s.unwrap() - 0.5;
+        let left = left + stroke_rad * (1.0 - libm::cos(omega * end)) / 2.0;
+        assert!((found.path_rad.unwrap() - (2.0 * stroke_rad - left)).abs() < 1e-4);
     }
 
     /// A minimum-jerk way there and back, and one with a halt on the way: NumPy from the paper's
@@ -220,6 +239,7 @@ mod tests {
         let points: Vec<_> = stroke(1.2, 2.0).into_iter().filter(|p| p.0 < 2.0).collect();
         let found = metrics(&trial(&points, |_, _| 0.0));
         assert_eq!((found.end_s, found.duration_s), (None, None));
+        assert!((1.2..2.4).contains(&found.path_rad.unwrap()), "{found:?}");
         assert!(found.velocity_backward_mean_rad_s.is_some());
     }
 
@@ -228,7 +248,7 @@ mod tests {
         let found = metrics(&trial(&[(0.0, 0.1, 0.0), (0.1, 0.1, 0.01)], |_, _| 0.0));
         assert_eq!(found.theta_max_rad, Some(0.1));
         assert_eq!(
-            (found.onset_s, found.reversal_s, found.velocity_forward_mean_rad_s),
+            (found.onset_s, found.path_rad, found.velocity_forward_mean_rad_s),
             (None, None, None)
         );
     }
