@@ -131,7 +131,7 @@ pub struct Measured {
 
 /// Whether a metric describes something that a person could feel: nobody feels the precision of a
 /// number, a bound set by the resolution of a sensor, the error of a stiffness relative to its
-/// command, or a sum over a whole movement, for which the thresholds of an angle and of a force say
+/// command, or what adds up a whole movement, for which the thresholds of an angle and of a force say
 /// nothing.
 pub fn is_felt(metric: &str) -> bool {
     const KNOWLEDGE: [&str; 5] =
@@ -214,6 +214,8 @@ mod tests {
     fn a_stiffness_is_felt_and_how_well_it_is_known_is_not() {
         assert!(is_felt("stiffness_n_per_rad") && is_felt("wall_rigidity_n_per_rad"));
         assert!(!is_felt("stiffness_std_error_n_per_rad"));
+        assert!(is_felt("theta_max_rad") && !is_felt("path_rad"));
+        assert!(is_felt("force_mean_n") && !is_felt("force_rms_n"));
         assert!(!is_felt("wall_stiffness_ci_high_n_per_rad"));
     }
 

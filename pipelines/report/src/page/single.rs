@@ -82,19 +82,19 @@ pub fn single_file(
     let keys: BTreeSet<&str> =
         data.split(KEY).skip(1).filter_map(|rest| rest.split('"').next()).collect();
     // Keys of one script stand together.
-    let mut script = (String::new(), String::new());
+    let (mut script, mut text) = (String::new(), String::new());
     for key in keys {
         // As the page's own script finds it: that of the condition's environment.
-        let file = format!("report-data/{}.js", key.rsplit_once('.').map_or(key, |(of, _)| of));
-        if script.0 != file {
-            let text = String::from_utf8_lossy(&read(&file)?).into_owned();
-            script = (file, text);
+        let stem = key.rsplit_once('.').map_or(key, |(environment, _mode)| environment);
+        let file = format!("report-data/{stem}.js");
+        if script != file {
+            text = String::from_utf8_lossy(&read(&file)?).into_owned();
+            script = file;
         }
-        let (file, text) = &script;
         let begin = format!("zwidthData(\"{key}\", ");
         let call = text.lines().find_map(|line| line.strip_prefix(&begin)?.strip_suffix(");"));
         let samples = call.ok_or_else(|| {
-            io::Error::other(format!("{file} is not what `zwidth run` writes; run it again"))
+            io::Error::other(format!("{script} is not what `zwidth run` writes; run it again"))
         })?;
         one += &format!(
             "<script type=\"text/plain\" class=\"trial-data\" data-key=\"{key}\">{samples}</script>"
