@@ -29,7 +29,7 @@ up to date, and writing.
 
 The static page is by plotly from the same Parquet files: a table of means (of the metrics that zwidth derived), paired dots, and a
 browser of trials with three columns of samples rounded to six decimals, packed in the one file and unpacked when it is opened, the way of
-MultiQC. Ours has seven columns, bit for bit, in a script a condition, loaded when asked for."""
+MultiQC. Ours has every column, bit for bit, and the model's runs, in a script for each environment of a session, loaded when asked for."""
 
 
 def timed(*command):

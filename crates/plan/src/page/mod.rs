@@ -30,7 +30,7 @@ use zwidth_study::{Environment, EnvironmentId, ModeId};
 use zwidth_tables::Table;
 
 /// Its version is raised when the page would be written differently from the same data.
-const STAGE: Stage = Stage { name: "page", version: 24 };
+const STAGE: Stage = Stage { name: "page", version: 25 };
 
 /// The job that makes the page itself.
 pub const JOB: &str = "page";
@@ -153,7 +153,7 @@ struct Condition {
 
 /// The files of the conditions of one environment in a session.
 struct Files {
-    /// Of each condition its trials, and its means in the order of [`Alignment::ALL`].
+    /// Of each condition its trials, and if they are several their means in the order of [`Alignment::ALL`].
     conditions: Vec<(Recordings, Vec<PathBuf>)>,
     /// The events in all trials of the session.
     events: Derived<TrialEvent>,
@@ -176,8 +176,10 @@ fn samples_job(data: &StudyData, session: &Session, environment: &Environment) -
     let mut conditions = Vec::new();
     let mut files = Vec::new();
     for repeats in &all {
-        let means = Alignment::ALL.map(|a| average::aligned(&data.layout, repeats, a)).to_vec();
-        files.push((trial_files(&repeats.trials), means));
+        // The mean of one repeat is that repeat.
+        let averaged = if repeats.trials.len() > 1 { &Alignment::ALL[..] } else { &[] };
+        let means = averaged.iter().map(|a| average::aligned(&data.layout, repeats, *a));
+        files.push((trial_files(&repeats.trials), means.collect()));
         let condition = Condition { key: repeats.key.clone(), mode: repeats.mode.id.clone() };
         conditions.push(OfTrials::new(condition, &repeats.trials));
     }
@@ -253,8 +255,10 @@ const MEANS: [(&str, &str); 6] = [
 fn mean_columns(table: &Table) -> Columns {
     let mut columns = Columns::new();
     for (name, column) in MEANS {
-        // A signal that was not recorded has no column. Not a number stands for null.
-        if let Ok(values) = table.floats(column) {
+        // A signal that was not recorded has no column, or an empty one. Not a number stands for null.
+        if let Ok(values) = table.floats(column)
+            && values.iter().any(Option::is_some)
+        {
             columns.push((name, values.iter().map(|value| value.unwrap_or(f64::NAN)).collect()));
         }
     }

@@ -108,9 +108,10 @@ fn packed(columns: &Columns) -> std::io::Result<Packed> {
 /// changes from sample to sample becomes runs of zeros.
 pub(super) fn pack<'a>(columns: impl IntoIterator<Item = &'a [f64]>) -> std::io::Result<String> {
     thread_local! {
-        // One a thread: each begins with much memory to be cleared.
+        // One a thread: each begins with much memory to be cleared. The default level saves 1.4 % more
+        // of such planes, in half as much time again.
         static COMPRESSOR: RefCell<Compressor> =
-            RefCell::new(Compressor::new(CompressionLvl::default()));
+            RefCell::new(Compressor::new(CompressionLvl::new(1).unwrap_or_default()));
     }
     let mut bytes = Vec::new();
     for values in columns {

@@ -23,7 +23,8 @@ function curvesOfMode({ mode, key, who }, data) {
   const one = view.r !== "all";
   const landmarks = view.a === "landmarks" && data.means.landmarks;
   const curves = [];
-  if (view.show.has("repeats") || one)
+  // One repeat has no mean beside it.
+  if (view.show.has("repeats") || one || (view.show.has("mean") && data.trials.length === 1))
     for (const trial of data.trials.filter((item) => !one || item.repeat === view.r))
       curves.push(curveOf(trial, mode, key, "trial", `${name}, repeat ${trial.repeat} (trial ${trial.trial})`, shift(trial), { overTime: !landmarks }));
   if (view.show.has("mean") && view.a !== "none") {
