@@ -241,7 +241,7 @@ fn parameters(study: &Study, sat: &[Sat]) -> anyhow::Result<Parameters> {
     let metric = |(metric, ..): &(&str, &str, bool)| -> anyhow::Result<MetricParameters> {
         Ok(MetricParameters {
             metric: metric.parse()?,
-            primary: *metric == study.compare.primary.as_str(),
+            primary: study.compare.primary.has(metric),
             better: zwidth_study::Better::Lower,
             preregistered: None,
             bounds: vec![None; study.environments.len()],

@@ -456,6 +456,9 @@ def what_is_left_out_is_estimated_as_by_the_program(browser, zwidth, exclusions)
     with tempfile.TemporaryDirectory() as root:
         base = Path(root) / "base"
         checks.run(zwidth, "--root", base, "new", "left")
+        # Two primary metrics are one family; every other metric is one of its own.
+        with (base / "raw" / "left" / "study.toml").open("a") as study:
+            study.write('\n[compare]\nprimary = ["wall_past_max_rad", "duration_s"]\n')
         checks.run(zwidth, "--root", base, "twin", "left", "--participants", 4, "--sessions", 1)
         checks.run(zwidth, "--root", base, "run", "left")
         visit = Visit(browser, base / "reports" / "left").ready()

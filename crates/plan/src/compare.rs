@@ -26,10 +26,10 @@ use zwidth_results::{
     RedrawnDifference, RepeatMean, Row, SessionChange,
 };
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, Stage};
-use zwidth_store::{Layout, SessionLog, StudyData};
+use zwidth_store::{Layout, SessionLog, Signal, StudyData};
 use zwidth_study::order::Rules;
 use zwidth_study::{
-    Bound, Coordinate, Environment, Event, IdError, MetricId, Source, Study, is_felt,
+    Bound, Coordinate, Environment, Event, Families, IdError, MetricId, Source, Study, is_felt,
 };
 use zwidth_tables::{Measured, Table, TableError};
 
@@ -148,7 +148,7 @@ pub fn spreads(
     Ok((tables.table().read_of(metric)?, tables.table().read_of(metric)?))
 }
 
-/// The metrics that are compared: those that trials of this study can have, the primary one first.
+/// The metrics that are compared: those that trials of this study can have, the primary ones first.
 /// Empty in a study with one mode.
 pub fn compared(data: &StudyData) -> Vec<String> {
     if !are_several(data.counting().map(|trial| &trial.meta.mode)) {
@@ -178,9 +178,8 @@ fn is_possible(data: &StudyData, metric: &str) -> bool {
     })
 }
 
-/// The metrics that a study asks for, the primary one first, each once.
+/// The metrics that a study asks for, the primary ones first, each once.
 fn requested_metrics(study: &Study) -> Vec<String> {
-    let primary = study.compare.primary.to_string();
     let others: Vec<String> = match &study.compare.metrics {
         Some(metrics) => metrics.iter().map(ToString::to_string).collect(),
         None => {
@@ -188,13 +187,35 @@ fn requested_metrics(study: &Study) -> Vec<String> {
             std::iter::once(default).chain(OTHERS.map(str::to_owned)).collect()
         }
     };
-    let mut requested = vec![primary];
+    let primary = study.compare.primary.metrics();
+    let mut requested: Vec<String> = primary.iter().map(ToString::to_string).collect();
     for metric in others {
         if !requested.contains(&metric) {
             requested.push(metric);
         }
     }
     requested
+}
+
+/// How many claims are adjusted together with one of a metric, itself among them. As many as there can
+/// be: a plan is made before it is known what every mode can have.
+pub fn claims(study: &Study, metric: &str) -> usize {
+    let compare = &study.compare;
+    let signals: Vec<Signal> = Signal::all().collect();
+    let environments = |metric: &str| {
+        let is_possible = |environment: &&Environment| {
+            zwidth_metrics::is_possible(metric, &environment.scene, &signals, &study.channels)
+        };
+        study.environments.iter().filter(is_possible).count()
+    };
+    let together = match compare.families {
+        Families::Environment => 1,
+        Families::Study if compare.primary.has(metric) => {
+            compare.primary.metrics().iter().map(|metric| environments(metric.as_str())).sum()
+        }
+        Families::Metric | Families::Study => environments(metric),
+    };
+    together * compare.contrasts.len()
 }
 
 /// Remarks on metrics in study.toml that do not exist, and on bounds that have no effect.
@@ -327,12 +348,12 @@ impl Comparing<Parameters> {
                 }
             });
             let chosen = compare.better.iter().find(|(id, _)| id.as_str() == metric);
-            let primary = metric == compare.primary.as_str();
+            let primary = compare.primary.has(metric);
             metrics.push(MetricParameters {
                 metric: metric.parse()?,
                 primary,
                 better: chosen.map_or_else(|| zwidth_metrics::better(metric), |(_, b)| *b),
-                // A plan is a promise on the primary metric alone.
+                // A plan is a promise on primary metrics alone.
                 preregistered: if primary { preregistered(data, &compared) } else { None },
                 bounds: bounds.collect(),
                 // What cannot be felt is not noticed from any difference on.
@@ -432,7 +453,7 @@ fn make(
     let compared: Vec<&str> = stage.metrics.iter().map(|metric| metric.metric.as_str()).collect();
     let metrics = Measured::read(metrics, &compared)?;
     let results = zwidth_compare::compare(&metrics, stage)?;
-    let printed = zwidth_compare::together(&results.metrics, &results.contrasts)?;
+    let printed = zwidth_compare::together(&results.metrics, &results.contrasts, stage.families)?;
     let tables = vec![
         table_of(results.metrics)?,
         table_of(results.cells)?,
@@ -602,6 +623,7 @@ fn draw(drawn: &Drawn, tables: &Comparison) -> Figured {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use zwidth_study::Primary;
 
     #[test]
     fn a_trial_that_was_done_again_twice_has_the_place_of_the_first() {
@@ -615,10 +637,27 @@ mod tests {
     fn a_primary_metric_that_there_is_not_is_told_with_those_that_there_are() {
         let mut study = crate::tests::data().study;
         assert!(asked_in_vain(&study).is_empty());
-        study.compare.primary = "softness_n".parse().unwrap();
+        study.compare.primary = Primary::One("softness_n".parse().unwrap());
         let told = asked_in_vain(&study);
         assert_eq!(told.len(), 2, "{told:?}");
         assert!(told[0].contains("there is no metric 'softness_n'"), "{told:?}");
         assert!(told[1].contains("the metrics are ") && told[1].contains("wall_past_max_rad"));
+    }
+
+    #[test]
+    fn a_claim_shares_alpha_with_every_other_of_its_family() {
+        let mut study = crate::tests::data().study;
+        let (environments, contrasts) = (study.environments.len(), study.compare.contrasts.len());
+        assert!(environments > 1 && contrasts > 1);
+        assert_eq!(claims(&study, "duration_s"), environments * contrasts);
+        let walls = study.environments.iter().filter(|e| e.scene.wall_rad().is_some()).count();
+        assert_eq!(claims(&study, "wall_past_max_rad"), walls * contrasts);
+        let both = ["duration_s", "wall_past_max_rad"].map(|metric| metric.parse().unwrap());
+        study.compare.primary = Primary::Several(both.to_vec());
+        study.compare.families = Families::Study;
+        assert_eq!(claims(&study, "duration_s"), (environments + walls) * contrasts);
+        assert_eq!(claims(&study, "loop_area_j"), environments * contrasts);
+        study.compare.families = Families::Environment;
+        assert_eq!(claims(&study, "duration_s"), contrasts);
     }
 }

@@ -12,8 +12,8 @@ use std::str::FromStr;
 pub struct Compare {
     /// Pairs of modes; by default the last mode against each other one.
     pub contrasts: Vec<Contrast>,
-    /// The metric whose claims count; the claims of every other metric are exploratory.
-    pub primary: MetricId,
+    /// The metrics whose claims count, at least one; the claims of every other metric are exploratory.
+    pub primary: Primary,
     /// Whether study.toml names it. No number depends on it.
     #[serde(skip)]
     pub is_primary_named: bool,
@@ -97,15 +97,42 @@ words! {
     }
 }
 
-/// Which contrasts of a metric are one family, adjusted together.
+/// The metrics whose claims count, in the order of study.toml, which names one without a list.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[serde(untagged)]
+pub enum Primary {
+    /// One, as in most studies.
+    One(MetricId),
+    /// Several.
+    Several(Vec<MetricId>),
+}
+
+impl Primary {
+    /// All of them.
+    pub fn metrics(&self) -> &[MetricId] {
+        match self {
+            Self::One(metric) => std::slice::from_ref(metric),
+            Self::Several(metrics) => metrics,
+        }
+    }
+
+    /// Whether the metric of that name is one of them.
+    pub fn has(&self, metric: &str) -> bool {
+        self.metrics().iter().any(|own| own.as_str() == metric)
+    }
+}
+
+/// Which contrasts are one family, adjusted together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Families {
-    /// Those of all environments.
+    /// Those of one metric, over all environments.
     #[default]
     Metric,
-    /// Those of one environment.
+    /// Those of one metric in one environment.
     Environment,
+    /// Those of all primary metrics over all environments; every other metric is a family of its own.
+    Study,
 }
 
 impl Compare {

@@ -38,7 +38,7 @@ mod words;
 pub use answer::{AnswerValue, NoAnswer};
 pub use calibration::{Basis, Calibration, CalibrationError, Characteristic};
 pub use changes::{Affects, StudyChange, study_changes};
-pub use compare::{Better, Bound, Compare, Contrast, EffectSize, Families};
+pub use compare::{Better, Bound, Compare, Contrast, EffectSize, Families, Primary};
 pub use control::{Control, VelocityFilter};
 pub use counted::counted;
 pub use event::{Event, Given, Moment, SealedTrial};

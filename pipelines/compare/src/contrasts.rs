@@ -23,6 +23,8 @@ pub(crate) struct Row {
     pub(crate) environment: usize,
     /// What is compared.
     pub(crate) contrast: Contrast,
+    /// What n counts.
+    pub(crate) unit: UnitOfAnalysis,
     /// Everybody's differences.
     pub(crate) differences: Vec<Difference>,
     /// Their mean with its test, or why there is none.
@@ -31,6 +33,8 @@ pub(crate) struct Row {
     pub(crate) sharp_null: Result<Randomised, NoTest>,
     /// The just noticeable difference, in the metric's unit, where it is known.
     pub(crate) jnd: Option<f64>,
+    /// How many claims are adjusted together with that of this contrast, itself among them.
+    pub(crate) claims: usize,
     /// The p value of the claim, adjusted for the other contrasts of the family.
     pub(crate) p_adjusted: Option<f64>,
     /// The smallest that it can be, where the test counts orders.
@@ -43,8 +47,8 @@ pub(crate) struct Row {
 
 impl Row {
     /// The number of units that the contrast rests on: participants, or one participant's trials.
-    pub(crate) fn n(&self, unit: &UnitOfAnalysis) -> usize {
-        match unit {
+    pub(crate) fn n(&self) -> usize {
+        match self.unit {
             UnitOfAnalysis::Participants => self.differences.len(),
             UnitOfAnalysis::TrialsOf(_) => self.differences.iter().flat_map(|d| d.trials).sum(),
         }
@@ -52,17 +56,17 @@ impl Row {
 
     /// The p value that a claim rests on, before it is adjusted: that of the participants'
     /// differences; with one participant, that of the sharp null.
-    fn p_of_claim(&self, unit: &UnitOfAnalysis) -> Option<f64> {
-        match unit {
+    fn p_of_claim(&self) -> Option<f64> {
+        match self.unit {
             UnitOfAnalysis::Participants => self.tested.as_ref().ok().map(|tested| tested.p_value),
             UnitOfAnalysis::TrialsOf(_) => self.sharp_null.as_ref().ok().map(|test| test.p_value),
         }
     }
 
     /// The smallest p value that the design's orders reach, where the claim rests on them.
-    fn smallest_p(&self, unit: &UnitOfAnalysis) -> Option<f64> {
+    fn smallest_p(&self) -> Option<f64> {
         let test = self.sharp_null.as_ref().ok()?;
-        (*unit != UnitOfAnalysis::Participants).then_some(test.smallest_p)
+        (self.unit != UnitOfAnalysis::Participants).then_some(test.smallest_p)
     }
 
     /// The smallest adjusted p value, where it is not below `alpha`: no claim can be made.
@@ -71,7 +75,7 @@ impl Row {
     }
 
     /// Why there is no test, or no claim can be made.
-    fn remark(&self, unit: &UnitOfAnalysis, alpha: f64) -> Option<String> {
+    fn remark(&self, alpha: f64) -> Option<String> {
         if self.verdict != Verdict::NotTested {
             let undecided = self.verdict == Verdict::Undecided;
             let smallest = self.out_of_reach(alpha).filter(|_| undecided)?;
@@ -79,7 +83,7 @@ impl Row {
                 "the design's orders reach an adjusted p of {smallest:.4} at best"
             ));
         }
-        match unit {
+        match self.unit {
             UnitOfAnalysis::Participants => self.tested.as_ref().err().map(ToString::to_string),
             UnitOfAnalysis::TrialsOf(_) => self.sharp_null.as_ref().err().map(ToString::to_string),
         }
@@ -125,8 +129,7 @@ impl Row {
     }
 }
 
-/// Every contrast of every environment that somebody has, tested, with p values adjusted (Holm)
-/// family by family.
+/// Every contrast of every environment that somebody has, tested, without a verdict.
 pub(crate) fn rows(
     cells: &Cells,
     orders: &[SharpNull],
@@ -144,11 +147,6 @@ pub(crate) fn rows(
                 rows.push(row);
             }
         }
-    }
-    // Rows stand environment by environment, so each chunk is a whole family.
-    let whole = parameters.families == Families::Metric;
-    for family in rows.chunk_by_mut(|a, b| whole || a.environment == b.environment) {
-        adjust(family, unit, parameters.alpha)?;
     }
     Ok(rows)
 }
@@ -177,10 +175,12 @@ fn row(
     let mut row = Row {
         environment,
         contrast: contrast.clone(),
+        unit: unit.clone(),
         differences,
         tested,
         sharp_null: sharp_null.clone(),
         jnd: None,
+        claims: 0,
         p_adjusted: None,
         smallest_p_adjusted: None,
         p_not_equivalent: equivalence.map(|e| e.p_value()),
@@ -192,15 +192,30 @@ fn row(
     Ok(row)
 }
 
+/// Judges the contrasts of metrics whose claims belong together, or of one metric: p values are adjusted (Holm)
+/// family by family.
+pub(crate) fn judge(mut rows: Vec<&mut Row>, parameters: &Parameters) -> Result<(), StatsError> {
+    // The rows of a metric stand environment by environment, so each chunk is a whole family.
+    let whole = parameters.families != Families::Environment;
+    for family in rows.chunk_by_mut(|a, b| whole || a.environment == b.environment) {
+        adjust(family, parameters.alpha)?;
+    }
+    Ok(())
+}
+
 /// Adjusts the p values of one family, and the smallest that they can be.
-fn adjust(rows: &mut [Row], unit: &UnitOfAnalysis, alpha: f64) -> Result<(), StatsError> {
-    let claims: Vec<f64> = rows.iter().filter_map(|row| row.p_of_claim(unit)).collect();
+fn adjust(rows: &mut [&mut Row], alpha: f64) -> Result<(), StatsError> {
+    let claims: Vec<f64> = rows.iter().filter_map(|row| row.p_of_claim()).collect();
     let claims = holm::adjusted(&claims)?;
-    // Adjusted as well: how far orders reach depends on the other contrasts of the family.
-    let smallest: Vec<f64> = rows.iter().filter_map(|row| row.smallest_p(unit)).collect();
+    // Adjusted as well: how far orders reach depends on the other claims of the family, of which those
+    // that do not rest on orders can have any p.
+    let with_claim = rows.iter().filter(|row| row.p_of_claim().is_some());
+    let smallest: Vec<f64> = with_claim.map(|row| row.smallest_p().unwrap_or(0.0)).collect();
     let smallest = holm::adjusted(&smallest)?;
-    let with_claim = rows.iter_mut().filter(|row| row.p_of_claim(unit).is_some());
-    for (row, p) in with_claim.zip(claims) {
+    let with_claim = rows.iter_mut().filter(|row| row.p_of_claim().is_some());
+    let together = claims.len();
+    for ((row, p), smallest) in with_claim.zip(claims).zip(smallest) {
+        row.claims = together;
         row.p_adjusted = Some(p);
         row.verdict = match paired::Verdict::new(p, row.p_not_equivalent, alpha) {
             paired::Verdict::Different => Verdict::Different,
@@ -208,10 +223,7 @@ fn adjust(rows: &mut [Row], unit: &UnitOfAnalysis, alpha: f64) -> Result<(), Sta
             paired::Verdict::Equivalent => Verdict::Equivalent,
             paired::Verdict::Undecided => Verdict::Undecided,
         };
-    }
-    let with_smallest = rows.iter_mut().filter(|row| row.smallest_p(unit).is_some());
-    for (row, p) in with_smallest.zip(smallest) {
-        row.smallest_p_adjusted = Some(p);
+        row.smallest_p_adjusted = row.smallest_p().map(|_| smallest);
     }
     Ok(())
 }
@@ -247,7 +259,7 @@ pub(crate) fn named(
             environment: parameters.environments[row.environment].clone(),
             contrast: row.contrast.clone(),
             unit_of_analysis: unit.clone(),
-            n: row.n(unit),
+            n: row.n(),
             sessions: row.differences.iter().map(|d| d.sessions).max(),
             mean_first: row.mean(0),
             mean_second: row.mean(1),
@@ -280,7 +292,7 @@ pub(crate) fn named(
             bound: measure.parameters.bounds[row.environment],
             p_not_equivalent: row.p_not_equivalent,
             verdict: row.verdict,
-            remark: row.remark(unit, parameters.alpha).map(Into::into),
+            remark: row.remark(parameters.alpha).map(Into::into),
         }
     });
     named.collect()

@@ -14,8 +14,8 @@
 //!
 //! # Families
 //! The contrasts of the primary metric over all environments are one family of claims, adjusted
-//! after Holm. Every other metric is a family of its own, and exploratory. Intervals are not
-//! adjusted.
+//! after Holm; so are those of several primary metrics together. Every other metric is a family of its
+//! own, and exploratory. Intervals are not adjusted.
 
 mod answers;
 mod cells;
@@ -50,16 +50,18 @@ pub use together::together;
 
 use cells::Cells;
 use measure::Measure;
+use orders::SharpNull;
 use rayon::prelude::*;
 use trials::Trials;
 use zwidth_results::{
     Cell, Compared, Learning, Mean, MetricNote, ModeDifference, Model, Omnibus, OrderTest,
-    PersonDifference, RedrawnDifference, RepeatMean, Role, SessionChange,
+    PersonDifference, RedrawnDifference, RepeatMean, Role, SessionChange, UnitOfAnalysis,
 };
+use zwidth_study::Families;
 use zwidth_tables::Measured;
 
 /// Version of the algorithms here: a change of any number they give raises it.
-pub const VERSION: u32 = 13;
+pub const VERSION: u32 = 14;
 
 /// All metrics compared, one after the other.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -97,13 +99,24 @@ pub struct Comparison {
 /// # Errors
 /// A table that lacks a column; a level or bound that cannot be one.
 pub fn compare(metrics: &Measured, parameters: &Parameters) -> Result<Comparison, CompareError> {
-    let each = parameters.metrics.par_iter().map(|metric| {
-        let measure = Measure::new(metrics, metric)?;
-        compare_metric(metrics, &measure, parameters)
-    });
+    let (claiming, others) = parameters
+        .metrics
+        .iter()
+        .partition::<Vec<_>, _>(|metric| metric.primary && parameters.families == Families::Study);
+    let tested = claiming.par_iter().map(|metric| Tested::of(metrics, metric, parameters));
     // `par_iter` keeps the order of the metrics, so rows are the same with any number of threads.
+    let mut tested = tested.collect::<Result<Vec<Tested>, CompareError>>()?;
+    let family = tested.iter_mut().flat_map(|metric| &mut metric.contrasts);
+    contrasts::judge(family.collect(), parameters)?;
+    let found = tested.into_par_iter().map(|metric| metric.judged(parameters));
+    let others = others.par_iter().map(|metric| {
+        let mut metric = Tested::of(metrics, metric, parameters)?;
+        contrasts::judge(metric.contrasts.iter_mut().collect(), parameters)?;
+        metric.judged(parameters)
+    });
     let mut all = Comparison::default();
-    for metric in each.collect::<Result<Vec<Comparison>, CompareError>>()? {
+    // Primary metrics stand first among the parameters, too.
+    for metric in found.chain(others).collect::<Result<Vec<Comparison>, CompareError>>()? {
         all.metrics.extend(metric.metrics);
         all.cells.extend(metric.cells);
         all.means.extend(metric.means);
@@ -121,49 +134,68 @@ pub fn compare(metrics: &Measured, parameters: &Parameters) -> Result<Comparison
     Ok(all)
 }
 
-fn compare_metric(
-    metrics: &Measured,
-    measure: &Measure,
-    parameters: &Parameters,
-) -> Result<Comparison, CompareError> {
-    let cells = Cells::of(metrics, measure, parameters)?;
-    let trials = Trials::of(metrics, measure, parameters)?;
-    let unit = &cells.unit();
-    let orders = orders::sharp_nulls(&trials, parameters, orders::SAMPLING);
-    let contrasts = contrasts::rows(&cells, &orders, unit, measure, parameters)?;
-    let means = means::means(&cells, unit, measure, parameters)?;
-    let models = models::models(&trials, unit, measure, parameters);
-    let sessions = sessions::changes(&cells, measure, parameters);
-    let notes = [
-        notes::means(measure, &means, unit),
-        notes::contrasts(&contrasts, &cells, unit, measure, parameters),
-        notes::omnibus(measure),
-        notes::models(measure, &models),
-        notes::sessions(measure, &sessions),
-        notes::learning(measure),
-        notes::repeats(measure, unit),
-        notes::order_tests(measure),
-    ];
-    Ok(Comparison {
-        metrics: vec![Compared {
-            metric: measure.parameters.metric.clone(),
-            unit: measure.unit.clone(),
-            words: measure.words.clone(),
-            role: if measure.parameters.primary { Role::Primary } else { Role::Exploratory },
-            better: measure.parameters.better,
-            unit_of_analysis: unit.clone(),
-        }],
-        cells: cells.rows(measure, parameters),
-        means,
-        contrasts: contrasts::named(&contrasts, unit, measure, parameters),
-        omnibus: omnibus::tests(&cells, measure, parameters),
-        models,
-        participants: people::differences(&contrasts, &cells, measure, parameters),
-        sessions: sessions.rows,
-        learning: learning::changes(&trials, unit, measure, parameters),
-        repeats: repeats::means(&trials, measure, parameters)?,
-        orders: orders::rows(&orders, measure, parameters),
-        redrawn: orders::redrawn_differences(&orders, measure, parameters),
-        notes: notes.concat(),
-    })
+/// A metric whose contrasts are tested, and not yet judged: others may belong to the same family of claims.
+struct Tested<'a> {
+    measure: Measure<'a>,
+    cells: Cells,
+    trials: Trials,
+    unit: UnitOfAnalysis,
+    orders: Vec<SharpNull>,
+    contrasts: Vec<contrasts::Row>,
+}
+
+impl<'a> Tested<'a> {
+    fn of(
+        metrics: &Measured,
+        metric: &'a MetricParameters,
+        parameters: &Parameters,
+    ) -> Result<Self, CompareError> {
+        let measure = Measure::new(metrics, metric)?;
+        let cells = Cells::of(metrics, &measure, parameters)?;
+        let trials = Trials::of(metrics, &measure, parameters)?;
+        let unit = cells.unit();
+        let orders = orders::sharp_nulls(&trials, parameters, orders::SAMPLING);
+        let contrasts = contrasts::rows(&cells, &orders, &unit, &measure, parameters)?;
+        Ok(Self { measure, cells, trials, unit, orders, contrasts })
+    }
+
+    /// The rows of a metric whose contrasts have their verdicts.
+    fn judged(self, parameters: &Parameters) -> Result<Comparison, CompareError> {
+        let Self { measure, cells, trials, unit, orders, contrasts } = &self;
+        let means = means::means(cells, unit, measure, parameters)?;
+        let models = models::models(trials, unit, measure, parameters);
+        let sessions = sessions::changes(cells, measure, parameters);
+        let notes = [
+            notes::means(measure, &means, unit),
+            notes::contrasts(contrasts, cells, unit, measure, parameters),
+            notes::omnibus(measure),
+            notes::models(measure, &models),
+            notes::sessions(measure, &sessions),
+            notes::learning(measure),
+            notes::repeats(measure, unit),
+            notes::order_tests(measure),
+        ];
+        Ok(Comparison {
+            metrics: vec![Compared {
+                metric: measure.parameters.metric.clone(),
+                unit: measure.unit.clone(),
+                words: measure.words.clone(),
+                role: if measure.parameters.primary { Role::Primary } else { Role::Exploratory },
+                better: measure.parameters.better,
+                unit_of_analysis: unit.clone(),
+            }],
+            cells: cells.rows(measure, parameters),
+            means,
+            contrasts: contrasts::named(contrasts, unit, measure, parameters),
+            omnibus: omnibus::tests(cells, measure, parameters),
+            models,
+            participants: people::differences(contrasts, cells, measure, parameters),
+            sessions: sessions.rows,
+            learning: learning::changes(trials, unit, measure, parameters),
+            repeats: repeats::means(trials, measure, parameters)?,
+            orders: orders::rows(orders, measure, parameters),
+            redrawn: orders::redrawn_differences(orders, measure, parameters),
+            notes: notes.concat(),
+        })
+    }
 }

@@ -143,18 +143,22 @@ pub(crate) fn contrasts(
     measure: &Measure,
     parameters: &Parameters,
 ) -> Vec<MetricNote> {
-    let together = match parameters.families {
-        Families::Metric => "The rows of this table are one family of claims",
-        Families::Environment => "The rows of one environment are one family of claims",
+    let is_primary = measure.parameters.primary;
+    let are_several = parameters.has_several_primary();
+    let role = match (is_primary, are_several) {
+        (true, false) => "Primary metric.",
+        (true, true) => "A primary metric.",
+        (false, false) => "Exploratory: not the primary metric.",
+        (false, true) => "Exploratory: not a primary metric.",
     };
-    let family = format!(
-        "{} {together}, adjusted after Holm; intervals are not adjusted.",
-        if measure.parameters.primary {
-            "Primary metric."
-        } else {
-            "Exploratory: not the primary metric."
+    let together = match parameters.families {
+        Families::Environment => "The rows of one environment are one family of claims",
+        Families::Study if is_primary && are_several => {
+            "The rows of this table and of every other primary metric's are one family of claims"
         }
-    );
+        Families::Metric | Families::Study => "The rows of this table are one family of claims",
+    };
+    let family = format!("{role} {together}, adjusted after Holm; intervals are not adjusted.");
     let test = match unit {
         UnitOfAnalysis::Participants => {
             "Test: Student's t of the participants' differences, n − 1 degrees of freedom. The \
@@ -203,7 +207,8 @@ fn guard(rows: &[contrasts::Row], unit: &UnitOfAnalysis, parameters: &Parameters
     if *unit != UnitOfAnalysis::Participants {
         return None;
     }
-    let reached = design_guard::check(fewest, parameters.contrasts.len(), parameters.alpha);
+    let claims = rows.iter().map(|row| row.claims).max().unwrap_or_default();
+    let reached = design_guard::check(fewest, claims, parameters.alpha);
     reached.err().map(|why| (NoteKind::Limit, format!("Exact tests: {why}")))
 }
 

@@ -9,7 +9,7 @@ use zwidth_study::{
 /// The parameters of a comparison.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Parameters {
-    /// The metrics, the primary one first where trials have it.
+    /// The metrics, the primary ones first where trials have them.
     pub metrics: Vec<MetricParameters>,
     /// The environments, in the study's order.
     pub environments: Vec<EnvironmentId>,
@@ -34,7 +34,7 @@ pub struct Parameters {
 pub struct MetricParameters {
     /// Its column in the table of metrics.
     pub metric: MetricId,
-    /// Whether it is the study's primary metric. The claims of every other one are exploratory.
+    /// Whether it is a primary metric of the study. The claims of every other one are exploratory.
     pub primary: bool,
     /// Which values of it are better.
     pub better: Better,
@@ -74,6 +74,11 @@ impl Noticed {
 }
 
 impl Parameters {
+    /// Whether claims rest on several metrics.
+    pub(crate) fn has_several_primary(&self) -> bool {
+        self.metrics.iter().filter(|metric| metric.primary).count() > 1
+    }
+
     /// The places of an environment and a mode, where the study has them.
     pub(crate) fn condition(
         &self,

@@ -3,6 +3,7 @@
 use crate::CompareError;
 use crate::notes::of_whom;
 use zwidth_results::{Compared, ModeDifference, PrintedDifference, Role, UnitOfAnalysis};
+use zwidth_study::Families;
 use zwidth_tables::Table;
 
 /// The contrasts of all metrics one below the other, each in its own unit: what a paper prints of
@@ -10,7 +11,11 @@ use zwidth_tables::Table;
 ///
 /// # Errors
 /// A number that is none.
-pub fn together(metrics: &[Compared], contrasts: &[ModeDifference]) -> Result<Table, CompareError> {
+pub fn together(
+    metrics: &[Compared],
+    contrasts: &[ModeDifference],
+    families: Families,
+) -> Result<Table, CompareError> {
     let printed = Table::of_rows(contrasts)?.to_rows::<PrintedDifference>()?;
     let table = Table::of_rows(&printed)?.without_empty_columns();
     let Some(first) = metrics.first() else { return Ok(table) };
@@ -22,14 +27,27 @@ pub fn together(metrics: &[Compared], contrasts: &[ModeDifference]) -> Result<Ta
             "t and p: the participants' differences, n − 1 degrees of freedom."
         }
     };
-    let claims = match metrics.iter().find(|metric| metric.role == Role::Primary) {
-        Some(Compared { words, .. }) => {
+    let primary = metrics.iter().filter(|metric| metric.role == Role::Primary);
+    let primary: Vec<&str> = primary.map(|metric| metric.words.as_str()).collect();
+    let claims = match primary.as_slice() {
+        [] => "The primary metric is not among these: all are exploratory.".to_owned(),
+        [words] => {
             format!("Claims rest on the primary metric, {words}; the others are exploratory.")
         }
-        None => "The primary metric is not among these: all are exploratory.".to_owned(),
+        several => format!(
+            "Claims rest on the primary metrics ({}); the others are exploratory.",
+            several.join("; ")
+        ),
+    };
+    let family = match families {
+        Families::Study if primary.len() > 1 => {
+            "the primary metrics one family, each other metric one"
+        }
+        Families::Metric | Families::Study => "each metric a family",
+        Families::Environment => "each environment of a metric a family",
     };
     let family =
-        "p adjusted after Holm, each metric a family of its own; intervals are not adjusted.";
+        &*format!("p adjusted after Holm, {family} of its own; intervals are not adjusted.");
     let table = table.with_note(of_whom(&first.unit_of_analysis)).with_note(test);
     Ok(table.with_note(claims).with_note(family))
 }
@@ -41,26 +59,27 @@ mod tests {
     use crate::{MetricParameters, compare};
     use zwidth_tables::{Column, Measured, for_people};
 
-    fn both(primary: &str) -> Table {
+    fn both(primary: &[&str], families: Families) -> (Table, Vec<ModeDifference>) {
         let steps = metrics(&four());
         let angles = steps.numbers("step_n").unwrap();
         let angles = Column::float("past_rad", "rad", "an angle", angles);
         let columns = [steps.table().columns(), &[angles]];
         let of = |metric: &str| MetricParameters {
             metric: metric.parse().unwrap(),
-            primary: metric == primary,
+            primary: primary.contains(&metric),
             ..parameters().metrics[0].clone()
         };
         let both = ["past_rad", "step_n"].map(of).to_vec();
-        let parameters = crate::Parameters { metrics: both, ..parameters() };
+        let parameters = crate::Parameters { metrics: both, families, ..parameters() };
         let table = Table::new("metrics", "", columns.concat()).unwrap();
         let found = compare(&Measured::of(table).unwrap(), &parameters).unwrap();
-        together(&found.metrics, &found.contrasts).unwrap()
+        let table = together(&found.metrics, &found.contrasts, families).unwrap();
+        (table, found.contrasts)
     }
 
     #[test]
     fn every_metric_has_its_rows_in_its_unit_and_the_claims_are_named() {
-        let table = both("step_n");
+        let (table, _) = both(&["step_n"], Families::Metric);
         let texts = |name| table.texts(name).unwrap().into_iter().flatten().collect::<Vec<_>>();
         assert_eq!(texts("metric"), ["past_rad", "past_rad", "step_n", "step_n"]);
         assert_eq!(texts("unit"), ["rad", "rad", "N", "N"]);
@@ -77,9 +96,48 @@ mod tests {
 
     #[test]
     fn what_no_metric_has_is_no_column_and_without_the_primary_one_nothing_is_claimed() {
-        let table = both("other_n");
+        let (table, _) = both(&["other_n"], Families::Metric);
         assert!(table.column("d_av").is_err() && table.column("difference_jnd").is_err());
         assert!(table.notes_by_kind().any(|(_, note)| note.ends_with("all are exploratory.")));
-        assert_eq!(together(&[], &[]).unwrap().height(), 0);
+        assert_eq!(together(&[], &[], Families::Metric).unwrap().height(), 0);
+    }
+
+    /// The two metrics have the same values, so each adjusted p of one metric is met twice in the family of
+    /// both: Holm's factors are 4 and 3 for the smaller p, 2 and 1 for the larger one, of which the first counts.
+    #[test]
+    fn the_claims_of_several_primary_metrics_are_adjusted_together() {
+        let metrics = ["past_rad", "step_n"];
+        let (_, apart) = both(&metrics, Families::Metric);
+        let (table, joined) = both(&metrics, Families::Study);
+        let mut raw: Vec<f64> = apart[..2].iter().map(|row| row.p_value.unwrap()).collect();
+        raw.sort_by(f64::total_cmp);
+        for (row, alone) in joined.iter().zip(&apart) {
+            let p = row.p_value.unwrap();
+            let by_hand = if p.to_bits() == raw[0].to_bits() {
+                4.0 * p
+            } else {
+                f64::max(4.0 * raw[0], 2.0 * p)
+            };
+            assert!((row.p_adjusted.unwrap() - by_hand.min(1.0)).abs() < 1e-15);
+            assert!(row.p_adjusted > alone.p_adjusted);
+        }
+        let notes: Vec<&str> = table.notes_by_kind().map(|(_, note)| note).collect();
+        assert!(
+            notes[2].starts_with("Claims rest on the primary metrics (an angle; a step);"),
+            "{notes:?}"
+        );
+        assert!(
+            notes[3].contains("the primary metrics one family, each other metric one of its own"),
+            "{notes:?}"
+        );
+    }
+
+    #[test]
+    fn an_exploratory_metric_is_a_family_of_its_own_beside_primary_ones() {
+        let (_, apart) = both(&["step_n"], Families::Metric);
+        let (_, beside) = both(&["step_n"], Families::Study);
+        let adjusted =
+            |rows: &[ModeDifference]| rows.iter().map(|row| row.p_adjusted).collect::<Vec<_>>();
+        assert_eq!(adjusted(&apart), adjusted(&beside));
     }
 }

@@ -2,6 +2,7 @@
 //! itself.
 
 use serde::Serialize;
+use std::ops::Not;
 use zwidth_study::{Coordinate, Mode, REFERENCE, Study};
 
 /// What figures need to know of a study.
@@ -17,6 +18,9 @@ pub struct About {
     pub modes: Vec<Mode>,
     /// Whether its trials record a set-point of the angle.
     pub has_reference: bool,
+    /// Whether claims rest on several metrics.
+    #[serde(skip_serializing_if = "Not::not")]
+    pub has_several_primary: bool,
 }
 
 impl About {
@@ -28,6 +32,7 @@ impl About {
             confidence: study.analysis.confidence,
             modes: study.modes.clone(),
             has_reference: study.channels.iter().any(|channel| channel.id.as_str() == REFERENCE),
+            has_several_primary: study.compare.primary.metrics().len() > 1,
         }
     }
 }

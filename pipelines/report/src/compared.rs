@@ -8,18 +8,40 @@ use zwidth_results::{
     Compared, Mean, ModeDifference, RedrawnDifference, Role, UnitOfAnalysis, Verdict,
 };
 use zwidth_study::{
-    Better, Coordinate, EnvironmentId, ModeId, Setup, contrast_label, in_a_sentence,
+    Better, Coordinate, EnvironmentId, ModeId, Setup, Study, contrast_label, in_a_sentence,
 };
 use zwidth_tables::{in_coordinate, number, p_value, shown_unit, with_unit};
+
+/// How study.toml names primary metrics. They may not be among those compared: trials of the study may
+/// not have them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub enum Primaries {
+    /// Not at all: one is primary by default.
+    ByDefault,
+    /// By one name.
+    Named,
+    /// By several.
+    Several,
+}
+
+impl Primaries {
+    /// Those of a study.
+    pub fn of(study: &Study) -> Self {
+        match &study.compare {
+            compare if !compare.is_primary_named => Self::ByDefault,
+            compare if compare.primary.metrics().len() > 1 => Self::Several,
+            _ => Self::Named,
+        }
+    }
+}
 
 /// The results for a metric.
 #[derive(Debug, Clone, Copy)]
 pub struct ComparedMetric<'a> {
     /// The metric.
     pub metric: &'a Compared,
-    /// Whether study.toml names no primary metric: then one is primary by default. That one may not
-    /// be among those compared: trials of the study may not have it.
-    pub is_primary_by_default: bool,
+    /// How study.toml names those that are primary.
+    pub primary: Primaries,
     /// Means by condition.
     pub means: &'a [Mean],
     /// Differences between modes.
@@ -105,23 +127,36 @@ pub fn matrix(study: &Setup, metrics: &[ComparedMetric]) -> Matrix {
     matrix
 }
 
-/// What the contrasts of the first of `metrics` say, the primary one if it is there: first the answer,
-/// then each in a sentence with effect, interval, n and unit. For each other
-/// metric, one sentence with its differences.
+/// The metrics that claims rest on, before the others; without one the first.
+pub fn primary_first<'a, 'b>(metrics: &'a [ComparedMetric<'b>]) -> [&'a [ComparedMetric<'b>]; 2] {
+    let primary = metrics.iter().take_while(|metric| metric.metric.role == Role::Primary).count();
+    <[_; 2]>::from(metrics.split_at(primary.max(1).min(metrics.len())))
+}
+
+/// What the contrasts of primary metrics say: first the answers, then every contrast in a sentence with
+/// effect, interval, n and unit. For each other metric, one sentence with its differences.
 pub fn contrasts(study: &Setup, metrics: &[ComparedMetric]) -> Vec<Finding> {
-    let Some((first, others)) = metrics.split_first() else { return Vec::new() };
-    let words = first.words(study.coordinate);
-    if first.contrasts.is_empty() {
+    let [primary, others] = primary_first(metrics);
+    let Some(first) = primary.first() else { return Vec::new() };
+    if primary.iter().all(|metric| metric.contrasts.is_empty()) {
         let mut modes: Vec<&ModeId> = first.means.iter().map(|mean| &mean.mode).collect();
         modes.dedup();
+        let words = first.words(study.coordinate);
         let text = format!(
             "Nobody has trials in both modes of a contrast, so no difference between modes in {words} can be told."
         );
         return if modes.len() > 1 { vec![finding(first, text)] } else { Vec::new() };
     }
-    let mut findings = vec![finding(first, answer(study, first, &words))];
-    let rows = first.contrasts.iter();
-    findings.extend(rows.map(|row| finding(first, difference(study, first, row, Some(&words)))));
+    let compared = primary.iter().filter(|metric| !metric.contrasts.is_empty());
+    let answers = compared.clone().map(|metric| finding(metric, answer(study, metric)));
+    let mut findings: Vec<Finding> =
+        answers.map(|answer| Finding { is_answer: true, ..answer }).collect();
+    for metric in compared {
+        let words = metric.words(study.coordinate);
+        let rows = metric.contrasts.iter();
+        findings
+            .extend(rows.map(|row| finding(metric, difference(study, metric, row, Some(&words)))));
+    }
     for metric in others.iter().filter(|metric| !metric.contrasts.is_empty()) {
         let rows = metric.contrasts.iter();
         let briefs: Vec<String> = rows.map(|row| difference(study, metric, row, None)).collect();
@@ -141,15 +176,18 @@ const NAMED: usize = 4;
 
 /// Each contrast with direction, size, unit and verdict, and how many people; if no contrast has a
 /// test, that nothing was tested.
-fn answer(study: &Setup, metric: &ComparedMetric, words: &str) -> String {
+fn answer(study: &Setup, metric: &ComparedMetric) -> String {
+    let words = metric.words(study.coordinate);
     let contrasts = metric.contrasts;
     let within = match &metric.metric.unit_of_analysis {
         UnitOfAnalysis::TrialsOf(who) => format!("Within {who}, "),
         UnitOfAnalysis::Participants => String::new(),
     };
-    let role = match (metric.metric.role, metric.is_primary_by_default) {
-        (Role::Primary, false) => "the primary metric",
-        (Role::Primary, true) => "the primary metric by default",
+    let role = match (metric.metric.role, metric.primary) {
+        (Role::Primary, Primaries::Named) => "the primary metric",
+        (Role::Primary, Primaries::ByDefault) => "the primary metric by default",
+        (Role::Primary, Primaries::Several) => "a primary metric",
+        (Role::Exploratory, Primaries::Several) => "exploratory: not a primary metric",
         (Role::Exploratory, _) => "exploratory: not the primary metric",
     };
     if contrasts.iter().all(|row| row.p_adjusted.is_none()) {
@@ -377,7 +415,7 @@ pub(crate) mod tests {
     pub(crate) fn without_results(metric: &Compared) -> ComparedMetric<'_> {
         ComparedMetric {
             metric,
-            is_primary_by_default: false,
+            primary: Primaries::Named,
             means: &[],
             contrasts: &[],
             redrawn: &[],
@@ -392,19 +430,14 @@ pub(crate) mod tests {
         UnitOfAnalysis::TrialsOf("P01".parse().unwrap())
     }
 
-    fn texts_of(
-        metric: &Compared,
-        is_primary_by_default: bool,
-        row: ModeDifference,
-    ) -> Vec<String> {
-        let metric =
-            ComparedMetric { is_primary_by_default, contrasts: &[row], ..without_results(metric) };
+    fn texts_of(metric: &Compared, primary: Primaries, row: ModeDifference) -> Vec<String> {
+        let metric = ComparedMetric { primary, contrasts: &[row], ..without_results(metric) };
         contrasts(&study(), &[metric]).into_iter().map(|found| found.text.to_string()).collect()
     }
 
     fn texts(of: UnitOfAnalysis, verdict: Verdict) -> Vec<String> {
         let metric = past(of);
-        texts_of(&metric, false, difference(&metric, verdict))
+        texts_of(&metric, Primaries::Named, difference(&metric, verdict))
     }
 
     #[test]
@@ -442,22 +475,33 @@ pub(crate) mod tests {
     fn no_p_is_told_to_be_nothing() {
         let metric = past(UnitOfAnalysis::Participants);
         let row = difference(&metric, Verdict::Different);
-        let found = texts_of(&metric, false, ModeDifference { p_adjusted: Some(0.0), ..row });
+        let found =
+            texts_of(&metric, Primaries::Named, ModeDifference { p_adjusted: Some(0.0), ..row });
         assert!(found[1].contains(", adjusted p < 0.001, "), "{}", found[1]);
     }
 
     #[test]
     fn a_metric_that_is_not_the_primary_one_is_not_called_so() {
-        for (role, by_default, words) in [
+        for (role, primary, words) in [
             (
                 Role::Exploratory,
-                false,
+                Primaries::Named,
                 "Angle past the wall (exploratory: not the primary metric, lower",
             ),
-            (Role::Primary, true, "Angle past the wall (the primary metric by default, lower"),
+            (
+                Role::Primary,
+                Primaries::ByDefault,
+                "Angle past the wall (the primary metric by default, lower",
+            ),
+            (
+                Role::Exploratory,
+                Primaries::Several,
+                "Angle past the wall (exploratory: not a primary metric, lower",
+            ),
+            (Role::Primary, Primaries::Several, "Angle past the wall (a primary metric, lower"),
         ] {
             let metric = Compared { role, ..past(UnitOfAnalysis::Participants) };
-            let found = texts_of(&metric, by_default, difference(&metric, Verdict::Different));
+            let found = texts_of(&metric, primary, difference(&metric, Verdict::Different));
             assert!(found[0].contains(words), "{}", found[0]);
         }
     }
@@ -469,7 +513,7 @@ pub(crate) mod tests {
         let untested = ModeDifference { p_adjusted: None, ..row };
         let answer = "Within P01, it was not tested whether the modes differ in angle past the wall (the \
                       primary metric): none of 1 contrasts has a test.";
-        assert_eq!(texts_of(&metric, false, untested)[0], answer);
+        assert_eq!(texts_of(&metric, Primaries::Named, untested)[0], answer);
     }
 
     #[test]

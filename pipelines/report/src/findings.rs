@@ -23,12 +23,14 @@ pub struct Finding {
     pub text: Sentence,
     /// Where its numbers can be seen.
     pub shown: Shown,
+    /// Whether it is an answer that the study was made for: the page begins with these.
+    pub is_answer: bool,
 }
 
 impl Finding {
     /// A sentence, and where its numbers can be seen.
     pub(crate) fn new(text: impl Into<Sentence>, shown: Shown) -> Self {
-        Self { text: text.into(), shown }
+        Self { text: text.into(), shown, is_answer: false }
     }
 }
 

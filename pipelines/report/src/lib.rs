@@ -29,7 +29,9 @@ mod trials;
 mod weight;
 
 pub use columns::metric_columns;
-pub use compared::{ComparedMetric, Matrix, MatrixRow, contrasts, matrix};
+pub use compared::{
+    ComparedMetric, Matrix, MatrixRow, Primaries, contrasts, matrix, primary_first,
+};
 pub use components::components;
 pub use design::{device_facts, mode_forces};
 pub use evidence::{Derived, Known, notes};
@@ -130,6 +132,9 @@ pub struct Made {
     /// The question that a sentence answers.
     #[serde(skip)]
     pub question: Asked,
+    /// Whether it is a sentence that the page begins with.
+    #[serde(skip)]
+    pub is_answer: bool,
 }
 
 impl Made {
@@ -140,6 +145,7 @@ impl Made {
             caption: caption.into(),
             kind: String::new(),
             question: Asked::Else,
+            is_answer: false,
         }
     }
 

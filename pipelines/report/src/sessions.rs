@@ -1,6 +1,6 @@
 //! What the comparisons of repeats and of sessions say, in a sentence each.
 
-use crate::compared::ComparedMetric;
+use crate::compared::{ComparedMetric, Primaries};
 use crate::findings::Finding;
 use crate::gallery::Shown;
 use zwidth_results::{Learning, Role, SessionChange};
@@ -24,9 +24,10 @@ pub fn changes(
         Some(format!("{place}, {}: {change}, n = {} participants)", row.sessions, row.n))
     });
     let told: Vec<String> = told.collect();
-    let role = match metric.metric.role {
-        Role::Primary => "the primary metric, ",
-        Role::Exploratory => "",
+    let role = match (metric.metric.role, metric.primary) {
+        (Role::Primary, Primaries::Several) => "a primary metric, ",
+        (Role::Primary, _) => "the primary metric, ",
+        (Role::Exploratory, _) => "",
     };
     let what = format!("between sessions in {role}{}", metric.words(study.coordinate));
     finding(&what, &told, Shown::Sessions(metric.metric.metric.to_string()))

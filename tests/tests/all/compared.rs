@@ -209,3 +209,28 @@ fn summary_page_and_methods_tell_each_deviation_from_the_plan_in_a_sentence() {
     zwidth(root.path(), &exclude).exits(0);
     methods(root.path()).prints(&["Deviation: 1 trial was excluded by hand."]);
 }
+
+#[test]
+fn several_primary_metrics_are_answered_one_after_the_other_and_claimed_together() {
+    let root = shipped::finished();
+    planned(root.path());
+    let primary = "\n[compare]\nprimary = [\"duration_s\", \"loop_area_j\"]\n";
+    append(&root.path().join(STUDY), primary);
+    zwidth(root.path(), &["run", "thesis-twin", "--only", "page"]);
+    let page = root.path().join("reports/thesis-twin/index.html");
+    let page = fs::read_to_string(page).unwrap();
+    assert_eq!(page.matches("<p class=\"answer\">").count(), 2);
+    assert_eq!(
+        page.matches("(a primary metric; n = ").count(),
+        4,
+        "each in the head and in the list"
+    );
+    compare(root.path()).exits(0).prints(&[
+        "A primary metric. The rows of this table and of every other primary metric's are one family",
+        r"and the primary metrics are duration\_s, loop\_area\_j",
+    ]);
+    methods(root.path()).prints(&[
+        "The primary measures were duration, from onset to end; the user's net work",
+        "adjusted over the contrasts of all primary measures over all environments",
+    ]);
+}

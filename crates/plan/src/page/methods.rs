@@ -39,8 +39,8 @@ pub fn recorded(data: &StudyData) -> Recorded {
     let plan = preregistered(data, &compared);
     let participants = participants(data);
     let bounded = data.study.compare.bounds.keys().map(ToString::to_string);
-    let metrics =
-        bounded.chain([data.study.compare.primary.to_string()]).chain(compared.iter().cloned());
+    let primary = data.study.compare.primary.metrics().iter().map(ToString::to_string);
+    let metrics = bounded.chain(primary).chain(compared.iter().cloned());
     let words = metrics.filter_map(|name| {
         let words = zwidth_metrics::in_words(&name)?.to_owned();
         Some((name, words))

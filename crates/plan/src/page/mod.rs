@@ -333,7 +333,7 @@ fn make_index(index: &Index, files: &IndexFiles, making: &Making) -> Result<Made
     let answers = answers.map(likert::read_counting).transpose()?.unwrap_or_default();
     let planned = &index.summary.planned;
     let contents = metrics.map(|metrics| {
-        let compared = compared.by_metric(index.summary.is_primary_by_default);
+        let compared = compared.by_metric(index.summary.primary);
         let contents = Contents::of(
             index.study.as_str(),
             &summary.title,

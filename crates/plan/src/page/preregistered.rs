@@ -145,15 +145,22 @@ pub(crate) fn preregistered(data: &StudyData, compared: &[String]) -> Option<Pre
     let of_analysis = of_analysis.unwrap_or_default();
     deviations.extend(of_study_toml(&content, planned.as_ref(), data, &of_analysis));
     // The power was computed for one metric, and there must be one to make claims of.
-    let primary = data.study.compare.primary.as_str();
-    if let Some(planned) = content["metric"].as_str().filter(|metric| *metric != primary) {
+    let primary = &data.study.compare.primary;
+    if let Some(planned) = content["metric"].as_str().filter(|metric| !primary.has(metric)) {
+        let names: Vec<&str> = primary.metrics().iter().map(|metric| metric.as_str()).collect();
+        let are = if names.len() > 1 { "metrics are" } else { "metric is" };
         deviations.push(format!(
-            "the power was computed for {planned}, and the primary metric is {primary}"
+            "the power was computed for {planned}, and the primary {are} {}",
+            names.join(", ")
         ));
     }
-    let is_compared = compared.iter().any(|metric| metric == primary);
-    if data.counting().next().is_some() && !is_compared {
-        deviations.push(format!("the primary metric, {primary}, could not be compared"));
+    if data.counting().next().is_some() {
+        let lacking =
+            primary.metrics().iter().filter(|metric| !compared.contains(&metric.to_string()));
+        deviations.extend(lacking.map(|metric| {
+            let the = if primary.metrics().len() > 1 { "a" } else { "the" };
+            format!("{the} primary metric, {metric}, could not be compared")
+        }));
     }
     // Fewer participants than planned may still come.
     let took_part = people::participants(data) as u64;

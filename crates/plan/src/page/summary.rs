@@ -12,8 +12,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use zwidth_figures::Caption;
 use zwidth_report::{
-    ComparedMetric, Finding, Gallery, Made as Listed, Remark, Shown, Summary, TrialNames, changes,
-    findings, laddered, learned, summary_markdown, survey, traded, uneven_ranges,
+    ComparedMetric, Finding, Gallery, Made as Listed, Primaries, Remark, Shown, Summary,
+    TrialNames, changes, findings, laddered, learned, primary_first, summary_markdown, survey,
+    traded, uneven_ranges,
 };
 use zwidth_results::{
     AnswerTally, Compared, JudgedStatement, LadderChoice, Learning, Mean, MetricNote,
@@ -34,10 +35,9 @@ pub(crate) struct Page {
     pub(crate) planned: Setup,
     /// The figures' captions, in the order of their files.
     captions: Vec<Caption>,
-    /// The metrics that are compared, the primary one first.
+    /// The metrics that are compared, the primary ones first.
     compared: Vec<String>,
-    /// Whether the study names no primary metric.
-    pub(crate) is_primary_by_default: bool,
+    pub(crate) primary: Primaries,
     /// The trials whose clock, angle or velocity is to be read with care.
     doubted: TrialNames,
     gallery: Gallery,
@@ -128,7 +128,7 @@ pub(crate) fn inputs(data: &StudyData, findings: &Findings, figures: &[Drawing])
         planned: Setup::of(&data.study),
         captions: figures.iter().map(|figure| figure.caption.clone()).collect(),
         compared,
-        is_primary_by_default: !data.study.compare.is_primary_named,
+        primary: Primaries::of(&data.study),
         doubted: doubted(data, findings),
         gallery: report::gallery(data, figures),
     };
@@ -192,7 +192,7 @@ pub(crate) fn gather(page: &Page, files: &Files, making: &Making) -> Result<Gath
         summary.tables.push(table);
     }
     let compared = ReadComparison::of(files)?;
-    let of_compared = compared.by_metric(page.is_primary_by_default);
+    let of_compared = compared.by_metric(page.primary);
     summary.matrix = zwidth_report::matrix(&page.planned, &of_compared);
     let limits = compared.notes.iter().filter(|note| note.kind == NoteKind::Limit);
     let limits: BTreeSet<String> = limits.map(|note| note.note.to_string()).collect();
@@ -203,7 +203,7 @@ pub(crate) fn gather(page: &Page, files: &Files, making: &Making) -> Result<Gath
         summary.limits.extend(uneven_ranges(&page.planned, metrics)?);
     }
     let mut sentences = zwidth_report::contrasts(&page.planned, &of_compared);
-    if let Some(primary) = of_compared.first() {
+    for primary in primary_first(&of_compared)[0] {
         let learning = own(&compared.learning, |row| row.metric == primary.metric.metric);
         sentences.extend(learned(&page.planned, primary, learning));
         let sessions = own(&compared.sessions, |row| row.metric == primary.metric.metric);
@@ -251,6 +251,7 @@ fn list_findings(
     let all = all.into_iter();
     let listed = all.map(|finding| Listed {
         question: finding.shown.question(),
+        is_answer: finding.is_answer,
         ..Listed::new(page.shown_by(&finding.shown, summary), finding.text)
     });
     Ok(listed.collect())
@@ -312,10 +313,10 @@ impl ReadComparison {
     }
 
     /// Metric by metric: the rows of one stand together.
-    pub(crate) fn by_metric(&self, is_primary_by_default: bool) -> Vec<ComparedMetric<'_>> {
+    pub(crate) fn by_metric(&self, primary: Primaries) -> Vec<ComparedMetric<'_>> {
         let compared = self.metrics.iter().map(|metric| ComparedMetric {
             metric,
-            is_primary_by_default,
+            primary,
             means: own(&self.means, |row| row.metric == metric.metric),
             contrasts: own(&self.contrasts, |row| row.metric == metric.metric),
             redrawn: own(&self.redrawn, |row| row.metric == metric.metric),

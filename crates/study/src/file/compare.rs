@@ -2,7 +2,10 @@
 
 use super::check::Check;
 use super::shape::{BoundTable, CompareTable};
-use crate::{Analysis, Bound, Compare, Contrast, EffectSize, MetricId, Mode, ModeId, Study};
+use crate::{
+    Analysis, Bound, Compare, Contrast, EffectSize, Families, MetricId, Mode, ModeId, Primary,
+    Study,
+};
 use std::collections::{BTreeMap, BTreeSet};
 
 impl Check<'_> {
@@ -13,7 +16,7 @@ impl Check<'_> {
         analysis: &Analysis,
     ) -> Compare {
         let is_primary_named = table.primary.is_some();
-        let primary = table.primary.unwrap_or_else(MetricId::primary);
+        let primary = table.primary.unwrap_or_else(|| Primary::One(MetricId::primary()));
         let alpha = table.alpha.unwrap_or(Compare::ALPHA);
         let level = table.level.unwrap_or(analysis.confidence);
         if !(alpha > 0.0 && alpha < 0.5) {
@@ -26,7 +29,8 @@ impl Check<'_> {
         }
         self.metrics(&primary, table.metrics.as_deref().unwrap_or_default());
         let compared = |m: &MetricId| {
-            *m == primary || table.metrics.as_ref().is_none_or(|others| others.contains(m))
+            primary.has(m.as_str())
+                || table.metrics.as_ref().is_none_or(|others| others.contains(m))
         };
         for metric in table.better.keys().filter(|metric| !compared(metric)) {
             let problem = format!("'{metric}' is not compared; add it to compare.metrics");
@@ -40,12 +44,12 @@ impl Check<'_> {
                 Some(pairs) => self.contrasts(pairs, modes),
                 None => default_contrasts(modes),
             },
+            families: table.families.unwrap_or_else(|| default_families(&primary)),
             primary,
             is_primary_named,
             metrics: table.metrics,
             alpha,
             level,
-            families: table.families,
             effect_sizes: self.effect_sizes(table.effect_sizes),
         }
     }
@@ -85,17 +89,29 @@ impl Check<'_> {
         pairs.into_iter().map(|[mode, against]| Contrast { mode, against }).collect()
     }
 
-    /// The other metrics: each once, and not the primary one.
-    fn metrics(&mut self, primary: &MetricId, others: &[MetricId]) {
+    /// The primary metrics and the others: each once.
+    fn metrics(&mut self, primary: &Primary, others: &[MetricId]) {
         let mut seen = BTreeSet::new();
+        if primary.metrics().is_empty() {
+            let problem = "the list is empty; name a metric, or leave it out for the default one";
+            self.error("compare.primary", problem);
+        }
+        for (i, metric) in primary.metrics().iter().enumerate() {
+            if !seen.insert(metric) {
+                let problem = format!("'{metric}' stands twice; leave one out");
+                self.error(&format!("compare.primary[{i}]"), problem);
+            }
+        }
         for (i, metric) in others.iter().enumerate() {
             let key = format!("compare.metrics[{i}]");
-            if metric == primary {
-                self.error(&key, format!("'{metric}' is the primary metric; leave it out here"));
+            if primary.has(metric.as_str()) {
+                let a = if matches!(primary, Primary::One(_)) { "the" } else { "a" };
+                self.error(&key, format!("'{metric}' is {a} primary metric; leave it out here"));
             } else if !seen.insert(metric) {
                 self.error(&key, format!("'{metric}' stands twice; leave one out"));
             }
         }
+        self.at_most_listed("compare.primary", primary.metrics().len());
         self.at_most_listed("compare.metrics", others.len());
     }
 
@@ -117,6 +133,11 @@ impl Check<'_> {
             }
         }
     }
+}
+
+/// The claims of several primary metrics are one family: any of them can be wrong by chance.
+fn default_families(primary: &Primary) -> Families {
+    if primary.metrics().len() > 1 { Families::Study } else { Families::Metric }
 }
 
 /// The last of `modes` against each other one, in their order.
@@ -149,7 +170,8 @@ pub(super) fn table(study: &Study) -> CompareTable {
         metrics: compare.metrics.clone(),
         alpha,
         level,
-        families: compare.families,
+        families: (compare.families != default_families(&compare.primary))
+            .then_some(compare.families),
         effect_sizes: (compare.effect_sizes != Compare::EFFECT_SIZES)
             .then(|| compare.effect_sizes.clone()),
         bounds,
@@ -181,7 +203,7 @@ mod tests {
         let study = demo();
         assert_eq!(pairs(&study), [("hybrid", "active"), ("hybrid", "passive")]);
         let compare = &study.compare;
-        assert_eq!(compare.primary.as_str(), "discrepancy_user_mean_n");
+        assert_eq!(compare.primary.metrics(), [metric("discrepancy_user_mean_n")]);
         assert_eq!((compare.metrics.as_ref(), compare.bounds.len()), (None, 0));
         assert_eq!(compare.alpha.to_bits(), 0.05_f64.to_bits());
         assert_eq!(compare.level.to_bits(), 0.95_f64.to_bits());
@@ -223,6 +245,23 @@ mod tests {
     }
 
     #[test]
+    fn several_primary_metrics_are_one_family_unless_it_is_said_otherwise() {
+        let study =
+            with("primary = [\"wall_dwell_s\", \"loop_area_j\"]\nbounds.loop_area_j = 1").unwrap();
+        let both = ["wall_dwell_s", "loop_area_j"].map(metric);
+        assert_eq!(study.compare.primary.metrics(), both);
+        assert_eq!(study.compare.families, Families::Study);
+        check_round_trip(&study);
+        let own =
+            with("primary = [\"wall_dwell_s\", \"loop_area_j\"]\nfamilies = \"metric\"").unwrap();
+        assert_eq!(own.compare.families, Families::Metric);
+        check_round_trip(&own);
+        let one = with("primary = [\"wall_dwell_s\"]").unwrap();
+        assert_eq!(one.compare.families, Families::Metric);
+        check_round_trip(&one);
+    }
+
+    #[test]
     fn no_other_metric_is_a_choice_too() {
         let study = with("metrics = []").unwrap();
         assert_eq!(study.compare.metrics, Some(Vec::new()));
@@ -252,6 +291,15 @@ mod tests {
             ("contrasts = []", "compare.contrasts", "leave it out"),
             ("contrasts = [[\"hybrid\"]]", "contrasts", "invalid length 1"),
             ("primary = \"Force N\"", "primary", "not a valid metric id"),
+            ("primary = []", "compare.primary", "the list is empty"),
+            ("primary = 1", "primary", "a metric, or a list of metrics"),
+            ("primary = [\"a_s\", \"B c\"]", "primary", "not a valid metric id"),
+            ("primary = [\"a_s\", \"a_s\"]", "compare.primary[1]", "'a_s' stands twice"),
+            (
+                "primary = [\"a_s\", \"b_s\"]\nmetrics = [\"b_s\"]",
+                "compare.metrics[0]",
+                "is a primary metric",
+            ),
             (
                 "metrics = [\"discrepancy_user_mean_n\"]",
                 "compare.metrics[0]",

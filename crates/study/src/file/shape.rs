@@ -5,9 +5,13 @@ use super::environment::EnvironmentTable;
 use super::perception::PerceptionTable;
 use crate::model::{Analysis, Design, Mode, Resistances};
 use crate::{AnswerScale, Better, MetricId, ModeId, QuestionId, StudyId};
-use crate::{Channel, Control, EffectSize, Families, ReplayModel, SceneFigure, VelocityFilter};
-use serde::{Deserialize, Serialize};
+use crate::{
+    Channel, Control, EffectSize, Families, Primary, ReplayModel, SceneFigure, VelocityFilter,
+};
+use serde::de::{self, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
 use std::collections::BTreeMap;
+use std::fmt;
 
 fn is_default<T: Default + PartialEq>(table: &T) -> bool {
     *table == T::default()
@@ -166,14 +170,42 @@ pub(super) struct ReplayTable {
 #[serde(deny_unknown_fields, default)]
 pub(super) struct CompareTable {
     pub(super) contrasts: Option<Vec<[ModeId; 2]>>,
-    pub(super) primary: Option<MetricId>,
+    #[serde(deserialize_with = "one_or_several")]
+    pub(super) primary: Option<Primary>,
     pub(super) metrics: Option<Vec<MetricId>>,
     pub(super) alpha: Option<f64>,
     pub(super) level: Option<f64>,
-    pub(super) families: Families,
+    pub(super) families: Option<Families>,
     pub(super) effect_sizes: Option<Vec<EffectSize>>,
     pub(super) bounds: BTreeMap<MetricId, BoundTable>,
     pub(super) better: BTreeMap<MetricId, Better>,
+}
+
+/// A metric or a list of metrics. By hand, because an untagged enum does not say what is wrong with an id.
+fn one_or_several<'de, D: Deserializer<'de>>(of: D) -> Result<Option<Primary>, D::Error> {
+    struct OneOrSeveral;
+
+    impl<'de> Visitor<'de> for OneOrSeveral {
+        type Value = Primary;
+
+        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            f.write_str("a metric, or a list of metrics")
+        }
+
+        fn visit_str<E: de::Error>(self, text: &str) -> Result<Primary, E> {
+            text.parse().map(Primary::One).map_err(E::custom)
+        }
+
+        fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Primary, A::Error> {
+            let mut metrics = Vec::new();
+            while let Some(metric) = list.next_element()? {
+                metrics.push(metric);
+            }
+            Ok(Primary::Several(metrics))
+        }
+    }
+
+    of.deserialize_any(OneOrSeveral).map(Some)
 }
 
 #[derive(Serialize, Deserialize, Clone, Copy, PartialEq)]

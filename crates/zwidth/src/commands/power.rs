@@ -16,6 +16,7 @@ use zwidth_results::{ModeDifference, Model, UnitOfAnalysis};
 use zwidth_stats::power::{self, HALVINGS, Plan, PlannedTest, Searched, Simulation};
 use zwidth_store::{Raw, RealFiles, StudyData, hex_blake3, write_new};
 use zwidth_study::{Study, StudyId, contrast_label};
+use zwidth_tables::number;
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct PowerArgs {
@@ -27,7 +28,7 @@ pub(crate) struct PowerArgs {
     /// Number of participants
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=MOST_PARTICIPANTS))]
     pub(crate) participants: Option<u32>,
-    /// The metric's column in the table of metrics [default: the primary one]
+    /// The metric's column in the table of metrics [default: the primary one, the first of several]
     #[arg(long, value_name = "METRIC")]
     pub(crate) metric: Option<String>,
     /// Standard deviation of participants' levels [default: that of the study's own trials]
@@ -100,7 +101,11 @@ struct Spread {
 pub(crate) fn power(root: &Path, command: &PowerArgs, screen: &Screen) -> anyhow::Result<Exit> {
     let data = super::load(root, &command.study)?;
     let layout = &data.layout;
-    let metric = command.metric.clone().unwrap_or_else(|| data.study.compare.primary.to_string());
+    let compare = &data.study.compare;
+    let metric = match &command.metric {
+        Some(metric) => metric.clone(),
+        None => compare.primary.metrics().first().context("no metric is primary")?.to_string(),
+    };
     let spread = spread(&data, command, &metric, screen)?;
     let repeats = usize::try_from(data.study.design.repeats)?;
     let planned = Plan {
@@ -114,8 +119,8 @@ pub(crate) fn power(root: &Path, command: &PowerArgs, screen: &Screen) -> anyhow
     };
     let simulation = Simulation {
         test: PlannedTest::PairedT,
-        // Bonferroni: each contrast is tested at its share of alpha.
-        alpha: data.study.compare.alpha / data.study.compare.contrasts.len().max(1) as f64,
+        // Bonferroni: each claim of a family is tested at its share of alpha.
+        alpha: compare.alpha / plan::claims(&data.study, &metric).max(1) as f64,
         studies: usize::try_from(command.studies)?,
         seed: command.seed,
     };
@@ -272,8 +277,11 @@ fn sentences(result: &Planned) -> [String; 4] {
         format!(
             "This rests on these standard deviations ({source}): {:.4} between participants, {:.4} between \
              participants in how they respond to a mode, {:.4} between repeats. Each contrast is tested at a level \
-             of {alpha}. All differences and deviations are in the metric's SI unit.",
-            result.participant_sd, result.participant_mode_sd, result.residual_sd
+             of {}. All differences and deviations are in the metric's SI unit.",
+            result.participant_sd,
+            result.participant_mode_sd,
+            result.residual_sd,
+            number(*alpha, None)
         ),
     ]
 }

@@ -176,9 +176,11 @@ pub fn modes_compared(
     let mut jnds = compared.notes_below(ModeDifference::NAME);
     let band = jnds.find(|note| note.kind == NoteKind::Jnd);
     let band = band.map(|note| format!("Band: ± 1 {}", note.note));
-    let role = match compared.metric.role {
-        Role::Primary => "Primary metric.",
-        Role::Exploratory => "Exploratory: not the primary metric.",
+    let role = match (compared.metric.role, about.has_several_primary) {
+        (Role::Primary, false) => "Primary metric.",
+        (Role::Primary, true) => "A primary metric.",
+        (Role::Exploratory, false) => "Exploratory: not the primary metric.",
+        (Role::Exploratory, true) => "Exploratory: not a primary metric.",
     };
     let footnotes = [what].into_iter().chain(against).chain(band).chain([role.to_owned()]);
     let footnotes = verdicts.into_iter().chain(footnotes.map(|note| plain(&note))).collect();

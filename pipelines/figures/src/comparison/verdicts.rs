@@ -230,7 +230,8 @@ pub fn verdicts(
         );
     }
     if rows.iter().any(|row| row.role == Role::Exploratory) {
-        footnotes.push("Bold: the primary metric; all others are exploratory.".to_owned());
+        let metrics = if about.has_several_primary { "metrics" } else { "metric" };
+        footnotes.push(format!("Bold: the primary {metrics}; all others are exploratory."));
     }
     Figure {
         title: Some(plain(&format!("{}: differences between modes", about.title))),

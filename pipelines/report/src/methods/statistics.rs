@@ -43,22 +43,32 @@ pub(super) fn paragraphs(study: &Study, recorded: &Recorded, cited: &mut Cited) 
 fn compared(study: &Study, recorded: &Recorded) -> String {
     let contrasts = study.compare.contrasts.iter();
     let contrasts: Vec<String> = contrasts.map(|own| contrast_label(&study.modes, own)).collect();
-    let primary = study.compare.primary.to_string();
-    let others = recorded.compared.iter().filter(|name| **name != primary);
+    let primary = &study.compare.primary;
+    let others = recorded.compared.iter().filter(|name| !primary.has(name));
     let others: Vec<&str> = others.map(|name| recorded.in_words(name)).collect();
     let exploratory = match others.as_slice() {
         [] => String::new(),
         others => format!(" Exploratory measures were {}.", others.join("; ")),
     };
-    let words = recorded.in_words(&primary);
-    let primary = if recorded.compared.contains(&primary) {
-        format!("The primary measure was {words}.")
-    } else {
-        format!("The primary measure ({words}) does not exist in these data.")
+    let (mut there, mut missing) = (Vec::new(), Vec::new());
+    for metric in primary.metrics() {
+        let is_compared = recorded.compared.iter().any(|name| name == metric.as_str());
+        let list = if is_compared { &mut there } else { &mut missing };
+        list.push(recorded.in_words(metric.as_str()));
+    }
+    let measures = match there.as_slice() {
+        [] => String::new(),
+        [one] => format!(" The primary measure was {one}."),
+        several => format!(" The primary measures were {}.", several.join("; ")),
     };
+    let missing = missing.iter().map(|words| {
+        let the = if primary.metrics().len() == 1 { "The" } else { "A" };
+        format!(" {the} primary measure ({words}) does not exist in these data.")
+    });
     format!(
-        "These differences between modes were compared in each environment: {}. {primary}{exploratory}",
-        contrasts.join(", ")
+        "These differences between modes were compared in each environment: {}.{measures}{}{exploratory}",
+        contrasts.join(", "),
+        missing.collect::<String>()
     )
 }
 
@@ -115,12 +125,15 @@ fn effects(sizes: &[EffectSize], cited: &mut Cited) -> String {
 
 fn claims(study: &Study, recorded: &Recorded, cited: &mut Cited) -> String {
     let compare = &study.compare;
+    let has_several = compare.primary.metrics().len() > 1;
     let family = match compare.families {
-        Families::Metric => "over all environments",
+        Families::Study if has_several => "of all primary measures over all environments",
+        Families::Metric | Families::Study => "over all environments",
         Families::Environment => "in one environment",
     };
+    let the = if has_several { "a" } else { "the" };
     let mut text = format!(
-        "A difference of the primary measure was claimed where its p value, adjusted over the contrasts \
+        "A difference of {the} primary measure was claimed where its p value, adjusted over the contrasts \
          {family} by Holm's method {}, was below {}; intervals are at {} % and not adjusted.",
         cited.cite("holm"),
         plain(compare.alpha),

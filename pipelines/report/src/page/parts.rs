@@ -67,13 +67,20 @@ pub(super) fn header(page: &Page) -> Markup {
             @if let Some(mark) = mark { p.synthetic role="note" { strong { "SYNTHETIC" } " " (mark) } }
             h1 { (summary.title) }
             @if !summary.title.contains(page.study) { p.study { (page.study) } }
-            @if let Some(answer) = summary.shown.iter().find(|made| made.question != Asked::Practice) { p.answer { (answer.caption) } }
+            @for answer in leading(summary) { p.answer { (answer.caption) } }
             p.facts {
                 (what_it_is(summary))
                 @for more in [origins, participants(summary.participants)].into_iter().flatten() { " " (more) }
             }
         }
     }
+}
+
+/// What the page begins with: an answer for each primary metric, or what else the trials show.
+fn leading(summary: &Summary) -> Vec<&Made> {
+    let answers: Vec<&Made> = summary.shown.iter().filter(|made| made.is_answer).collect();
+    let else_shown = summary.shown.iter().find(|made| made.question != Asked::Practice);
+    if answers.is_empty() { else_shown.into_iter().collect() } else { answers }
 }
 
 /// What the first part is called.

@@ -159,9 +159,13 @@ function verdictRows() {
         return { ...row, index, isSingle, sav: Math.sqrt((sds[0] ** 2 + sds[1] ** 2) / 2) };
       }).filter(Boolean);
     });
-    if (leftOut.size) for (const family of study.families === "metric" ? [all] : groupBy(all, ({ environment }) => environment).values()) judge(family, isSingle);
     return all;
   });
+  if (leftOut.size) {
+    const isClaim = ({ index }) => study.families === "study" && study.metrics[index].is_primary;
+    const familyOf = (row) => (isClaim(row) ? "primary" : study.families === "environment" ? `${row.index} ${row.environment}` : String(row.index));
+    for (const family of groupBy(rows, familyOf).values()) judge(family, isSingle);
+  }
   for (const row of rows) Object.assign(row, row.jnd !== null ? { by: "jnd", one: row.jnd } : { by: "sd", one: row.sav });
   // Where nothing varies, or nothing was repeated, there is no measure.
   for (const row of rows) if (!(row.one > 0)) row.by = "none";

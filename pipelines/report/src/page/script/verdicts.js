@@ -308,7 +308,13 @@ function buildMatrix(host) {
   Object.assign(matrix, { pick: select, people: make("fieldset", { class: "ticks boxes", id: "left-out-people" }), trials: make("fieldset", { class: "ticks boxes", id: "left-out-trials" }) });
   const explore = make("details", { id: "left-out", ontoggle: () => explore.open && writePeople() }, make("summary", {}, "Leave people or trials out, and see what follows"), matrix.people, pick, matrix.trials);
   const percent = `${Number((100 * study.level).toPrecision(6))} %`, isAlone = sessionsOf.size === 1;
-  const legend = make("p", { class: "caption" }, `Grey band: within ±1 just noticeable difference (JND), below what is felt. ${isAlone ? "Disc: mean difference; dots: repeats; ticks above: the difference in other orders of the trials, had none depended on mode: they decide the verdict." : `Disc and whiskers: mean and ${percent} interval, not adjusted; dots: people. Verdicts are adjusted for the contrasts of a metric (Holm).`}`);
+  const all = study.metrics.flatMap(({ differences }) => differences);
+  const family = { metric: "the contrasts of a metric", environment: "the contrasts of a metric in an environment", study: "the contrasts of all primary metrics together, and of each other metric" }[study.families];
+  const legend = make("p", { class: "caption" }, [
+    all.some(({ jnd }) => jnd !== null) && "Grey band: within ±1 just noticeable difference (JND), below what is felt.",
+    isAlone ? "Disc: mean difference; dots: repeats." : `Disc and whiskers: mean and ${percent} interval, not adjusted; dots: people. Verdicts are adjusted for ${family} (Holm).`,
+    isAlone && all.some(({ redrawn }) => redrawn.length) && "Ticks above: the difference in other orders of the trials, had none depended on mode: they decide the verdict.",
+  ].filter(Boolean).join(" "));
   const save = (format) => make("button", { type: "button", "data-save-matrix": format, "aria-label": `Matrix as ${format}`, onclick: () => saveMatrix(format) }, format.toUpperCase());
   const tools = make("div", { class: "tools" }, make("button", { type: "button", id: "copy-matrix", onclick: (event) => copyMatrix(event.currentTarget) }, "Copy values"), ...["svg", "png", "csv"].map(save));
   host.replaceChildren(matrix.explored, make("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": "Every difference between modes" }, matrix.table), legend, matrix.tip, tools, matrix.copied, explore);
