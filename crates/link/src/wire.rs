@@ -10,12 +10,13 @@ static BEGAN: LazyLock<Instant> = LazyLock::new(Instant::now);
 /// Two ends with bytes between them.
 pub trait Wire: Send {
     /// Takes bytes that have come, how many; waits for the first one so long at most. 0: none came.
+    /// Fewer than there is room for: nothing more is there now.
     ///
     /// # Errors
     /// A wire that is gone.
     fn receive(&mut self, into: &mut [u8], wait: Duration) -> io::Result<usize>;
 
-    /// Sends bytes, all of them.
+    /// Sends bytes, all of them; there may be none.
     ///
     /// # Errors
     /// A wire that is gone, or that takes nothing any more.

@@ -101,7 +101,7 @@ impl Table {
                 .map(|(format, path)| self.in_format(*format, provenance, path))
                 .collect();
         }
-        Seen::of(&wording.tell(narrow)?, |seen| {
+        Seen::of(&wording.tell(narrow)?, wording.digits, |seen| {
             let mut contents = Vec::new();
             for (format, path) in files {
                 let text = match format {
@@ -132,7 +132,7 @@ impl Table {
         width: usize,
         least: &[&str],
     ) -> Result<String, TableError> {
-        Ok(Seen::of(&wording.tell(self)?, |seen| terminal(seen, width, least)))
+        Ok(Seen::of(&wording.tell(self)?, wording.digits, |seen| terminal(seen, width, least)))
     }
 
     /// The bytes of a file for programs.

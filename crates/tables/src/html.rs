@@ -71,13 +71,13 @@ mod tests {
 </tfoot>
 </table>
 "#;
-        assert_eq!(Seen::of(&sample(), html), expect);
+        assert_eq!(Seen::of(&sample(), None, html), expect);
     }
 
     #[test]
     fn the_sign_of_a_small_p_value_opens_no_tag() {
         let p = Column::float("p_value", "1", "", [Some(0.0)]);
-        let text = Seen::of(&Table::new("t", "", vec![p]).unwrap(), html);
+        let text = Seen::of(&Table::new("t", "", vec![p]).unwrap(), None, html);
         assert!(text.contains(r#"<td class="number">&lt; 0.001</td>"#), "{text}");
     }
 

@@ -217,7 +217,7 @@ mod tests {
   {\footnotesize\raggedright Unit: one\_trial.\par}
 \end{table}
 ";
-        assert_eq!(Seen::of(&sample(), latex), expect);
+        assert_eq!(Seen::of(&sample(), None, latex), expect);
     }
 
     /// A page of two columns has 252 pt a column.
@@ -226,7 +226,7 @@ mod tests {
         let number = |name| Column::float(name, "N", "", [Some(1234.5), Some(-2345.25)]);
         let set = |names: &[&'static str]| {
             let columns = names.iter().map(|name| number(name)).collect();
-            Seen::of(&Table::new("t", "", columns).unwrap(), latex)
+            Seen::of(&Table::new("t", "", columns).unwrap(), None, latex)
         };
         let narrow = set(&["force_n", "peak_n"]);
         assert!(narrow.contains(r"\begin{table}") && !narrow.contains("zwidthtable"), "{narrow}");
@@ -235,7 +235,7 @@ mod tests {
         assert!(wide.contains(r"\if@twocolumn table*\else table\fi"), "{wide}");
         let rows = (0..90).map(|row| Some(f64::from(row)));
         let long = Table::new("t", "", vec![Column::float("force_n", "N", "", rows)]).unwrap();
-        let long = Seen::of(&long, latex);
+        let long = Seen::of(&long, None, latex);
         let at = |words: &str| long.find(words).unwrap();
         assert!(at(r"\zwidthwide\begingroup") < at(r"\begin{longtable}"), "{long}");
         assert!(at(r"\endgroup\zwidthback") > at(r"\end{longtable}"), "{long}");
@@ -245,13 +245,13 @@ mod tests {
     fn a_power_of_ten_has_room_in_its_column() {
         let column = Column::float("area_j", "J", "", [Some(-1.234_5e-12), Some(25.0), None]);
         let table = Table::new("t", "", vec![column]).unwrap();
-        assert!(Seen::of(&table, latex).contains("{@{}S[table-format=-2.3e-2]@{}}"));
+        assert!(Seen::of(&table, None, latex).contains("{@{}S[table-format=-2.3e-2]@{}}"));
     }
 
     #[test]
     fn a_small_p_value_is_a_number_with_room_for_its_sign() {
         let column = Column::float("p_value", "1", "", [Some(0.0), Some(0.0942)]);
-        let text = Seen::of(&Table::new("t", "", vec![column]).unwrap(), latex);
+        let text = Seen::of(&Table::new("t", "", vec![column]).unwrap(), None, latex);
         assert!(text.contains("{@{}S[table-format=<1.4]@{}}"), "{text}");
         assert!(text.contains("    <0.001 \\\\\n    0.0942 \\\\\n"), "{text}");
     }
@@ -265,7 +265,7 @@ mod tests {
         let mut columns = vec![Column::integer("trial", "1", "", (0..60).map(Some))];
         columns.push(Column::text("mode", "", (0..60).map(|_| Some("hybrid".to_owned()))));
         columns.extend(names.zip(0..).map(|(name, i)| Column::float(name, "1", "", numbers(i))));
-        let text = Seen::of(&Table::new("t", "T", columns).unwrap(), latex);
+        let text = Seen::of(&Table::new("t", "T", columns).unwrap(), None, latex);
         assert_eq!(text.matches(r"\begin{longtable}").count(), 1, "{text}");
         assert_eq!(text.matches(r"\caption{T}\label{tab:t}").count(), 1);
         assert_eq!(text.matches("{trial} & ").count(), 2, "on the first page and on all others");
@@ -287,7 +287,7 @@ mod tests {
             "smoothness_h",
         ];
         columns.extend(names.into_iter().map(|name| Column::float(name, "1", "", numbers())));
-        let text = Seen::of(&Table::new("t", "T", columns).unwrap(), latex);
+        let text = Seen::of(&Table::new("t", "T", columns).unwrap(), None, latex);
         assert_eq!(text.matches(r"\begin{longtable}").count(), 2, "{text}");
         assert_eq!(text.matches(r"\addtocounter{table}{-1}").count(), 1);
         assert_eq!(text.matches(r"\caption").count(), 1);

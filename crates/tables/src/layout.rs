@@ -412,7 +412,7 @@ mod tests {
             .iter_mut()
             .enumerate()
             .for_each(|(i, c)| c.field.name = format!("{}_{i}", c.field.name).into());
-        shown(&Table::new("wide", "Wide", columns).unwrap())
+        shown(&Table::new("wide", "Wide", columns).unwrap(), None)
     }
 
     fn words<'a>(group: &[Placed<'a>]) -> Vec<&'a str> {
@@ -430,7 +430,7 @@ mod tests {
 
     #[test]
     fn a_small_table_is_set_in_the_size_of_the_text_with_low_headings() {
-        let columns = shown(&sample());
+        let columns = shown(&sample(), None);
         let layout = layout(&columns);
         assert!(!layout.dense && !layout.long && layout.notes.is_empty());
         assert_eq!(layout.groups.len(), 1);
@@ -461,7 +461,7 @@ mod tests {
             let cells = |i: usize| texts(&if i == 0 { first } else { [long; 2] });
             let columns =
                 names.into_iter().enumerate().map(|(i, n)| Column::text(n, "", cells(i))).collect();
-            let columns = shown(&Table::new("t", "T", columns).unwrap());
+            let columns = shown(&Table::new("t", "T", columns).unwrap(), None);
             let layout = several(&columns.iter().collect::<Vec<_>>());
             let all: usize = layout.groups.iter().map(|g| g.len()).sum();
             assert_eq!((layout.groups.is_empty(), all.min(expect)), (false, expect));
@@ -494,7 +494,7 @@ mod tests {
             Column::float("value", "1", "", [Some(1.0), Some(2.5)]),
             Column::text("remark", "", texts(&[sentence, "none"])),
         ];
-        let columns = shown(&Table::new("t", "T", columns).unwrap());
+        let columns = shown(&Table::new("t", "T", columns).unwrap(), None);
         let layout = layout(&columns);
         assert_eq!(layout.groups.len(), 1);
         let shares: Vec<bool> = layout.groups[0].iter().map(|c| c.share.is_some()).collect();
@@ -512,7 +512,7 @@ mod tests {
         for name in ["first", "second", "third", "fourth", "fifth"] {
             columns.push(Column::text(name, "", texts(&long)));
         }
-        let columns = shown(&Table::new("t", "T", columns).unwrap());
+        let columns = shown(&Table::new("t", "T", columns).unwrap(), None);
         let layout = layout(&columns);
         let expect = [(0, "actuation passive".to_owned()), (2, "actuation active".to_owned())];
         assert_eq!(layout.sections, BTreeMap::from(expect));
@@ -523,7 +523,7 @@ mod tests {
     fn what_comes_back_further_down_is_no_heading() {
         let column = |cells: &[&str]| {
             let column = Column::text("mode", "", texts(cells));
-            shown(&Table::new("t", "T", vec![column]).unwrap()).swap_remove(0)
+            shown(&Table::new("t", "T", vec![column]).unwrap(), None).swap_remove(0)
         };
         assert_eq!(sections(&[&column(&["a", "a", "b", "b", "a", "a"])]), None);
         assert_eq!(sections(&[&column(&["a", "a", "b", "c"])]), None);
@@ -539,7 +539,7 @@ mod tests {
             Column::text("second", "", texts(&[long, long, "other"])),
             Column::float("value", "1", "", [Some(1.0); 3]),
         ];
-        let columns = shown(&Table::new("t", "T", columns).unwrap());
+        let columns = shown(&Table::new("t", "T", columns).unwrap(), None);
         let keys = keys(&columns.iter().collect::<Vec<_>>(), |keys| {
             room(keys) <= KEYS_SHARE * DENSE.digits
         });
@@ -549,7 +549,7 @@ mod tests {
     #[test]
     fn a_heading_breaks_between_words_and_never_within_a_unit() {
         let column = Column::float("force_rms_error_n_per_rad", "N/rad", "", [Some(1.0)]);
-        let columns = shown(&Table::new("t", "T", vec![column]).unwrap());
+        let columns = shown(&Table::new("t", "T", vec![column]).unwrap(), None);
         assert_eq!(place_column(&columns[0]).head, ["force", "RMS", "error", "(N/rad)"]);
     }
 }

@@ -69,7 +69,7 @@ mod tests {
 
 Unit: one\\_trial.
 ";
-        assert_eq!(Seen::of(&sample(), markdown), expect);
+        assert_eq!(Seen::of(&sample(), None, markdown), expect);
     }
 
     #[test]

@@ -42,7 +42,7 @@ impl Decimal {
     /// A p value: `0.0123`, or `< 0.001`. None is 0, though a double may hold no smaller one.
     pub(crate) fn p_value(value: f64) -> Self {
         let below = value < SMALLEST_P;
-        Self { below, ..rounded(if below { SMALLEST_P } else { value }, None) }
+        Self { below, ..rounded(if below { SMALLEST_P } else { value }, None, None) }
     }
 
     /// For programs: `-1.23e-7`, `<0.001`.
@@ -62,7 +62,7 @@ impl Decimal {
 /// A number as people read it: to the digits its `uncertainty` allows (same unit), or to four where
 /// that is not known.
 pub fn number(value: f64, uncertainty: Option<f64>) -> String {
-    rounded(value, uncertainty).typeset()
+    rounded(value, uncertainty, None).typeset()
 }
 
 /// What follows `p` in a sentence: `= 0.0123`, or `< 0.001`.
@@ -77,9 +77,12 @@ fn raised(exponent: i32) -> String {
     letters.chars().map(|c| c.to_digit(10).map_or('⁻', |d| DIGITS[d as usize])).collect()
 }
 
-/// `value` to the digits its `uncertainty` allows (same unit), or to four where that is not known
-/// or nothing.
-pub(crate) fn rounded(value: f64, uncertainty: Option<f64>) -> Decimal {
+/// `value` to so many significant `digits`; without these to the digits its `uncertainty` allows (same
+/// unit), or to four where that is not known or nothing.
+pub(crate) fn rounded(value: f64, uncertainty: Option<f64>, digits: Option<usize>) -> Decimal {
+    if let Some(digits) = digits {
+        return at_place(value, last_place(value, digits));
+    }
     if let Some(u) = uncertainty.filter(|u| *u > RESIDUE * value.abs()) {
         return at_place(value, last_place(u, UNCERTAINTY_DIGITS));
     }
@@ -144,8 +147,23 @@ fn at_place(value: f64, place: i32) -> Decimal {
 mod tests {
     use super::*;
 
+    #[test]
+    fn digits_that_are_asked_for_are_kept_whatever_is_known() {
+        for (value, digits, expect) in [
+            (0.012_345, 3, "0.0123"),
+            (0.5, 3, "0.500"),
+            (9.996, 3, "10.0"),
+            (1234.5, 2, "1200"),
+            (-0.0, 3, "0.00"),
+            (1.5e9, 3, "1.50e9"),
+            (-2.4e-9, 1, "-2e-9"),
+        ] {
+            assert_eq!(rounded(value, Some(0.1), Some(digits)).ascii(), expect, "{value} {digits}");
+        }
+    }
+
     fn check(value: f64, uncertainty: Option<f64>, expect: &str) {
-        assert_eq!(rounded(value, uncertainty).ascii(), expect, "{value} ± {uncertainty:?}");
+        assert_eq!(rounded(value, uncertainty, None).ascii(), expect, "{value} ± {uncertainty:?}");
     }
 
     #[test]
@@ -214,7 +232,7 @@ mod tests {
 
     #[test]
     fn people_read_a_real_minus_and_a_raised_power() {
-        assert_eq!(rounded(-1.234_56e-10, None).typeset(), "−1.235\u{a0}×\u{a0}10⁻¹⁰");
+        assert_eq!(rounded(-1.234_56e-10, None, None).typeset(), "−1.235\u{a0}×\u{a0}10⁻¹⁰");
         assert_eq!(Decimal::integer(-3).typeset(), "−3");
     }
 }

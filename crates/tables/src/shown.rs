@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::heading::{Part, bracketed, quantity, words};
 use crate::layout::{Layout, layout};
-use crate::rounding::{Decimal, number, rounded};
+use crate::rounding::{Decimal, rounded};
 use crate::width::{Room, longest_word, widest_cell};
 use crate::{Column, Field, Table, Values};
 
@@ -88,18 +88,18 @@ pub(crate) struct Seen<'a> {
 impl Seen<'_> {
     /// What is written of a table.
     // Takes a function and does not return `Seen`: the layout borrows from columns that end here.
-    pub(crate) fn of<T>(table: &Table, write: impl FnOnce(&Seen) -> T) -> T {
-        let columns = shown(table);
+    pub(crate) fn of<T>(table: &Table, digits: Option<usize>, write: impl FnOnce(&Seen) -> T) -> T {
+        let columns = shown(table, digits);
         let layout = &layout(&columns);
         write(&Seen { table, columns: &columns, layout })
     }
 }
 
-/// The columns of a table, rounded; an estimate with its standard deviation is one column, and so
-/// are the ends of an interval.
-pub(crate) fn shown(table: &Table) -> Vec<Shown> {
+/// The columns of a table, rounded to so many significant digits, or by what is known of their
+/// uncertainty; an estimate with its standard deviation is one column, and so are the ends of an interval.
+pub(crate) fn shown(table: &Table, digits: Option<usize>) -> Vec<Shown> {
     let all = table.columns();
-    all.iter().filter_map(|column| show(column, all)).collect()
+    all.iter().filter_map(|column| show(column, all, digits)).collect()
 }
 
 /// The rows of columns, each cell as `set` writes it, given its column's number: once, where the
@@ -129,11 +129,11 @@ pub(crate) fn one_line(text: &str) -> String {
 }
 
 /// A column as people see it; `None` where another column has it in its cells.
-fn show(column: &Column, all: &[Column]) -> Option<Shown> {
+fn show(column: &Column, all: &[Column], digits: Option<usize>) -> Option<Shown> {
     let field = &column.field;
     let words = words(&field.name, &field.unit);
     let whole = match &column.values {
-        Values::Float(values) => return show_numbers(column, values, words, all),
+        Values::Float(values) => return show_numbers(column, values, words, all, digits),
         Values::Integer(values) => cells(values, |v| Cell::Number(Decimal::integer(*v))),
         Values::Text(values) => cells(values, |v| Cell::Text(one_line(v))),
         Values::Flag(values) => {
@@ -148,6 +148,7 @@ fn show_numbers(
     values: &[Option<f64>],
     words: String,
     all: &[Column],
+    digits: Option<usize>,
 ) -> Option<Shown> {
     let field = &column.field;
     let part = quantity(field).1;
@@ -161,17 +162,21 @@ fn show_numbers(
     match (part, beside.and_then(|part| partner(field, part, all))) {
         (Part::Sd | Part::CiHigh, Some(_)) => None,
         (Part::Estimate, Some(sds)) => {
-            Some(of_cells(column, words + WITH_SD, with_sd(values, sds)))
+            Some(of_cells(column, words + WITH_SD, with_sd(values, sds, digits)))
         }
         (Part::CiLow, Some(highs)) => {
             let common = words.trim_end_matches("low").trim_end().to_owned();
-            Some(of_cells(column, common, intervals(values, highs, &uncertainties(field, all))))
+            Some(of_cells(
+                column,
+                common,
+                intervals(values, highs, &uncertainties(field, all), digits),
+            ))
         }
         (Part::Estimate, None) if field.unit == "1" && field.name.starts_with(P_VALUE) => {
             let p_values = cells(values, |p| Cell::Number(Decimal::p_value(*p)));
             Some(of_cells(column, words, p_values))
         }
-        _ => Some(of_cells(column, words, numbers(values, &uncertainties(field, all)))),
+        _ => Some(of_cells(column, words, numbers(values, &uncertainties(field, all), digits))),
     }
 }
 
@@ -192,7 +197,8 @@ fn of_cells(column: &Column, words: String, cells: Vec<Cell>) -> Shown {
 }
 
 /// `4.052 ± 0.002`: both to the place of two digits of the standard deviation.
-fn with_sd(values: &[Option<f64>], sds: &[Option<f64>]) -> Vec<Cell> {
+fn with_sd(values: &[Option<f64>], sds: &[Option<f64>], digits: Option<usize>) -> Vec<Cell> {
+    let number = |value, sd| rounded(value, sd, digits).typeset();
     let rows = values.iter().zip(sds).map(|(value, sd)| match (value, sd) {
         (Some(value), Some(sd)) => Cell::Joined(format!(
             "{}{NO_BREAK}±{NO_BREAK}{}",
@@ -210,7 +216,9 @@ fn intervals(
     lows: &[Option<f64>],
     highs: &[Option<f64>],
     uncertainties: &[Option<f64>],
+    digits: Option<usize>,
 ) -> Vec<Cell> {
+    let number = |end, uncertainty| rounded(end, uncertainty, digits).typeset();
     let rows = lows.iter().zip(highs).enumerate().map(|(row, ends)| match ends {
         (None, None) => Cell::Missing,
         (low, high) => {
@@ -227,10 +235,14 @@ fn cells<T>(values: &[Option<T>], cell: impl Fn(&T) -> Cell) -> Vec<Cell> {
     values.iter().map(|v| v.as_ref().map_or(Cell::Missing, &cell)).collect()
 }
 
-fn numbers(values: &[Option<f64>], uncertainties: &[Option<f64>]) -> Vec<Cell> {
+fn numbers(
+    values: &[Option<f64>],
+    uncertainties: &[Option<f64>],
+    digits: Option<usize>,
+) -> Vec<Cell> {
     let cells = values.iter().enumerate().map(|(i, v)| {
         let uncertainty = uncertainties.get(i).copied().flatten();
-        v.map_or(Cell::Missing, |v| Cell::Number(rounded(v, uncertainty)))
+        v.map_or(Cell::Missing, |v| Cell::Number(rounded(v, uncertainty, digits)))
     });
     cells.collect()
 }
@@ -284,7 +296,7 @@ pub(crate) mod tests {
     }
 
     fn texts(table: &Table, column: usize) -> Vec<String> {
-        shown(table)[column].cells.iter().map(Cell::typeset).collect()
+        shown(table, None)[column].cells.iter().map(Cell::typeset).collect()
     }
 
     #[test]
@@ -343,7 +355,7 @@ pub(crate) mod tests {
             n("participant_sd_n", [Some(0.2), Some(0.3), None]),
         ];
         let table = Table::new("t", "", columns).unwrap();
-        let headings: Vec<_> = shown(&table).iter().map(Shown::heading).collect();
+        let headings: Vec<_> = shown(&table, None).iter().map(Shown::heading).collect();
         assert_eq!(headings, ["mean ± SD (N)", "CI (N)", "participant SD (N)"]);
         assert_eq!(texts(&table, 0), ["4.0523\u{a0}±\u{a0}0.0021", "3", "–"]);
         assert_eq!(texts(&table, 1), ["[4.010,\u{a0}4.090]", "[–,\u{a0}3.5]", "–"]);

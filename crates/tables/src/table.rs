@@ -217,6 +217,18 @@ impl Table {
         column.map_or_else(|| self.column(stem), Ok)
     }
 
+    /// The table with these columns alone, in this order, each by its name or its stem (see
+    /// [`column_of`](Self::column_of)).
+    ///
+    /// # Errors
+    /// A column that is not there; one that is named twice.
+    pub fn with_columns(&self, names: &[String]) -> Result<Self, TableError> {
+        let columns = names.iter().map(|name| Ok(self.column_of(name)?.clone()));
+        let chosen =
+            Self::new(&self.name, &self.title, columns.collect::<Result<_, TableError>>()?)?;
+        Ok(chosen.with_notes_of(self))
+    }
+
     /// Number of rows.
     pub fn height(&self) -> usize {
         self.columns.first().map_or(0, |c| c.values.len())

@@ -157,7 +157,7 @@ mod tests {
     use crate::shown::tests::sample;
 
     fn shown(width: usize, least: &[&str]) -> String {
-        Seen::of(&sample(), |seen| terminal(seen, width, least))
+        Seen::of(&sample(), None, |seen| terminal(seen, width, least))
     }
 
     #[test]
@@ -205,7 +205,7 @@ mod tests {
         ];
         columns.extend(["force_n", "peak_force_n", "mean_force_n", "last_force_n"].map(number));
         let table = crate::Table::new("t", "T", columns).unwrap();
-        let told = Seen::of(&table, |seen| terminal(seen, 80, &[]));
+        let told = Seen::of(&table, None, |seen| terminal(seen, 80, &[]));
         assert!(widest(&told) <= 80, "{told}");
         assert_eq!(told.matches("1234.5678").count() + told.matches("1235").count(), 4, "{told}");
         let words: Vec<&str> = told.split_whitespace().collect();

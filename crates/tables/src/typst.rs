@@ -237,7 +237,7 @@ mod tests {
   },
 ) <tab:spring-rendering>
 "#;
-        assert_eq!(Seen::of(&sample(), typst), expect);
+        assert_eq!(Seen::of(&sample(), None, typst), expect);
     }
 
     #[test]

@@ -128,10 +128,10 @@ mod tests {
 
     #[test]
     fn the_room_of_a_column_is_that_of_all_its_numbers_together() {
-        let columns = shown(&sample());
+        let columns = shown(&sample(), None);
         let expect = Room { sign: true, whole: 1, decimals: 3, ..Room::default() };
         assert_eq!(Room::of(&columns[2].cells), expect);
-        let small = Room::number(&rounded(1.251_6e-12, Some(1e-13)));
+        let small = Room::number(&rounded(1.251_6e-12, Some(1e-13), None));
         let expect_small =
             Room { whole: 1, decimals: 2, power: 2, power_sign: true, ..Room::default() };
         assert_eq!(small, expect_small);

@@ -32,6 +32,9 @@ pub struct Wording {
     pub environments: Vec<(String, String)>,
     /// Ids of modes and their labels.
     pub modes: Vec<(String, String)>,
+    /// Significant digits of numbers; without them by their uncertainty, where it is known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub digits: Option<usize>,
 }
 
 impl Wording {
@@ -48,7 +51,7 @@ impl Wording {
 
     /// That of a study without labels.
     pub fn plain(coordinate: Coordinate) -> Self {
-        Self { coordinate, environments: Vec::new(), modes: Vec::new() }
+        Self { coordinate, environments: Vec::new(), modes: Vec::new(), digits: None }
     }
 
     /// The table as people read it: in their units, its ids as names and words.

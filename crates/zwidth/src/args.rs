@@ -168,7 +168,8 @@ pub(crate) enum Command {
     #[command(after_help = concat!(
         "Examples:\n",
         "  zwidth table thesis-twin\n",
-        "  zwidth table thesis-twin conditions --format tex"
+        "  zwidth table thesis-twin conditions --format tex\n",
+        "  zwidth table thesis-twin comparison --columns contrast,difference,verdict --digits 3"
     ))]
     Table(commands::table::TableArgs),
     /// Print what was done in words, with its sources: for a thesis' methods chapter

@@ -41,6 +41,24 @@ fn compare_gives_machines_every_row_in_si_units() {
 }
 
 #[test]
+fn a_table_is_printed_with_the_columns_and_digits_that_are_asked_for() {
+    let root = shipped::finished();
+    let table = "table thesis-twin contrasts_discrepancy_user_mean_n";
+    let ran = |more: &str| zwidth_line(root.path(), &format!("{table} {more}"));
+    let chosen = ran("--columns difference,contrast --digits 2").exits(0);
+    let lines: Vec<&str> = chosen.out.lines().filter(|line| line.starts_with('|')).collect();
+    assert_eq!(lines[0], "| difference (N) | contrast |");
+    assert_eq!(lines[2..], ["| 0.95 | Hybrid − Active |", "| 0.78 | Hybrid − Active |"]);
+    let csv = ran("--columns contrast,difference_n --format csv").exits(0);
+    let lines: Vec<&str> = csv.out.lines().collect();
+    assert_eq!(lines[0], "contrast,difference_n,synthetic");
+    assert!(lines[1].starts_with("hybrid − active,0.9508"), "{}", csv.out);
+    ran("--columns differing").exits(1).says(&["has no column 'differing'; it has"]);
+    ran("--columns contrast,contrast").exits(1).says(&["contrast"]);
+    ran("--digits 3 --format csv").exits(1).says(&["leave --digits out"]);
+}
+
+#[test]
 fn a_metric_that_is_not_compared_is_named_with_those_that_are() {
     let root = shipped::finished();
     zwidth(root.path(), &["compare", "thesis-twin", "--metric", "loop_area"])

@@ -21,6 +21,12 @@ pub(crate) struct TableArgs {
     /// The form in which to print it
     #[arg(long, default_value = Format::Markdown.extension(), value_parser = format_parser())]
     pub(crate) format: Format,
+    /// Only these columns, in this order, by their names in the CSV form, with or without the unit
+    #[arg(long, value_name = "COLUMN,…", value_delimiter = ',')]
+    pub(crate) columns: Vec<String>,
+    /// Significant digits of numbers, but for p values [default: as many as their uncertainty allows]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=15))]
+    pub(crate) digits: Option<u8>,
 }
 
 /// The formats of a table that are text, by the extensions of their files.
@@ -89,8 +95,22 @@ pub(crate) fn table(root: &Path, command: &TableArgs, screen: &Screen) -> anyhow
             bail!("{} has no table '{name}' that can be read", command.study);
         }
     };
+    if command.digits.is_some() && command.format.is_for_programs() {
+        bail!(
+            "{} has every digit: leave --digits out, or choose another --format",
+            command.format.about()
+        );
+    }
+    let wording = Wording { digits: command.digits.map(usize::from), ..Wording::of(&data.study) };
     let wanted = [(command.format, Path::new(name))];
-    for bytes in plan::write_table(&table, &wanted, &Wording::of(&data.study), &BTreeMap::new())? {
+    let printed = match command.columns.as_slice() {
+        [] => plan::write_table(&table, &wanted, &wording, &BTreeMap::new())?,
+        columns => {
+            let table = table.with_columns(columns)?;
+            table.to_bytes(&table, &wanted, &wording, &BTreeMap::new())?
+        }
+    };
+    for bytes in printed {
         screen.file(&String::from_utf8(bytes)?);
     }
     Ok(Exit::Fine)
