@@ -116,6 +116,11 @@ impl Primary {
         }
     }
 
+    /// Whether there is more than one.
+    pub fn are_several(&self) -> bool {
+        self.metrics().len() > 1
+    }
+
     /// Whether the metric of that name is one of them.
     pub fn has(&self, metric: &str) -> bool {
         self.metrics().iter().any(|own| own.as_str() == metric)

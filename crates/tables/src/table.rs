@@ -2,7 +2,9 @@
 
 use crate::TableError;
 use crate::unit::split_unit;
-use zwidth_results::{Column, Field, ModelRun, ModelSample, NoteKind, Row, Type, Values};
+use zwidth_results::{
+    Column, Field, ModelRun, ModelSample, NoteKind, Row, Type, UNIT_OF_ROW, Values,
+};
 
 /// The mark below every table made from simulated data, as on every such figure.
 pub const SYNTHETIC: &str = "SYNTHETIC: simulated, not measured.";
@@ -218,15 +220,23 @@ impl Table {
     }
 
     /// The table with these columns alone, in this order, each by its name or its stem (see
-    /// [`column_of`](Self::column_of)).
+    /// [`column_of`](Self::column_of)). Numbers in the unit of their row bring its metric and unit along.
     ///
     /// # Errors
     /// A column that is not there; one that is named twice.
     pub fn with_columns(&self, names: &[String]) -> Result<Self, TableError> {
         let columns = names.iter().map(|name| Ok(self.column_of(name)?.clone()));
-        let chosen =
-            Self::new(&self.name, &self.title, columns.collect::<Result<_, TableError>>()?)?;
-        Ok(chosen.with_notes_of(self))
+        let mut columns: Vec<Column> = columns.collect::<Result<_, TableError>>()?;
+        let place = |columns: &[Column], name| columns.iter().position(|c| c.field.name == name);
+        if columns.iter().any(|c| c.field.unit == UNIT_OF_ROW) && place(&columns, "unit").is_none()
+        {
+            let metric = place(&columns, "metric");
+            columns.insert(metric.map_or(0, |metric| metric + 1), self.column("unit")?.clone());
+            if metric.is_none() {
+                columns.splice(0..0, self.column("metric").ok().cloned());
+            }
+        }
+        Ok(Self::new(&self.name, &self.title, columns)?.with_notes_of(self))
     }
 
     /// Number of rows.

@@ -32,7 +32,7 @@ impl About {
             confidence: study.analysis.confidence,
             modes: study.modes.clone(),
             has_reference: study.channels.iter().any(|channel| channel.id.as_str() == REFERENCE),
-            has_several_primary: study.compare.primary.metrics().len() > 1,
+            has_several_primary: study.compare.primary.are_several(),
         }
     }
 }

@@ -29,7 +29,7 @@ impl Primaries {
     pub fn of(study: &Study) -> Self {
         match &study.compare {
             compare if !compare.is_primary_named => Self::ByDefault,
-            compare if compare.primary.metrics().len() > 1 => Self::Several,
+            compare if compare.primary.are_several() => Self::Several,
             _ => Self::Named,
         }
     }

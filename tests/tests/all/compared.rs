@@ -53,6 +53,15 @@ fn a_table_is_printed_with_the_columns_and_digits_that_are_asked_for() {
     let lines: Vec<&str> = csv.out.lines().collect();
     assert_eq!(lines[0], "contrast,difference_n,synthetic");
     assert!(lines[1].starts_with("hybrid − active,0.9508"), "{}", csv.out);
+    // The unit of these depends on the row: without it the number would be of no unit.
+    let table = "table thesis-twin comparison --columns contrast,difference";
+    let of_rows = zwidth_line(root.path(), table).exits(0);
+    of_rows.prints(&[
+        "| metric | contrast | difference |",
+        "| wall past max (°) | Hybrid − Active | −5.1",
+    ]);
+    let csv = zwidth_line(root.path(), &format!("{table},metric --format csv")).exits(0);
+    assert_eq!(csv.out.lines().next(), Some("contrast,difference,metric,unit,synthetic"));
     ran("--columns differing").exits(1).says(&["has no column 'differing'; it has"]);
     ran("--columns contrast,contrast").exits(1).says(&["contrast"]);
     ran("--digits 3 --format csv").exits(1).says(&["leave --digits out"]);

@@ -148,7 +148,7 @@ pub(crate) fn preregistered(data: &StudyData, compared: &[String]) -> Option<Pre
     let primary = &data.study.compare.primary;
     if let Some(planned) = content["metric"].as_str().filter(|metric| !primary.has(metric)) {
         let names: Vec<&str> = primary.metrics().iter().map(|metric| metric.as_str()).collect();
-        let are = if names.len() > 1 { "metrics are" } else { "metric is" };
+        let are = if primary.are_several() { "metrics are" } else { "metric is" };
         deviations.push(format!(
             "the power was computed for {planned}, and the primary {are} {}",
             names.join(", ")
@@ -158,7 +158,7 @@ pub(crate) fn preregistered(data: &StudyData, compared: &[String]) -> Option<Pre
         let lacking =
             primary.metrics().iter().filter(|metric| !compared.contains(&metric.to_string()));
         deviations.extend(lacking.map(|metric| {
-            let the = if primary.metrics().len() > 1 { "a" } else { "the" };
+            let the = if primary.are_several() { "a" } else { "the" };
             format!("{the} primary metric, {metric}, could not be compared")
         }));
     }

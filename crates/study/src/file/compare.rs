@@ -137,7 +137,7 @@ impl Check<'_> {
 
 /// The claims of several primary metrics are one family: any of them can be wrong by chance.
 fn default_families(primary: &Primary) -> Families {
-    if primary.metrics().len() > 1 { Families::Study } else { Families::Metric }
+    if primary.are_several() { Families::Study } else { Families::Metric }
 }
 
 /// The last of `modes` against each other one, in their order.

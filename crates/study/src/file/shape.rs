@@ -182,7 +182,7 @@ pub(super) struct CompareTable {
 }
 
 /// A metric or a list of metrics. By hand, because an untagged enum does not say what is wrong with an id.
-fn one_or_several<'de, D: Deserializer<'de>>(of: D) -> Result<Option<Primary>, D::Error> {
+fn one_or_several<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Primary>, D::Error> {
     struct OneOrSeveral;
 
     impl<'de> Visitor<'de> for OneOrSeveral {
@@ -205,7 +205,7 @@ fn one_or_several<'de, D: Deserializer<'de>>(of: D) -> Result<Option<Primary>, D
         }
     }
 
-    of.deserialize_any(OneOrSeveral).map(Some)
+    deserializer.deserialize_any(OneOrSeveral).map(Some)
 }
 
 #[derive(Serialize, Deserialize, Clone, Copy, PartialEq)]

@@ -24,7 +24,7 @@ pub(crate) struct TableArgs {
     /// Only these columns, in this order, by their names in the CSV form, with or without the unit
     #[arg(long, value_name = "COLUMN,…", value_delimiter = ',')]
     pub(crate) columns: Vec<String>,
-    /// Significant digits of numbers, but for p values [default: as many as their uncertainty allows]
+    /// Significant digits of numbers, but for p values [default: as many as their uncertainty allows, where that is shown]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=15))]
     pub(crate) digits: Option<u8>,
 }

@@ -50,19 +50,19 @@ fn compared(study: &Study, recorded: &Recorded) -> String {
         [] => String::new(),
         others => format!(" Exploratory measures were {}.", others.join("; ")),
     };
-    let (mut there, mut missing) = (Vec::new(), Vec::new());
+    let (mut existing, mut missing) = (Vec::new(), Vec::new());
     for metric in primary.metrics() {
         let is_compared = recorded.compared.iter().any(|name| name == metric.as_str());
-        let list = if is_compared { &mut there } else { &mut missing };
+        let list = if is_compared { &mut existing } else { &mut missing };
         list.push(recorded.in_words(metric.as_str()));
     }
-    let measures = match there.as_slice() {
+    let measures = match existing.as_slice() {
         [] => String::new(),
         [one] => format!(" The primary measure was {one}."),
         several => format!(" The primary measures were {}.", several.join("; ")),
     };
     let missing = missing.iter().map(|words| {
-        let the = if primary.metrics().len() == 1 { "The" } else { "A" };
+        let the = if primary.are_several() { "A" } else { "The" };
         format!(" {the} primary measure ({words}) does not exist in these data.")
     });
     format!(
@@ -125,7 +125,7 @@ fn effects(sizes: &[EffectSize], cited: &mut Cited) -> String {
 
 fn claims(study: &Study, recorded: &Recorded, cited: &mut Cited) -> String {
     let compare = &study.compare;
-    let has_several = compare.primary.metrics().len() > 1;
+    let has_several = compare.primary.are_several();
     let family = match compare.families {
         Families::Study if has_several => "of all primary measures over all environments",
         Families::Metric | Families::Study => "over all environments",
