@@ -25,6 +25,7 @@ pub(crate) fn data() -> StudyData {
         layout: Layout::new(Path::new("."), "demo".parse().unwrap()),
         trials: vec![entry(1), entry(2)],
         study,
+        people: zwidth_study::People::default(),
         sweeps: Vec::new(),
         sessions: Vec::new(),
         problems: Vec::new(),

@@ -45,7 +45,7 @@ impl std::fmt::Display for StudyChange {
 }
 
 /// The lists of a study, whose elements have ids.
-const LISTS: [&str; 4] = ["environments", "modes", "questions", "channels"];
+const LISTS: [&str; 5] = ["environments", "modes", "questions", "channels", "people"];
 
 /// Every value that differs between two versions of a study, by key. Empty if the two are equal: a
 /// file whose bytes differ all the same differs in comments and form alone.
@@ -121,6 +121,7 @@ fn affects(key: &str) -> Affects {
         | ["analysis", ..]
         | ["compare", ..]
         | ["perception", ..]
+        | ["people", ..]
         | ["replay", ..]
         | ["figures" | "scenes", ..] => Affects::Nothing,
         ["environments" | "modes", _, "label"]

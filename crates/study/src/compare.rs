@@ -1,7 +1,7 @@
 //! What a study compares: contrasts of modes, metrics, what difference would matter.
 
 use crate::words::words;
-use crate::{IdError, MetricId, ModeId};
+use crate::{IdError, LevelId, MetricId, ModeId, PersonColumnId};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt;
@@ -31,6 +31,12 @@ pub struct Compare {
     pub families: Families,
     /// Sizes of differences without unit that are given, each once.
     pub effect_sizes: Vec<EffectSize>,
+    /// The groups of people that are compared.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub groups: Option<GroupsCompared>,
+    /// Numbers of people with which differences between modes may change.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub covariates: Vec<PersonColumnId>,
 }
 
 /// The difference of two modes: `mode` − `against`.
@@ -60,6 +66,44 @@ impl FromStr for Contrast {
         // Without the sign the second text is empty, which is no id: that is the error.
         let (mode, against) = text.split_once(Self::MINUS).unwrap_or((text, ""));
         Ok(Self { mode: mode.parse()?, against: against.parse()? })
+    }
+}
+
+/// `[compare]` of a study whose people are of several groups.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct GroupsCompared {
+    /// The column of people whose levels are the groups.
+    pub column: PersonColumnId,
+    /// The groups, in the order of `study.toml`.
+    pub levels: Vec<LevelId>,
+    /// Whether chance chose everybody's group.
+    pub assigned: bool,
+    /// Pairs of groups; by default each later group against the first one.
+    pub contrasts: Vec<GroupContrast>,
+}
+
+/// The difference of two groups of people: `group` − `against`.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+pub struct GroupContrast {
+    /// The group that is compared.
+    pub group: LevelId,
+    /// The group that it is compared with.
+    pub against: LevelId,
+}
+
+impl fmt::Display for GroupContrast {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}{}{}", self.group, Contrast::MINUS, self.against)
+    }
+}
+
+impl FromStr for GroupContrast {
+    type Err = IdError;
+
+    fn from_str(text: &str) -> Result<Self, IdError> {
+        // Without the sign the second text is empty, which is no id: that is the error.
+        let (group, against) = text.split_once(Contrast::MINUS).unwrap_or((text, ""));
+        Ok(Self { group: group.parse()?, against: against.parse()? })
     }
 }
 

@@ -169,6 +169,10 @@ ids! {
     QuestionId = "question", unless refused;
     /// A channel of a study: a column of its trial files.
     ChannelId = "channel", unless refused_as_column;
+    /// A column of people, such as `group`.
+    PersonColumnId = "column", unless refused_as_column;
+    /// A level of a column of people, such as `expert`.
+    LevelId = "level", unless refused;
     /// A metric, by the name of its column: it ends in its unit.
     MetricId = "metric", unless refused_as_metric;
     /// An actuator or sensor that was characterised, such as `motor`.

@@ -21,6 +21,7 @@ mod law;
 mod locate;
 mod model;
 pub mod order;
+mod people;
 mod perception;
 mod printable;
 mod replay;
@@ -38,15 +39,17 @@ mod words;
 pub use answer::{AnswerValue, NoAnswer};
 pub use calibration::{Basis, Calibration, CalibrationError, Characteristic};
 pub use changes::{Affects, StudyChange, study_changes};
-pub use compare::{Better, Bound, Compare, Contrast, EffectSize, Families, Primary};
+pub use compare::{
+    Better, Bound, Compare, Contrast, EffectSize, Families, GroupContrast, GroupsCompared, Primary,
+};
 pub use control::{Control, VelocityFilter};
 pub use counted::counted;
 pub use event::{Event, Given, Moment, SealedTrial};
 pub use figures::{Alignment, Figures, OwnFigures};
 pub use form::{CURRENT_BRAKE, CURRENT_MOTOR, Channel, REFERENCE, Schema, TrialForm};
 pub use id::{
-    ActuatorId, ChannelId, EnvironmentId, ExperimenterId, IdError, MetricId, ModeId, ParticipantId,
-    QuestionId, SceneFigureId, SessionId, StudyId,
+    ActuatorId, ChannelId, EnvironmentId, ExperimenterId, IdError, LevelId, MetricId, ModeId,
+    ParticipantId, PersonColumnId, QuestionId, SceneFigureId, SessionId, StudyId,
 };
 pub use label::{contrast_label, in_a_sentence};
 pub use law::{ActuatorKind, ModeLaw};
@@ -55,6 +58,7 @@ pub use model::{
     Analysis, Condition, Coordinate, Design, Device, Environment, Masses, Mode, OrderScheme,
     Question, Resistances, Study,
 };
+pub use people::{Known, People, PeopleForm, Person, PersonColumn, PersonValue};
 pub use perception::{Measured, Perception, VibrationCurve, is_felt};
 pub use printable::{printable, printable_lines};
 pub use replay::ReplayModel;

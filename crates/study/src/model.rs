@@ -2,7 +2,7 @@
 
 use crate::{
     ActuatorKind, AnswerScale, Channel, Compare, Control, EnvironmentId, Figures, ModeId, ModeLaw,
-    Perception, QuestionId, ReplayModel, Scene, SceneFigure, Schema, StudyId,
+    Perception, PersonColumn, QuestionId, ReplayModel, Scene, SceneFigure, Schema, StudyId,
 };
 use serde::{Deserialize, Serialize};
 
@@ -47,6 +47,8 @@ pub struct Study {
     pub schema: Schema,
     /// The study's own quantities per sample, in the order of the file.
     pub channels: Vec<Channel>,
+    /// The columns of the participants' file, in the order of the file.
+    pub people: Vec<PersonColumn>,
 }
 
 impl Study {

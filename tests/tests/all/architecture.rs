@@ -30,7 +30,7 @@ const CONFINED: [(&str, &[&str]); 10] = [
     ("zwidth-arrow", &["crates/store", "crates/tables", "crates/import"]),
     ("parquet", &["crates/store", "crates/import"]),
     ("polars", &["crates/frames"]),
-    ("csv", &["crates/import"]),
+    ("csv", &["crates/import", "crates/study"]),
     ("plotters", &["crates/draw"]),
     ("serialport", &["crates/link"]),
     ("clap", &["crates/zwidth"]),

@@ -1,7 +1,7 @@
 //! Where everything is under the root (`docs/data.md`, "Layout").
 
 use std::path::{Path, PathBuf};
-use zwidth_study::{ActuatorId, ParticipantId, SessionId, StudyId};
+use zwidth_study::{ActuatorId, ParticipantId, PeopleForm, SessionId, StudyId};
 
 /// The three data folders under one root, for one study.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -44,6 +44,14 @@ impl Layout {
     /// The study's `study.toml`.
     pub fn study_toml(&self) -> PathBuf {
         self.raw().join("study.toml")
+    }
+
+    /// The study's participants' file, in the form that it has.
+    pub fn people(&self, form: PeopleForm) -> PathBuf {
+        self.raw().join(match form {
+            PeopleForm::Toml => "participants.toml",
+            PeopleForm::Csv => "participants.csv",
+        })
     }
 
     /// The tree that holds trial files and nothing else.

@@ -11,13 +11,15 @@ use crate::judge::fit::unfit;
 use crate::judge::laid::study_warning;
 use crate::judge::logged_sweeps::logged_sweeps;
 use crate::judge::one_form::other_forms;
+use crate::judge::people::read_people;
 use crate::judge::sessions::{join, keep, read_sessions, why_sealed};
 use crate::{Entry, Files, Layout, RealFiles, Seen, StoreError, hex_blake3};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use zwidth_study::{
-    AnswerValue, Condition, Event, Kind, ParticipantId, QuestionId, SessionId, SessionRecord, Study,
+    AnswerValue, Condition, Event, Kind, ParticipantId, People, QuestionId, SessionId,
+    SessionRecord, Study,
 };
 
 /// One answer that counts.
@@ -57,6 +59,8 @@ pub struct StudyData {
     pub layout: Layout,
     /// The plan.
     pub study: Study,
+    /// What is known of its people.
+    pub people: People,
     /// Every readable trial, by participant, session and number.
     pub trials: Vec<TrialEntry>,
     /// Every sweep, by actuator and number.
@@ -84,8 +88,8 @@ impl StudyData {
     /// Reads the study: its `study.toml`, all footers, sessions and events. Samples are not read.
     ///
     /// # Errors
-    /// A missing or wrong `study.toml`, one error per finding, and after them all other findings.
-    /// If that file is whole, unreadable files are left out and listed in `problems`.
+    /// A missing or wrong `study.toml`, a wrong participants' file, one error per finding, and after
+    /// them all other findings. If these are whole, unreadable files are left out and listed in `problems`.
     pub fn load(layout: &Layout) -> Result<Self, Vec<StoreError>> {
         Self::load_seen(&Seen::of(layout), layout)
     }
@@ -130,6 +134,10 @@ impl StudyData {
             Ok(read) => read,
             Err(findings) => return Err([findings, problems].concat()),
         };
+        let people = match read_people(files, layout, &study) {
+            Ok(people) => people,
+            Err(findings) => return Err([findings, problems].concat()),
+        };
         // After `join`: the modes of sealed trials are codes, which study.toml does not have.
         problems.extend(trials.iter_mut().filter_map(|trial| unfit(&study, trial)));
         let changed =
@@ -141,6 +149,7 @@ impl StudyData {
         let data = Self {
             layout,
             study,
+            people,
             trials,
             sweeps,
             sessions,

@@ -5,6 +5,7 @@ use crate::form::columns::LONG;
 use crate::form::journaled::DAMAGED;
 use crate::form::read::{OpenColumns, read_whole_trial};
 use crate::form::sweep::read_sweep_from;
+use crate::judge::people::people_findings;
 use crate::judge::plausible::Asked;
 use crate::judge::samples::{Check, check_samples, import_findings, within_limits};
 use crate::judge::study::check_folders;
@@ -91,6 +92,13 @@ pub fn findings(files: &dyn Files, data: &StudyData) -> Findings {
     findings.left_out.splice(0..0, data.problems.iter().cloned());
     findings.with_care.splice(0..0, data.warnings.iter().cloned());
     findings.with_care.extend(data.sessions.iter().flat_map(|s| session(data, s)));
+    findings.with_care.extend(people_findings(
+        files,
+        &data.layout,
+        &data.study,
+        &data.people,
+        &data.counting().map(|trial| &trial.meta.participant).collect(),
+    ));
     findings.with_care.extend(against_plan(data));
     findings
 }

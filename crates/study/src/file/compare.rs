@@ -1,10 +1,11 @@
 //! `[compare]` of a `study.toml`: its defaults, its checks, and the way back.
 
 use super::check::Check;
+use super::people::chosen_contrasts;
 use super::shape::{BoundTable, CompareTable};
 use crate::{
-    Analysis, Bound, Compare, Contrast, EffectSize, Families, MetricId, Mode, ModeId, Primary,
-    Study,
+    Analysis, Bound, Compare, Contrast, EffectSize, Families, MetricId, Mode, ModeId, PersonColumn,
+    Primary, Study,
 };
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -13,6 +14,7 @@ impl Check<'_> {
         &mut self,
         table: CompareTable,
         modes: &[Mode],
+        people: &[PersonColumn],
         analysis: &Analysis,
     ) -> Compare {
         let is_primary_named = table.primary.is_some();
@@ -36,6 +38,7 @@ impl Check<'_> {
             let problem = format!("'{metric}' is not compared; add it to compare.metrics");
             self.error(&format!("compare.better.{metric}"), problem);
         }
+        self.covariates(&table.covariates, people);
         let bounds = table.bounds.iter().map(|(m, b)| (m.clone(), self.bound(m, b, compared(m))));
         Compare {
             bounds: bounds.collect(),
@@ -51,6 +54,8 @@ impl Check<'_> {
             alpha,
             level,
             effect_sizes: self.effect_sizes(table.effect_sizes),
+            groups: self.groups(table.groups, table.group_contrasts, people),
+            covariates: table.covariates,
         }
     }
 
@@ -64,29 +69,40 @@ impl Check<'_> {
     }
 
     fn contrasts(&mut self, pairs: Vec<[ModeId; 2]>, modes: &[Mode]) -> Vec<Contrast> {
-        let ids: Vec<&str> = modes.iter().map(|m| m.id.as_str()).collect();
         if pairs.is_empty() {
             let problem =
                 "the list is empty; leave it out for the last mode against each other one";
             self.error("compare.contrasts", problem);
         }
+        let ids: Vec<ModeId> = modes.iter().map(|mode| mode.id.clone()).collect();
+        self.pairs("compare.contrasts", "mode", &pairs, &ids);
+        pairs.into_iter().map(|[mode, against]| Contrast { mode, against }).collect()
+    }
+
+    /// Pairs of modes or groups: of two that there are, each pair once.
+    pub(super) fn pairs<T: Ord + ToString>(
+        &mut self,
+        list: &str,
+        what: &str,
+        pairs: &[[T; 2]],
+        ids: &[T],
+    ) {
         let mut seen = BTreeSet::new();
-        for (i, [mode, against]) in pairs.iter().enumerate() {
-            let key = format!("compare.contrasts[{i}]");
-            let unknown = [mode, against].into_iter().find(|m| !ids.contains(&m.as_str()));
-            let pair = if mode < against { (mode, against) } else { (against, mode) };
-            let problem = if let Some(unknown) = unknown {
-                format!("there is no mode '{unknown}'; there are {}", ids.join(", "))
-            } else if mode == against {
-                format!("compares '{mode}' with itself; name two modes")
-            } else if !seen.insert(pair) {
-                format!("'{mode}' and '{against}' stand twice; one contrast of two modes is enough")
+        for (i, [first, second]) in pairs.iter().enumerate() {
+            let [one, other] = [first, second].map(T::to_string);
+            let unknown = [first, second].into_iter().find(|id| !ids.contains(id));
+            let problem = if let Some(unknown) = unknown.map(T::to_string) {
+                let ids: Vec<String> = ids.iter().map(T::to_string).collect();
+                format!("there is no {what} '{unknown}'; there are {}", ids.join(", "))
+            } else if first == second {
+                format!("compares '{one}' with itself; name two {what}s")
+            } else if !seen.insert([first.min(second), first.max(second)]) {
+                format!("'{one}' and '{other}' stand twice; one contrast of two {what}s is enough")
             } else {
                 continue;
             };
-            self.error(&key, problem);
+            self.error(&format!("{list}[{i}]"), problem);
         }
-        pairs.into_iter().map(|[mode, against]| Contrast { mode, against }).collect()
     }
 
     /// The primary metrics and the others: each once.
@@ -176,6 +192,9 @@ pub(super) fn table(study: &Study) -> CompareTable {
             .then(|| compare.effect_sizes.clone()),
         bounds,
         better: compare.better.clone(),
+        groups: compare.groups.as_ref().map(|groups| groups.column.clone()),
+        group_contrasts: compare.groups.as_ref().and_then(chosen_contrasts),
+        covariates: compare.covariates.clone(),
     }
 }
 

@@ -4,6 +4,7 @@ mod check;
 mod compare;
 mod environment;
 mod figures;
+mod people;
 mod perception;
 mod questions;
 mod read;

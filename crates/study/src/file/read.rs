@@ -169,7 +169,8 @@ impl Check<'_> {
         }
         let labels: Vec<&str> = file.modes.iter().map(|mode| mode.label.as_str()).collect();
         let analysis = self.analysis(&file.analysis, coordinate);
-        let compare = self.compare(file.compare, &file.modes, &analysis);
+        let people = self.people(file.people);
+        let compare = self.compare(file.compare, &file.modes, &people, &analysis);
         Study {
             id: file.study.id,
             title: file.study.title,
@@ -196,6 +197,7 @@ impl Check<'_> {
             questions: self.questions(file.questions, &labels),
             schema,
             channels: file.channels,
+            people,
             analysis,
             compare,
             perception: self.perception(file.perception),
@@ -217,7 +219,7 @@ impl Check<'_> {
             }
         }
         self.at_most_listed(list, count);
-        if count == 0 && !["questions", "channels", "scenes"].contains(&list) {
+        if count == 0 && !["questions", "channels", "scenes", "people"].contains(&list) {
             self.error(list, "the list is empty; a study needs at least one");
         }
     }

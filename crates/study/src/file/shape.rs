@@ -2,9 +2,10 @@
 //! nothing for `None`: such a key is not written.
 
 use super::environment::EnvironmentTable;
+use super::people::PersonColumnTable;
 use super::perception::PerceptionTable;
 use crate::model::{Analysis, Design, Mode, Resistances};
-use crate::{AnswerScale, Better, MetricId, ModeId, QuestionId, StudyId};
+use crate::{AnswerScale, Better, LevelId, MetricId, ModeId, PersonColumnId, QuestionId, StudyId};
 use crate::{
     Channel, Control, EffectSize, Families, Primary, ReplayModel, SceneFigure, VelocityFilter,
 };
@@ -51,6 +52,8 @@ pub(super) struct File {
     pub(super) questions: Vec<QuestionTable>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(super) channels: Vec<Channel>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(super) people: Vec<PersonColumnTable>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -179,6 +182,10 @@ pub(super) struct CompareTable {
     pub(super) effect_sizes: Option<Vec<EffectSize>>,
     pub(super) bounds: BTreeMap<MetricId, BoundTable>,
     pub(super) better: BTreeMap<MetricId, Better>,
+    pub(super) groups: Option<PersonColumnId>,
+    pub(super) group_contrasts: Option<Vec<[LevelId; 2]>>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(super) covariates: Vec<PersonColumnId>,
 }
 
 /// A metric or a list of metrics. By hand, because an untagged enum does not say what is wrong with an id.

@@ -1,6 +1,7 @@
 //! From a study back to the text of its `study.toml`.
 
 use super::environment::EnvironmentTable;
+use super::people::PersonColumnTable;
 use super::shape::*;
 use super::units::{MILLI, decimal, degrees};
 use crate::model::{Analysis, Coordinate, Study};
@@ -59,6 +60,7 @@ impl From<&Study> for File {
             modes: s.modes.clone(),
             questions: s.questions.iter().map(QuestionTable::of).collect(),
             channels: s.channels.clone(),
+            people: s.people.iter().map(PersonColumnTable::of).collect(),
         }
     }
 }

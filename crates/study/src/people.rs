@@ -1,0 +1,80 @@
+//! What is known of the people of a study: columns that `study.toml` names, values of the participants'
+//! file.
+
+use crate::{LevelId, ParticipantId, PersonColumnId};
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// A column of the participants' file.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct PersonColumn {
+    /// Its name.
+    pub id: PersonColumnId,
+    /// What stands in it.
+    pub known: Known,
+}
+
+/// What a column says of people.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub enum Known {
+    /// One of some levels, such as a group.
+    Level {
+        /// The levels, in the order of `study.toml`.
+        levels: Vec<LevelId>,
+        /// Whether chance chose everybody's level.
+        assigned: bool,
+    },
+    /// A number.
+    Number {
+        /// Its unit.
+        unit: String,
+    },
+}
+
+/// The forms of a participants' file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PeopleForm {
+    /// TOML, a table for each participant.
+    Toml,
+    /// CSV, a line for each participant.
+    Csv,
+}
+
+/// What is known of one person in one column.
+#[derive(Debug, Clone, PartialEq)]
+pub enum PersonValue {
+    /// The level.
+    Level(LevelId),
+    /// The number, in the column's unit.
+    Number(f64),
+}
+
+/// The rows of a participants' file.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct People(pub(crate) BTreeMap<ParticipantId, Person>);
+
+/// A row of the participants' file: what is known of a person. What is not has no entry.
+pub type Person = BTreeMap<PersonColumnId, PersonValue>;
+
+impl People {
+    /// Everybody who has a row, in the order of their codes.
+    pub fn iter(&self) -> impl Iterator<Item = (&ParticipantId, &Person)> {
+        self.0.iter()
+    }
+
+    /// The level of somebody in a column, if it is known.
+    pub fn level(&self, who: &ParticipantId, column: &PersonColumnId) -> Option<&LevelId> {
+        match self.0.get(who)?.get(column)? {
+            PersonValue::Level(level) => Some(level),
+            PersonValue::Number(_) => None,
+        }
+    }
+
+    /// The number of somebody in a column, in its unit, if it is known.
+    pub fn number(&self, who: &ParticipantId, column: &PersonColumnId) -> Option<f64> {
+        match self.0.get(who)?.get(column)? {
+            PersonValue::Number(number) => Some(*number),
+            PersonValue::Level(_) => None,
+        }
+    }
+}
