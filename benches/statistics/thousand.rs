@@ -7,12 +7,15 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Instant;
 use zwidth_compare::{
-    AnswerParameters, DrawnOrder, MetricParameters, Parameters, SessionOrder, compare,
+    AnswerParameters, DrawnOrder, Groups, MetricParameters, Parameters, SessionOrder, compare,
     compare_answers,
 };
 use zwidth_results::{GivenAnswer, Row, TrialKey};
 use zwidth_study::order::{Rules, draw};
-use zwidth_study::{Kind, ParticipantId, PlannedTrial, SessionId, Source, Study, template};
+use zwidth_study::{
+    GroupContrast, GroupsCompared, Kind, ParticipantId, PlannedTrial, SessionId, Source, Study,
+    template,
+};
 use zwidth_tables::{Column, Measured, Table};
 
 const PARTICIPANTS: u32 = 1000;
@@ -60,10 +63,12 @@ pub(crate) fn measure(folder: &Path) -> anyhow::Result<()> {
     std::fs::write(&answers, answered(study, &sat)?.to_parquet(&none, &answers)?)?;
 
     let began = Spent::now();
-    std::hint::black_box(metrics_job(study, &sat, &metrics)?);
+    std::hint::black_box(metrics_job(study, &sat, None, &metrics)?);
     let between = Spent::now();
     std::hint::black_box(answers_job(study, &answers)?);
     let end = Spent::now();
+    std::hint::black_box(metrics_job(study, &sat, Some(halves(&sat)?), &metrics)?);
+    let with_groups = Spent::now();
     let rows = sat.iter().map(|sat| sat.trials.len()).sum::<usize>();
     println!(
         "{} participants × {} trials ({rows} rows), {} metrics, {} threads.\n",
@@ -76,6 +81,13 @@ pub(crate) fn measure(folder: &Path) -> anyhow::Result<()> {
     line("all metrics, tables read and written", began, between, Some(AIMS[0]));
     line("the answers, with their mixed models", between, end, None);
     line("both", began, end, Some(AIMS[1]));
+    let aim = 2.0 * (between.at - began.at).as_secs_f64();
+    line(
+        "all metrics with two groups of people, within 2 × the time without",
+        end,
+        with_groups,
+        Some(aim),
+    );
     Ok(())
 }
 
@@ -197,9 +209,14 @@ fn answered(study: &Study, sat: &[Sat]) -> anyhow::Result<Table> {
 }
 
 /// What the job of the metrics does; the number of bytes of its tables.
-fn metrics_job(study: &Study, sat: &[Sat], file: &Path) -> anyhow::Result<usize> {
+fn metrics_job(
+    study: &Study,
+    sat: &[Sat],
+    groups: Option<Groups>,
+    file: &Path,
+) -> anyhow::Result<usize> {
     let metrics = Measured::read(file, &METRICS.map(|(metric, ..)| metric))?;
-    let found = compare(&metrics, &parameters(study, sat)?)?;
+    let found = compare(&metrics, &Parameters { groups, ..parameters(study, sat)? })?;
     let written = [
         bytes(&found.metrics, file)?,
         bytes(&found.cells, file)?,
@@ -208,6 +225,10 @@ fn metrics_job(study: &Study, sat: &[Sat], file: &Path) -> anyhow::Result<usize>
         bytes(&found.omnibus, file)?,
         bytes(&found.models, file)?,
         bytes(&found.participants, file)?,
+        bytes(&found.groups, file)?,
+        bytes(&found.group_means, file)?,
+        bytes(&found.group_contrasts, file)?,
+        bytes(&found.group_members, file)?,
         bytes(&found.sessions, file)?,
         bytes(&found.learning, file)?,
         bytes(&found.repeats, file)?,
@@ -257,8 +278,24 @@ fn parameters(study: &Study, sat: &[Sat]) -> anyhow::Result<Parameters> {
         alpha: study.compare.alpha,
         level: study.compare.level,
         effect_sizes: study.compare.effect_sizes.clone(),
+        groups: None,
+        covariates: Vec::new(),
         orders: sat.iter().map(order).collect(),
     })
+}
+
+/// Everybody in one of two groups, in turns.
+fn halves(sat: &[Sat]) -> anyhow::Result<Groups> {
+    let levels = vec!["novice".parse()?, "expert".parse()?];
+    let contrast = GroupContrast { group: "expert".parse()?, against: "novice".parse()? };
+    let compared = GroupsCompared {
+        column: "group".parse()?,
+        levels,
+        assigned: false,
+        contrasts: vec![contrast],
+    };
+    let levels_of = sat.iter().enumerate().map(|(i, sat)| (sat.participant.clone(), i % 2));
+    Ok(Groups { compared, levels_of: levels_of.collect() })
 }
 
 /// What the job of the answers does.

@@ -12,24 +12,27 @@ use serde::Serialize;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 use zwidth_compare::{
-    AnswerParameters, DrawnOrder, MetricParameters, Noticed, Parameters, SessionOrder,
+    AnswerParameters, Covariate, DrawnOrder, Groups, MetricParameters, Noticed, Parameters,
+    SessionOrder,
 };
 use zwidth_draw::Figure;
 use zwidth_figures::{
-    ANSWERS_COMPARED, About, AnswersPage, FigureKind, IN_ONE_COLUMN, MODES_COMPARED, MetricResults,
-    PARTICIPANTS_COMPARED, REPEATS_COMPARED, SESSIONS_COMPARED, VERDICTS, VerdictRow,
-    answers_compared, verdict_rows,
+    ANSWERS_COMPARED, About, AnswersPage, FigureKind, GROUPS_COMPARED, IN_ONE_COLUMN,
+    MODES_COMPARED, MetricResults, PARTICIPANTS_COMPARED, REPEATS_COMPARED, SESSIONS_COMPARED,
+    VERDICTS, VerdictRow, answers_compared, verdict_rows,
 };
 use zwidth_results::{
-    AnswerDifference, Cell, Compared, GivenAnswer, Learning, Mean, MetricNote, ModeDifference,
-    Model, Omnibus, OrderTest, PersonDifference, PersonSuperiority, PrintedDifference,
-    RedrawnDifference, RepeatMean, Row, SessionChange,
+    AnswerDifference, AnyGroup, Cell, Compared, CovariateSlope, GivenAnswer, GroupDifference,
+    GroupMean, GroupMember, GroupModeDifference, Learning, Mean, MetricNote, ModeDifference, Model,
+    Omnibus, OrderTest, PersonDifference, PersonSuperiority, PrintedDifference, RedrawnDifference,
+    RepeatMean, Row, SessionChange,
 };
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, Stage};
 use zwidth_store::{Layout, SessionLog, Signal, StudyData};
 use zwidth_study::order::Rules;
 use zwidth_study::{
-    Bound, Coordinate, Environment, Event, Families, IdError, MetricId, Source, Study, is_felt,
+    Bound, Coordinate, Environment, Event, Families, GroupsCompared, IdError, Known, MetricId,
+    PersonColumnId, Source, Study, is_felt,
 };
 use zwidth_tables::{Measured, Table, TableError};
 
@@ -46,15 +49,25 @@ const OTHERS: [&str; 6] = [
     "duration_s",
 ];
 
+/// The tables of a study whose people are of several groups, in the order in which they are read.
+const OF_GROUPS: [&str; 4] =
+    [GroupDifference::NAME, GroupMean::NAME, GroupModeDifference::NAME, AnyGroup::NAME];
+
 /// The results of the stage on metrics: one folder, with a table for each kind of row.
 #[derive(Clone)]
 pub(crate) struct Comparison {
     folder: PathBuf,
+    /// Whether groups of people are compared.
+    pub(crate) has_groups: bool,
+    /// Whether differences are compared over numbers of people.
+    has_covariates: bool,
 }
 
 impl Comparison {
-    fn of(layout: &Layout) -> Self {
-        Self { folder: derived(layout, "compare") }
+    fn of(data: &StudyData) -> Self {
+        let has_groups = data.study.compare.groups.is_some();
+        let has_covariates = !data.study.compare.covariates.is_empty();
+        Self { folder: derived(&data.layout, "compare"), has_groups, has_covariates }
     }
 
     /// The table of rows `R`.
@@ -76,6 +89,18 @@ impl Comparison {
             means: self.table().read_of(metric)?,
             contrasts: self.table().read_of(metric)?,
             participants: self.table().read_of(metric)?,
+            groups: match self.has_groups {
+                true => self.table().read_of(metric)?,
+                false => Vec::new(),
+            },
+            group_means: match self.has_groups {
+                true => self.table().read_of(metric)?,
+                false => Vec::new(),
+            },
+            group_members: match self.has_groups {
+                true => self.table().read()?,
+                false => Vec::new(),
+            },
             sessions: self.table().read_of(metric)?,
             repeats: self.table().read_of(metric)?,
             redrawn: self.table().read_of(metric)?,
@@ -102,7 +127,11 @@ impl Inputs for Comparison {
             RedrawnDifference::NAME,
             MetricNote::NAME,
         ];
-        names.map(|name| self.file(name)).to_vec()
+        let of_groups = OF_GROUPS.iter().filter(|_| self.has_groups);
+        let of_groups =
+            of_groups.chain([&GroupMember::NAME].into_iter().filter(|_| self.has_groups));
+        let of_numbers = [&CovariateSlope::NAME].into_iter().filter(|_| self.has_covariates);
+        names.iter().chain(of_groups).chain(of_numbers).map(|name| self.file(name)).collect()
     }
 }
 
@@ -113,6 +142,8 @@ pub enum By {
     Mode,
     /// Its participants: everybody's differences between modes.
     Participant,
+    /// Its groups of participants.
+    Group,
     /// Its sessions: changes between them.
     Session,
     /// Its repeats: changes from one to the next.
@@ -123,13 +154,17 @@ pub enum By {
 
 /// The tables of a comparison, as they are printed, in the order in which they are read.
 pub fn comparison(data: &StudyData, by: By, metric: &str) -> Vec<Printed> {
-    let tables = Comparison::of(&data.layout);
+    let tables = Comparison::of(data);
     let names = match by {
         By::Answer => {
             return vec![Printed::without_empty_columns(answers_of(&data.layout).0.path())];
         }
         By::Mode => vec![Mean::NAME, ModeDifference::NAME, Omnibus::NAME, OrderTest::NAME],
+        By::Participant if tables.has_covariates => {
+            vec![PersonDifference::NAME, CovariateSlope::NAME]
+        }
         By::Participant => vec![PersonDifference::NAME],
+        By::Group => OF_GROUPS.to_vec(),
         By::Session => vec![SessionChange::NAME],
         By::Repeat => vec![Learning::NAME],
     };
@@ -144,19 +179,28 @@ pub fn spreads(
     data: &StudyData,
     metric: &MetricId,
 ) -> Result<(Vec<ModeDifference>, Vec<Model>), TableError> {
-    let tables = Comparison::of(&data.layout);
+    let tables = Comparison::of(data);
     Ok((tables.table().read_of(metric)?, tables.table().read_of(metric)?))
 }
 
 /// The metrics that are compared: those that trials of this study can have, the primary ones first.
-/// Empty in a study with one mode.
+/// Empty in a study with one mode, unless groups of people are compared.
 pub fn compared(data: &StudyData) -> Vec<String> {
-    if !are_several(data.counting().map(|trial| &trial.meta.mode)) {
+    if !are_several(data.counting().map(|trial| &trial.meta.mode)) && !has_group_differences(data) {
         return Vec::new();
     }
     let mut metrics = requested_metrics(&data.study);
     metrics.retain(|metric| is_possible(data, metric));
     metrics
+}
+
+/// Whether people of several groups took part, and the study compares them.
+pub(crate) fn has_group_differences(data: &StudyData) -> bool {
+    let Some(groups) = &data.study.compare.groups else { return false };
+    are_several(
+        data.counting()
+            .filter_map(|trial| data.people.level(&trial.meta.participant, &groups.column)),
+    )
 }
 
 /// Whether two items differ.
@@ -215,7 +259,10 @@ pub fn claims(study: &Study, metric: &str) -> usize {
         }
         Families::Metric | Families::Study => environments(metric),
     };
-    together * compare.contrasts.len()
+    // Of groups in the mean over modes and in each contrast; in the mode, if there is one.
+    let of_groups = compare.groups.as_ref().map_or(0, |groups| groups.contrasts.len());
+    let effects = if study.modes.len() > 1 { compare.contrasts.len() + 1 } else { 1 };
+    together * (compare.contrasts.len() + of_groups * effects)
 }
 
 /// Remarks on metrics in study.toml that do not exist, and on bounds that have no effect.
@@ -259,7 +306,7 @@ pub fn asked_in_vain(study: &Study) -> Vec<String> {
 
 /// The results on the study's metrics, if any is compared.
 pub(crate) fn of_study(data: &StudyData) -> Option<Comparison> {
-    (!compared(data).is_empty()).then(|| Comparison::of(&data.layout))
+    (!compared(data).is_empty()).then(|| Comparison::of(data))
 }
 
 /// Who took part in a study.
@@ -290,12 +337,20 @@ pub(crate) fn tables(data: &StudyData) -> Vec<Printed> {
     let mut tables = Vec::new();
     if let Some(comparison) = of_study(data) {
         tables.push(Printed::whole(&comparison.file(PrintedDifference::NAME)));
+        let groups = data.study.compare.groups.as_ref().filter(|_| several);
+        let of_groups = groups.is_some();
+        let of_more_groups = groups.is_some_and(|groups| groups.levels.len() > 2);
         let kinds = [
             (true, Mean::NAME),
             (true, ModeDifference::NAME),
             (several, Omnibus::NAME),
             (several, Model::NAME),
             (several, PersonDifference::NAME),
+            (several && comparison.has_covariates, CovariateSlope::NAME),
+            (of_groups, GroupDifference::NAME),
+            (of_groups, GroupMean::NAME),
+            (of_groups, GroupModeDifference::NAME),
+            (of_more_groups, AnyGroup::NAME),
             (several_and_again, SessionChange::NAME),
             (true, Learning::NAME),
             (true, OrderTest::NAME),
@@ -378,11 +433,36 @@ impl Comparing<Parameters> {
             alpha: compare.alpha,
             level: compare.level,
             effect_sizes: compare.effect_sizes.clone(),
+            groups: compare.groups.as_ref().map(|compared| groups(data, compared)),
+            covariates: compare.covariates.iter().map(|column| covariate(data, column)).collect(),
             orders: data.sessions.iter().map(|log| order(log, study)).collect(),
         };
         let simulated = data.counting().any(|trial| trial.meta.source.is_simulated());
         Ok(Self { stage, simulated })
     }
+}
+
+/// The groups of those who took part.
+fn groups(data: &StudyData, compared: &GroupsCompared) -> Groups {
+    let took_part: BTreeSet<_> = data.counting().map(|trial| &trial.meta.participant).collect();
+    let levels_of = took_part.into_iter().filter_map(|who| {
+        let own = data.people.level(who, &compared.column)?;
+        Some((who.clone(), compared.levels.iter().position(|level| level == own)?))
+    });
+    Groups { levels_of: levels_of.collect(), compared: compared.clone() }
+}
+
+/// A number of those who took part.
+fn covariate(data: &StudyData, id: &PersonColumnId) -> Covariate {
+    let column = data.study.people.iter().find(|column| column.id == *id);
+    let unit = match column.map(|column| &column.known) {
+        Some(Known::Number { unit }) => unit.clone(),
+        _ => String::new(),
+    };
+    let took_part: BTreeSet<_> = data.counting().map(|trial| &trial.meta.participant).collect();
+    let numbers = took_part.into_iter();
+    let numbers = numbers.filter_map(|who| Some((who.clone(), data.people.number(who, id)?)));
+    Covariate { column: id.clone(), unit, numbers: numbers.collect() }
 }
 
 /// How the order of a session came about. It was drawn for the study as it was then.
@@ -454,7 +534,7 @@ fn make(
     let metrics = Measured::read(metrics, &compared)?;
     let results = zwidth_compare::compare(&metrics, stage)?;
     let printed = zwidth_compare::together(&results.metrics, &results.contrasts, stage.families)?;
-    let tables = vec![
+    let mut tables = vec![
         table_of(results.metrics)?,
         table_of(results.cells)?,
         table_of(results.means)?,
@@ -470,6 +550,18 @@ fn make(
         table_of(results.redrawn)?,
         table_of(results.notes)?,
     ];
+    if !stage.covariates.is_empty() {
+        tables.push(table_of(results.covariates)?);
+    }
+    if stage.groups.is_some() {
+        tables.extend([
+            table_of(results.groups)?,
+            table_of(results.group_members)?,
+            table_of(results.group_means)?,
+            table_of(results.group_contrasts)?,
+            table_of(results.any_group)?,
+        ]);
+    }
     write_named(tables, making, *simulated)
 }
 
@@ -535,7 +627,7 @@ pub(crate) fn verdict_figures(data: &StudyData) -> Vec<Drawing> {
             metrics: metrics.clone(),
             is_narrow: column.is_some(),
         };
-        let tables = Comparison::of(&data.layout);
+        let tables = Comparison::of(data);
         Drawing::new(data, VERDICTS, column, drawn, tables, draw_verdicts)
             .of(data.counting().count())
     });
@@ -547,7 +639,7 @@ pub(crate) fn verdict_figures(data: &StudyData) -> Vec<Drawing> {
 /// # Errors
 /// Tables that do not exist.
 pub fn verdicts(data: &StudyData) -> Result<Vec<VerdictRow>, JobError> {
-    let tables = Comparison::of(&data.layout);
+    let tables = Comparison::of(data);
     let metrics = compared(data).into_iter().map(|metric| tables.read(&metric.parse()?));
     let metrics = metrics.collect::<Result<Vec<_>, JobError>>()?;
     Ok(verdict_rows(&About::of(&data.study), &data.study.environments, &metrics))
@@ -558,12 +650,14 @@ pub(crate) fn figures(data: &StudyData) -> Vec<Drawing> {
     let Attendance { several, several_and_again } = attendance(data);
     let trials = data.counting().count();
     let sources = trial_sources(data);
-    let tables = Comparison::of(&data.layout);
+    let tables = Comparison::of(data);
     // One repeat shows no learning.
     let repeated = data.study.design.repeats > 1;
-    let kinds: [(bool, FigureKind, Draw); 4] = [
+    let of_groups = has_group_differences(data);
+    let kinds: [(bool, FigureKind, Draw); 5] = [
         (true, MODES_COMPARED, zwidth_figures::modes_compared),
         (several, PARTICIPANTS_COMPARED, zwidth_figures::participants_compared),
+        (of_groups, GROUPS_COMPARED, zwidth_figures::groups_compared),
         (several_and_again, SESSIONS_COMPARED, zwidth_figures::sessions_compared),
         (repeated, REPEATS_COMPARED, zwidth_figures::repeats_compared),
     ];

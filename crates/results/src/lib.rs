@@ -23,6 +23,12 @@
 //! | [`Omnibus`] | metric, environment | `compare` | printed tables |
 //! | [`Model`] | metric, environment, contrast | `compare` | `power` |
 //! | [`PersonDifference`] | metric, environment, contrast, participant | `compare` | figures |
+//! | [`CovariateSlope`] | metric, environment, contrast, covariate | `compare` | printed tables |
+//! | [`GroupMember`] | participant | `compare` | figures |
+//! | [`GroupMean`] | metric, environment, mode, group | `compare` | figures, printed tables |
+//! | [`GroupModeDifference`] | metric, environment, contrast, group | `compare` | printed tables |
+//! | [`GroupDifference`] | metric, environment, effect, groups | `compare` | figures, page, summary |
+//! | [`AnyGroup`] | metric, environment, effect | `compare` | printed tables |
 //! | [`SessionChange`] | metric, environment, mode, sessions | `compare` | figures, summary |
 //! | [`Learning`] | metric, environment, mode | `compare` | printed tables |
 //! | [`RepeatMean`] | metric, environment, mode, repeat | `compare` | figures |
@@ -87,6 +93,7 @@ mod column;
 mod comparison;
 mod figure;
 mod free_motion;
+mod groups;
 mod identification;
 mod ladder;
 mod model_run;
@@ -107,6 +114,7 @@ pub use column::{Column, Field, Scalar, Type, UNIT_OF_ROW, Values};
 pub use comparison::*;
 pub use figure::*;
 pub use free_motion::*;
+pub use groups::*;
 pub use identification::*;
 pub use ladder::*;
 pub use model_run::*;

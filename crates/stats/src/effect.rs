@@ -72,6 +72,13 @@ pub fn d_av(pairs: &[[f64; 2]], level: f64) -> Result<Effect, Unestimable> {
     Ok(Effect { d, g: unbiased(d, df), interval })
 }
 
+/// A tested difference in units of `scatter`, whose variance has `df` degrees of freedom.
+pub(crate) fn standardised(tested: &Tested, scatter: f64, df: f64, level: f64) -> Effect {
+    let d = tested.estimate / scatter;
+    let interval = noncentrality(tested, level).map(|end| end * tested.std_error / scatter);
+    Effect { d, g: unbiased(d, df), interval: Some(interval) }
+}
+
 /// Hedges' g of `d`; see [`Effect::g`].
 fn unbiased(d: f64, df: f64) -> Option<f64> {
     /// Of two people ν is 1, and their covariance leaves its rounding.

@@ -18,6 +18,7 @@ pub mod effect;
 mod error;
 pub mod f_distribution;
 pub mod friedman;
+pub mod groups;
 pub mod hac;
 pub mod holm;
 pub mod incomplete;

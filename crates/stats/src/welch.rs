@@ -31,7 +31,7 @@ pub fn difference(strata: &[[Group; 2]], level: f64) -> Result<Tested, Unestimab
     // Without strata `combined` refuses: the weight is only to be finite.
     let weight = 1.0 / strata.len().max(1) as f64;
     let terms: Vec<_> = strata.iter().flat_map(|[a, b]| [(weight, *a), (-weight, *b)]).collect();
-    combined(&terms, level)
+    combined(&terms, REPEATS, level)
 }
 
 /// The mean over strata of their means, each with the same weight, as [`difference`] has it. Its
@@ -41,21 +41,28 @@ pub fn difference(strata: &[[Group; 2]], level: f64) -> Result<Tested, Unestimab
 /// As those of [`difference`].
 pub fn mean(strata: &[Group], level: f64) -> Result<Tested, Unestimable> {
     let weight = 1.0 / strata.len().max(1) as f64;
-    combined(&strata.iter().map(|group| (weight, *group)).collect::<Vec<_>>(), level)
+    combined(&strata.iter().map(|group| (weight, *group)).collect::<Vec<_>>(), REPEATS, level)
 }
 
-/// Σ wᵢ x̄ᵢ of independent groups.
-fn combined(terms: &[(f64, Group)], level: f64) -> Result<Tested, Unestimable> {
+/// How errors call the values of a group that is a person's condition.
+const REPEATS: &str = "repeats of a condition";
+
+/// Σ wᵢ x̄ᵢ of independent groups of `units`.
+pub(crate) fn combined(
+    terms: &[(f64, Group)],
+    units: &'static str,
+    level: f64,
+) -> Result<Tested, Unestimable> {
     check_level(level)?;
     let fewest = terms.iter().map(|(_, group)| group.n).min().unwrap_or(0);
-    at_least("repeats of a condition", fewest, 2)?;
+    at_least(units, fewest, 2)?;
     let estimate: f64 = terms.iter().map(|(weight, group)| weight * group.mean).sum();
     let shares: Vec<f64> = terms
         .iter()
         .map(|(weight, group)| weight * weight * group.sd * group.sd / group.n as f64)
         .collect();
     let variance: f64 = shares.iter().sum();
-    not_constant("repeats of a condition", variance <= 0.0)?;
+    not_constant(units, variance <= 0.0)?;
     let groups = shares.iter().zip(terms);
     let spent = groups.map(|(share, (_, group))| share * share / (group.n - 1) as f64);
     let df = variance * variance / spent.sum::<f64>();

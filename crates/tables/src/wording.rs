@@ -76,6 +76,10 @@ impl Wording {
         match column {
             "environment" => label(&self.environments, text).unwrap_or(text).into(),
             "mode" => label(&self.modes, text).unwrap_or(text).into(),
+            "effect" => match label(&self.modes, text) {
+                Some(label) => label.into(),
+                None => self.contrast(text).map_or_else(|| id(text), Cow::from),
+            },
             "metric" => self.metric(text),
             column if AS_THEY_ARE.contains(&column) => text.into(),
             _ => self.contrast(text).map_or_else(|| id(text), Cow::from),

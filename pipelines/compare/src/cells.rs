@@ -99,6 +99,21 @@ impl Cells {
         self.cells.iter().filter(move |c| (c.environment, c.mode) == (environment, mode))
     }
 
+    /// Everybody's mean over sessions in one condition, by the place of the participant.
+    pub(crate) fn people_in(
+        &self,
+        environment: usize,
+        mode: usize,
+    ) -> impl Iterator<Item = (usize, f64)> {
+        let with: Vec<&Cell> =
+            self.of_condition(environment, mode).filter(|cell| cell.mean.is_some()).collect();
+        let people = with.chunk_by(|a, b| a.participant == b.participant).map(|sessions| {
+            let sum = sessions.iter().filter_map(|cell| cell.mean).sum::<f64>();
+            (sessions[0].participant, sum / sessions.len() as f64)
+        });
+        people.collect::<Vec<_>>().into_iter()
+    }
+
     /// The cells by their names.
     pub(crate) fn rows(&self, measure: &Measure, parameters: &Parameters) -> Vec<results::Cell> {
         let rows = self.cells.iter().map(|cell| results::Cell {

@@ -12,6 +12,10 @@
 //! and claims rest on randomisation over the orders that the design could have drawn; Welch's
 //! interval (sessions as strata) is given beside it as a description.
 //!
+//! Where people are of several groups, each group has the same weight in such a difference, with
+//! Satterthwaite's degrees of freedom, and groups differ by Welch's test: in people's mean over modes, and in
+//! their differences between modes. A claim takes four people in each group.
+//!
 //! # Families
 //! The contrasts of the primary metric over all environments are one family of claims, adjusted
 //! after Holm; so are those of several primary metrics together. Every other metric is a family of its
@@ -19,10 +23,13 @@
 
 mod answers;
 mod cells;
+mod claim;
 mod contrasts;
+mod covariates;
 mod differences;
 mod drawn;
 mod error;
+mod groups;
 mod learning;
 mod means;
 mod measure;
@@ -36,6 +43,7 @@ mod preregistered;
 mod quantity;
 mod repeats;
 mod sessions;
+mod split;
 #[cfg(test)]
 mod tests;
 mod together;
@@ -44,24 +52,27 @@ mod trials;
 pub use answers::{AnswerParameters, AnswersCompared, answers_table, compare_answers};
 pub use drawn::{DrawnOrder, SessionOrder};
 pub use error::CompareError;
-pub use parameters::{MetricParameters, Noticed, Parameters};
+pub use parameters::{Covariate, Groups, MetricParameters, Noticed, Parameters};
 pub use preregistered::Preregistered;
 pub use together::together;
 
 use cells::Cells;
+use claim::{Claim, judge};
 use measure::Measure;
 use orders::SharpNull;
 use rayon::prelude::*;
+use split::Split;
 use trials::Trials;
 use zwidth_results::{
-    Cell, Compared, Learning, Mean, MetricNote, ModeDifference, Model, Omnibus, OrderTest,
+    AnyGroup, Cell, Compared, CovariateSlope, GroupDifference, GroupMean, GroupMember,
+    GroupModeDifference, Learning, Mean, MetricNote, ModeDifference, Model, Omnibus, OrderTest,
     PersonDifference, RedrawnDifference, RepeatMean, Role, SessionChange, UnitOfAnalysis,
 };
 use zwidth_study::Families;
 use zwidth_tables::Measured;
 
 /// Version of the algorithms here: a change of any number they give raises it.
-pub const VERSION: u32 = 14;
+pub const VERSION: u32 = 15;
 
 /// All metrics compared, one after the other.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -80,6 +91,18 @@ pub struct Comparison {
     pub models: Vec<Model>,
     /// Each participant's differences.
     pub participants: Vec<PersonDifference>,
+    /// Differences between modes over numbers of people.
+    pub covariates: Vec<CovariateSlope>,
+    /// Who is of which group.
+    pub group_members: Vec<GroupMember>,
+    /// Means of groups by condition.
+    pub group_means: Vec<GroupMean>,
+    /// Differences between modes within groups.
+    pub group_contrasts: Vec<GroupModeDifference>,
+    /// Differences between groups.
+    pub groups: Vec<GroupDifference>,
+    /// Whether any group differs from another.
+    pub any_group: Vec<AnyGroup>,
     /// Changes between sessions.
     pub sessions: Vec<SessionChange>,
     /// Changes from repeat to repeat.
@@ -106,15 +129,21 @@ pub fn compare(metrics: &Measured, parameters: &Parameters) -> Result<Comparison
     let tested = claiming.par_iter().map(|metric| Tested::of(metrics, metric, parameters));
     // `par_iter` keeps the order of the metrics, so rows are the same with any number of threads.
     let mut tested = tested.collect::<Result<Vec<Tested>, CompareError>>()?;
-    let family = tested.iter_mut().flat_map(|metric| &mut metric.contrasts);
-    contrasts::judge(family.collect(), parameters)?;
+    judge(tested.iter_mut().flat_map(Tested::claims).collect(), parameters)?;
     let found = tested.into_par_iter().map(|metric| metric.judged(parameters));
     let others = others.par_iter().map(|metric| {
         let mut metric = Tested::of(metrics, metric, parameters)?;
-        contrasts::judge(metric.contrasts.iter_mut().collect(), parameters)?;
+        judge(metric.claims().collect(), parameters)?;
         metric.judged(parameters)
     });
     let mut all = Comparison::default();
+    if let Some(groups) = &parameters.groups {
+        let members = groups.levels_of.iter().map(|(who, level)| GroupMember {
+            participant: who.clone(),
+            group: groups.compared.levels[*level].clone(),
+        });
+        all.group_members.extend(members);
+    }
     // Primary metrics stand first among the parameters, too.
     for metric in found.chain(others).collect::<Result<Vec<Comparison>, CompareError>>()? {
         all.metrics.extend(metric.metrics);
@@ -124,6 +153,11 @@ pub fn compare(metrics: &Measured, parameters: &Parameters) -> Result<Comparison
         all.omnibus.extend(metric.omnibus);
         all.models.extend(metric.models);
         all.participants.extend(metric.participants);
+        all.covariates.extend(metric.covariates);
+        all.group_means.extend(metric.group_means);
+        all.group_contrasts.extend(metric.group_contrasts);
+        all.groups.extend(metric.groups);
+        all.any_group.extend(metric.any_group);
         all.sessions.extend(metric.sessions);
         all.learning.extend(metric.learning);
         all.repeats.extend(metric.repeats);
@@ -142,35 +176,50 @@ struct Tested<'a> {
     unit: UnitOfAnalysis,
     orders: Vec<SharpNull>,
     contrasts: Vec<contrasts::Row>,
+    split: Option<Split<'a>>,
+    groups: Vec<groups::Row<'a>>,
 }
 
 impl<'a> Tested<'a> {
     fn of(
         metrics: &Measured,
         metric: &'a MetricParameters,
-        parameters: &Parameters,
+        parameters: &'a Parameters,
     ) -> Result<Self, CompareError> {
         let measure = Measure::new(metrics, metric)?;
         let cells = Cells::of(metrics, &measure, parameters)?;
         let trials = Trials::of(metrics, &measure, parameters)?;
         let unit = cells.unit();
         let orders = orders::sharp_nulls(&trials, parameters, orders::SAMPLING);
-        let contrasts = contrasts::rows(&cells, &orders, &unit, &measure, parameters)?;
-        Ok(Self { measure, cells, trials, unit, orders, contrasts })
+        let split = Split::of(&cells, parameters);
+        let contrasts = contrasts::rows(&cells, &orders, split.as_ref(), &measure, parameters)?;
+        let groups = match &split {
+            Some(split) => groups::rows(split, &cells, &contrasts, &measure, parameters)?,
+            None => Vec::new(),
+        };
+        Ok(Self { measure, cells, trials, unit, orders, contrasts, split, groups })
+    }
+
+    fn claims(&mut self) -> impl Iterator<Item = &mut Claim> {
+        let of_modes = self.contrasts.iter_mut().map(|row| &mut row.claim);
+        of_modes.chain(self.groups.iter_mut().map(|row| &mut row.claim))
     }
 
     /// The rows of a metric whose contrasts have their verdicts.
     fn judged(self, parameters: &Parameters) -> Result<Comparison, CompareError> {
-        let Self { measure, cells, trials, unit, orders, contrasts } = &self;
-        let means = means::means(cells, unit, measure, parameters)?;
+        let Self { measure, cells, trials, unit, orders, contrasts, split, groups } = &self;
+        let split = split.as_ref();
+        let means = means::means(cells, split, unit, measure, parameters)?;
         let models = models::models(trials, unit, measure, parameters);
         let sessions = sessions::changes(cells, measure, parameters);
         let notes = [
-            notes::means(measure, &means, unit),
-            notes::contrasts(contrasts, cells, unit, measure, parameters),
+            notes::means(measure, &means, split, unit),
+            notes::contrasts(contrasts, cells, split, unit, measure, parameters),
+            notes::groups(cells, split, measure),
             notes::omnibus(measure),
             notes::models(measure, &models),
             notes::sessions(measure, &sessions),
+            notes::covariates(measure),
             notes::learning(measure),
             notes::repeats(measure, unit),
             notes::order_tests(measure),
@@ -186,10 +235,23 @@ impl<'a> Tested<'a> {
             }],
             cells: cells.rows(measure, parameters),
             means,
-            contrasts: contrasts::named(contrasts, unit, measure, parameters),
+            contrasts: contrasts::named(contrasts, unit, split.is_some(), measure, parameters),
             omnibus: omnibus::tests(cells, measure, parameters),
             models,
             participants: people::differences(contrasts, cells, measure, parameters),
+            covariates: covariates::slopes(contrasts, cells, measure, parameters),
+            group_members: Vec::new(),
+            group_means: match split {
+                Some(split) => groups::means(split, cells, measure, parameters)?,
+                None => Vec::new(),
+            },
+            group_contrasts: split
+                .map(|split| groups::within(split, contrasts, measure, parameters))
+                .unwrap_or_default(),
+            groups: groups::named(groups, measure, parameters),
+            any_group: split
+                .map(|split| groups::any(split, cells, contrasts, measure, parameters))
+                .unwrap_or_default(),
             sessions: sessions.rows,
             learning: learning::changes(trials, unit, measure, parameters),
             repeats: repeats::means(trials, measure, parameters)?,

@@ -2,8 +2,10 @@
 
 use crate::cells::{Cell, Cells};
 use crate::measure::Measure;
+use crate::split::Split;
 use crate::{CompareError, Parameters};
 use zwidth_results::{Mean, UnitOfAnalysis};
+use zwidth_stats::groups;
 use zwidth_stats::interval;
 use zwidth_stats::welch::{self, Group};
 
@@ -19,6 +21,7 @@ struct OverUnits {
 /// The mean of every condition in which somebody has the metric.
 pub(crate) fn means(
     cells: &Cells,
+    split: Option<&Split>,
     unit: &UnitOfAnalysis,
     measure: &Measure,
     parameters: &Parameters,
@@ -26,13 +29,24 @@ pub(crate) fn means(
     let mut rows = Vec::new();
     for (e, environment) in parameters.environments.iter().enumerate() {
         for (m, mode) in parameters.modes.iter().enumerate() {
-            let all: Vec<&Cell> = cells.of_condition(e, m).collect();
+            // Of groups nobody speaks who has none.
+            let has_group =
+                |c: &&Cell| split.is_none_or(|split| split.level(c.participant).is_some());
+            let all: Vec<&Cell> = cells.of_condition(e, m).filter(has_group).collect();
             let with: Vec<&Cell> = all.iter().copied().filter(|c| c.mean.is_some()).collect();
             if with.is_empty() {
                 continue;
             }
             let over = match unit {
-                UnitOfAnalysis::Participants => over_people(&with, parameters.level)?,
+                UnitOfAnalysis::Participants => match split {
+                    None => {
+                        let people = cells.people_in(e, m).map(|(_, mean)| mean);
+                        over_people(&people.collect::<Vec<_>>(), parameters.level)?
+                    }
+                    Some(split) => {
+                        over_groups(&split.by_level(cells.people_in(e, m)), parameters.level)
+                    }
+                },
                 UnitOfAnalysis::TrialsOf(_) => within_one(&with, parameters.level),
             };
             rows.push(Mean {
@@ -55,11 +69,8 @@ pub(crate) fn means(
 }
 
 /// Over participants, each the mean of their sessions.
-fn over_people(with: &[&Cell], level: f64) -> Result<OverUnits, CompareError> {
-    let people = with.chunk_by(|a, b| a.participant == b.participant).map(|sessions| {
-        sessions.iter().filter_map(|c| c.mean).sum::<f64>() / sessions.len() as f64
-    });
-    let mean = interval::mean(&people.collect::<Vec<_>>(), level)?;
+fn over_people(people: &[f64], level: f64) -> Result<OverUnits, CompareError> {
+    let mean = interval::mean(people, level)?;
     Ok(OverUnits {
         n: mean.n,
         // There is an estimate: some cell has a mean.
@@ -67,6 +78,21 @@ fn over_people(with: &[&Cell], level: f64) -> Result<OverUnits, CompareError> {
         sd: mean.sd,
         interval: mean.interval.map(|i| [i.ci_low, i.ci_high]),
     })
+}
+
+/// Over groups of people, each group with the same weight.
+fn over_groups(levels: &[Vec<f64>], level: f64) -> OverUnits {
+    let with = levels.iter().filter(|values| !values.is_empty());
+    let groups: Vec<Group> = with.map(|values| groups::group(values)).collect();
+    let number = groups.len() as f64;
+    // Within groups: how far they lie apart is no scatter.
+    let squares = groups.iter().map(|group| group.sd * group.sd).sum::<f64>();
+    OverUnits {
+        n: groups.iter().map(|group| group.n).sum(),
+        mean: groups.iter().map(|group| group.mean).sum::<f64>() / number,
+        sd: groups.iter().all(|group| group.n > 1).then(|| (squares / number).sqrt()),
+        interval: groups::mean(&groups, level).ok().map(|t| [t.ci_low, t.ci_high]),
+    }
 }
 
 /// Over one participant's trials, sessions with equal weight.

@@ -4,14 +4,16 @@ use crate::cells::{Cell, Cells};
 use crate::measure::Measure;
 use crate::orders;
 use crate::sessions::Changes;
-use crate::{Parameters, contrasts};
+use crate::split::Split;
+use crate::{Groups, Parameters, contrasts, groups};
 use std::collections::{BTreeMap, BTreeSet};
 use zwidth_results::{
-    Learning, Mean, MetricNote, ModeDifference, Model, NoteKind, Omnibus, OrderTest, RepeatMean,
-    Row, SessionChange, UnitOfAnalysis,
+    CovariateSlope, GroupDifference, GroupModeDifference, Learning, Mean, MetricNote,
+    ModeDifference, Model, NoteKind, Omnibus, OrderTest, RepeatMean, Row, SessionChange,
+    UnitOfAnalysis,
 };
 use zwidth_stats::{design_guard, sign_flip};
-use zwidth_study::Families;
+use zwidth_study::{Families, LevelId};
 
 /// A note, and what it is about.
 type Note = (NoteKind, String);
@@ -32,7 +34,12 @@ fn general(text: &str) -> Note {
 }
 
 /// Notes on means.
-pub(crate) fn means(measure: &Measure, rows: &[Mean], unit: &UnitOfAnalysis) -> Vec<MetricNote> {
+pub(crate) fn means(
+    measure: &Measure,
+    rows: &[Mean],
+    split: Option<&Split>,
+    unit: &UnitOfAnalysis,
+) -> Vec<MetricNote> {
     let incomplete = rows.iter().filter(|row| row.trials_with_value < row.trials).map(|row| {
         let Mean { environment, mode, trials, trials_with_value, .. } = row;
         let text = format!(
@@ -41,7 +48,18 @@ pub(crate) fn means(measure: &Measure, rows: &[Mean], unit: &UnitOfAnalysis) -> 
         );
         (NoteKind::Care, text)
     });
-    below::<Mean>(measure, [general(&of_whom(unit))].into_iter().chain(incomplete).collect())
+    let general = [general(&of_whom(unit))].into_iter().chain(split.map(weights));
+    below::<Mean>(measure, general.chain(incomplete).collect())
+}
+
+/// How groups enter numbers over all people.
+fn weights(split: &Split) -> Note {
+    let Groups { compared, .. } = split.groups;
+    let text = format!(
+        "Each group ({}) has the same weight, however many people it has.",
+        compared.levels.iter().map(LevelId::as_str).collect::<Vec<_>>().join(", ")
+    );
+    general(&text)
 }
 
 /// Notes on whether any mode differs.
@@ -107,6 +125,13 @@ pub(crate) fn sessions(measure: &Measure, changes: &Changes) -> Vec<MetricNote> 
     below::<SessionChange>(measure, notes)
 }
 
+/// Notes on differences over numbers of people.
+pub(crate) fn covariates(measure: &Measure) -> Vec<MetricNote> {
+    let note = "Least squares over participants, n − 2 degrees of freedom. Exploratory: no claim is made from this table, \
+                and p is not adjusted.";
+    below::<CovariateSlope>(measure, vec![general(note)])
+}
+
 /// Notes on changes from repeat to repeat.
 pub(crate) fn learning(measure: &Measure) -> Vec<MetricNote> {
     below::<Learning>(measure, vec![general("Exploratory: no claim is made from this table.")])
@@ -139,6 +164,7 @@ pub(crate) fn order_tests(measure: &Measure) -> Vec<MetricNote> {
 pub(crate) fn contrasts(
     rows: &[contrasts::Row],
     cells: &Cells,
+    split: Option<&Split>,
     unit: &UnitOfAnalysis,
     measure: &Measure,
     parameters: &Parameters,
@@ -158,8 +184,15 @@ pub(crate) fn contrasts(
         }
         Families::Metric | Families::Study => "The rows of this table are one family of claims",
     };
-    let family = format!("{role} {together}, adjusted after Holm; intervals are not adjusted.");
+    let beside = if split.is_some() { ", those of the table of groups among them" } else { "" };
+    let family =
+        format!("{role} {together}{beside}, adjusted after Holm; intervals are not adjusted.");
     let test = match unit {
+        UnitOfAnalysis::Participants if split.is_some() => {
+            "Test: the participants' differences, t with Satterthwaite's degrees of freedom, because groups \
+             may scatter differently. A claim takes four people in each group. The sharp null beside it: \
+             that no trial of anyone depended on mode, by other orders that the design could have drawn."
+        }
         UnitOfAnalysis::Participants => {
             "Test: Student's t of the participants' differences, n − 1 degrees of freedom. The \
              sharp null beside it: that no trial of anyone depended on mode, by other orders that \
@@ -171,18 +204,74 @@ pub(crate) fn contrasts(
         }
     };
     let general = [of_whom(unit), test.to_owned(), family];
-    let general = general.into_iter().map(|text| (NoteKind::General, text));
+    let general =
+        general.into_iter().map(|text| (NoteKind::General, text)).chain(split.map(weights));
     let plan = measure.parameters.preregistered.as_ref();
     let plan = plan.map(|plan| plan.note(cells.participants.len()));
     let notes = general
         .chain(jnd(rows, measure).into_iter().flatten())
         .chain(plan)
         .chain(reached(rows, parameters.alpha))
-        .chain(guard(rows, unit, parameters))
-        .chain(rows.iter().filter_map(|row| zeros(row, unit, parameters)))
+        .chain(guard(rows, unit, parameters).filter(|_| split.is_none()))
+        .chain(
+            rows.iter().filter_map(|row| zeros(row, unit, parameters)).filter(|_| split.is_none()),
+        )
         .chain(not_randomised(rows, parameters))
-        .chain(rows.iter().filter_map(|row| left_out(row, cells, measure, parameters)));
+        .chain(without_both(rows, cells, parameters))
+        .chain(rows.iter().filter_map(|row| left_out(row, cells, split, measure, parameters)));
     below::<ModeDifference>(measure, notes.collect())
+}
+
+/// Notes on differences between groups.
+pub(crate) fn groups(cells: &Cells, split: Option<&Split>, measure: &Measure) -> Vec<MetricNote> {
+    let Some(split) = split else { return Vec::new() };
+    let Groups { compared, .. } = split.groups;
+    let meaning = match compared.assigned {
+        true => format!("the column {} changed nobody's value", compared.column),
+        false => format!(
+            "the labels of {} could be any others, as if groups were exchangeable",
+            compared.column
+        ),
+    };
+    let mut notes = vec![
+        general("n counts participants; a group's value is the mean of its people's."),
+        general(
+            "Test: Welch's t, because groups may scatter differently. A claim takes four people in each \
+             group; with four that scatter three times as much as eight others it finds an effect in 5.9 % of \
+             studies without one. Of several modes, claims are of the mean over them and of the differences between them, \
+             one family with the contrasts of modes; single modes are a description.",
+        ),
+        general(&format!(
+            "p_permuted: that {meaning}, by the share of arrangements with a larger |t|."
+        )),
+    ];
+    if !compared.assigned {
+        notes.push(general(
+            "Nobody's group was drawn by chance: people of two groups may differ in more than their group.",
+        ));
+    }
+    let without = groups::without_group(split, cells);
+    if !without.is_empty() {
+        let text = format!("Without {} (no {}).", without.join(", "), compared.column);
+        notes.push((NoteKind::LeftOut, text));
+    }
+    for (level, people) in
+        compared.levels.iter().zip(split.by_level((0..cells.participants.len()).map(|i| (i, ()))))
+    {
+        if people.is_empty() {
+            notes.push((
+                NoteKind::LeftOut,
+                format!("Nobody who took part is of the group {level}."),
+            ));
+        }
+    }
+    let notes = below::<GroupDifference>(measure, notes);
+    let of_contrasts = "Within each group: Student's t of its people's differences, n − 1 degrees of freedom. A \
+                        description: that groups differ is claimed from the table of groups alone.";
+    notes
+        .into_iter()
+        .chain(below::<GroupModeDifference>(measure, vec![general(of_contrasts)]))
+        .collect()
 }
 
 /// The just noticeable difference, if it is known, and how sizes are called.
@@ -207,7 +296,7 @@ fn guard(rows: &[contrasts::Row], unit: &UnitOfAnalysis, parameters: &Parameters
     if *unit != UnitOfAnalysis::Participants {
         return None;
     }
-    let claims = rows.iter().map(|row| row.claims).max().unwrap_or_default();
+    let claims = rows.iter().map(|row| row.claim.together).max().unwrap_or_default();
     let reached = design_guard::check(fewest, claims, parameters.alpha);
     reached.err().map(|why| (NoteKind::Limit, format!("Exact tests: {why}")))
 }
@@ -219,7 +308,7 @@ fn zeros(row: &contrasts::Row, unit: &UnitOfAnalysis, parameters: &Parameters) -
         return None;
     }
     let [without, with] = [n, n - zeros].map(|n| sign_flip::smallest_p(n).to_string());
-    let environment = &parameters.environments[row.environment];
+    let environment = &parameters.environments[row.claim.environment];
     let contrast = &row.contrast;
     let text = format!(
         "{environment}, {contrast}: {zeros} of {n} differences {} 0, and a zero has no sign. So no \
@@ -235,11 +324,12 @@ fn reached(rows: &[contrasts::Row], alpha: f64) -> Vec<Note> {
     let Some(smallest) = tests.map(|test| test.smallest_p).min_by(f64::total_cmp) else {
         return Vec::new();
     };
-    let adjusted = rows.iter().filter_map(|row| row.smallest_p_adjusted).min_by(f64::total_cmp);
+    let adjusted =
+        rows.iter().filter_map(|row| row.claim.smallest_p_adjusted).min_by(f64::total_cmp);
     let adjusted = adjusted.map(|p| format!(", {p:.4} after Holm")).unwrap_or_default();
     let text =
         format!("Sharp null: the design's orders reach p = {smallest:.4} at best{adjusted}.");
-    let refused = rows.iter().filter(|row| row.out_of_reach(alpha).is_some()).count();
+    let refused = rows.iter().filter(|row| row.claim.out_of_reach(alpha).is_some()).count();
     let refusal = (refused > 0).then(|| {
         let text = format!(
             "No claim can be made of {refused} of {} contrasts: however large the effect, the \
@@ -255,15 +345,41 @@ fn reached(rows: &[contrasts::Row], alpha: f64) -> Vec<Note> {
 /// Environments without a test of the sharp null, and why.
 fn not_randomised(rows: &[contrasts::Row], parameters: &Parameters) -> Vec<Note> {
     let mut notes = Vec::new();
-    for rows in rows.chunk_by(|a, b| a.environment == b.environment) {
+    for rows in rows.chunk_by(|a, b| a.claim.environment == b.claim.environment) {
         // Orders that cannot be redrawn void all contrasts of an environment alike: said once.
         let is_whole = rows.iter().all(|row| row.sharp_null.is_err());
         for row in rows.iter().take(if is_whole { 1 } else { rows.len() }) {
             let Err(why) = &row.sharp_null else { continue };
-            let environment = &parameters.environments[row.environment];
+            let environment = &parameters.environments[row.claim.environment];
             let which = if is_whole { String::new() } else { format!(", {}", row.contrast) };
             let note = format!("{environment}{which}: no test of the sharp null: {why}.");
             notes.push((NoteKind::Care, note));
+        }
+    }
+    notes
+}
+
+/// The contrasts that nobody has both modes of, where either mode is there: an empty table says why.
+fn without_both(rows: &[contrasts::Row], cells: &Cells, parameters: &Parameters) -> Vec<Note> {
+    let mut notes = Vec::new();
+    for (e, environment) in parameters.environments.iter().enumerate() {
+        for contrast in &parameters.contrasts {
+            let Some(modes) = parameters.modes_of(contrast) else { continue };
+            let has_row =
+                rows.iter().any(|row| row.claim.environment == e && row.contrast == *contrast);
+            let people = modes.map(|mode| cells.people_in(e, mode).count());
+            if has_row || people.contains(&0) {
+                continue;
+            }
+            let [first, second] = people;
+            notes.push((
+                NoteKind::LeftOut,
+                format!(
+                    "{environment}, {contrast}: nobody has both in one session ({first} and {second} \
+                     participants have the one or the other). Conditions of different people are groups: name \
+                     them as a column of people ([[people]] and compare.groups of study.toml)."
+                ),
+            ));
         }
     }
     notes
@@ -273,6 +389,7 @@ fn not_randomised(rows: &[contrasts::Row], parameters: &Parameters) -> Vec<Note>
 fn left_out(
     row: &contrasts::Row,
     cells: &Cells,
+    split: Option<&Split>,
     measure: &Measure,
     parameters: &Parameters,
 ) -> Option<Note> {
@@ -281,11 +398,15 @@ fn left_out(
     let mut lacking: BTreeMap<String, Vec<&str>> = BTreeMap::new();
     for (participant, name) in cells.participants.iter().enumerate() {
         if !compared.contains(&participant) {
-            let what = lacks(participant, row, cells, measure, parameters)?;
+            let without = split.filter(|split| split.level(participant).is_none());
+            let what = match without {
+                Some(split) => format!("no {}", split.groups.compared.column),
+                None => lacks(participant, row, cells, measure, parameters)?,
+            };
             lacking.entry(what).or_default().push(name.as_str());
         }
     }
-    let environment = &parameters.environments[row.environment];
+    let environment = &parameters.environments[row.claim.environment];
     let contrast = &row.contrast;
     let groups: Vec<String> =
         lacking.iter().map(|(what, names)| format!("{} ({what})", names.join(", "))).collect();
@@ -305,7 +426,7 @@ fn lacks(
 ) -> Option<String> {
     let mut missing = Vec::new();
     for mode in parameters.modes_of(&row.contrast)? {
-        let own = cells.of_condition(row.environment, mode);
+        let own = cells.of_condition(row.claim.environment, mode);
         let own: Vec<&Cell> = own.filter(|cell| cell.participant == participant).collect();
         let name = &parameters.modes[mode];
         if own.iter().map(|cell| cell.trials).sum::<usize>() == 0 {

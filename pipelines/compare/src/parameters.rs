@@ -2,8 +2,10 @@
 
 use crate::{Preregistered, SessionOrder};
 use serde::Serialize;
+use std::collections::BTreeMap;
 use zwidth_study::{
-    Better, Contrast, EffectSize, EnvironmentId, Families, MetricId, ModeId, Perception,
+    Better, Contrast, EffectSize, EnvironmentId, Families, GroupsCompared, MetricId, ModeId,
+    ParticipantId, Perception, PersonColumnId,
 };
 
 /// The parameters of a comparison.
@@ -25,8 +27,34 @@ pub struct Parameters {
     pub level: f64,
     /// Sizes without unit that differences have.
     pub effect_sizes: Vec<EffectSize>,
+    /// The groups of people that are compared.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub groups: Option<Groups>,
+    /// Numbers of people with which differences may change.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub covariates: Vec<Covariate>,
     /// The orders of the sessions, and how they were drawn.
     pub orders: Vec<SessionOrder>,
+}
+
+/// Groups of people.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Groups {
+    /// What the study says of them.
+    pub compared: GroupsCompared,
+    /// The place of everybody's group among the levels, where it is known.
+    pub levels_of: BTreeMap<ParticipantId, usize>,
+}
+
+/// A number of people.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Covariate {
+    /// Its column.
+    pub column: PersonColumnId,
+    /// Its unit.
+    pub unit: String,
+    /// Everybody's, where it is known.
+    pub numbers: BTreeMap<ParticipantId, f64>,
 }
 
 /// The parameters of the comparison of one metric.

@@ -21,7 +21,7 @@ pub(crate) fn differences(
             all.push(PersonDifference {
                 metric: measure.parameters.metric.clone(),
                 unit: measure.unit.clone(),
-                environment: parameters.environments[row.environment].clone(),
+                environment: parameters.environments[row.claim.environment].clone(),
                 contrast: row.contrast.clone(),
                 participant: cells.participants[one.participant].clone(),
                 sessions: one.sessions,

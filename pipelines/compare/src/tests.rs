@@ -50,6 +50,8 @@ pub(crate) fn parameters() -> Parameters {
         alpha: 0.05,
         level: 0.95,
         effect_sizes: Compare::EFFECT_SIZES.to_vec(),
+        groups: None,
+        covariates: Vec::new(),
         orders: Vec::new(),
     }
 }

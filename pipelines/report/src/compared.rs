@@ -5,7 +5,8 @@ use crate::gallery::Shown;
 use crate::people::capital;
 use serde::Serialize;
 use zwidth_results::{
-    Compared, Mean, ModeDifference, RedrawnDifference, Role, UnitOfAnalysis, Verdict,
+    Compared, GroupDifference, Mean, ModeDifference, RedrawnDifference, Role, UnitOfAnalysis,
+    Verdict,
 };
 use zwidth_study::{
     Better, Coordinate, EnvironmentId, ModeId, Setup, Study, contrast_label, in_a_sentence,
@@ -46,6 +47,8 @@ pub struct ComparedMetric<'a> {
     pub means: &'a [Mean],
     /// Differences between modes.
     pub contrasts: &'a [ModeDifference],
+    /// Differences between groups, if there are groups.
+    pub groups: &'a [GroupDifference],
     /// The differences in other orders of one participant's trials, had none depended on mode.
     pub redrawn: &'a [RedrawnDifference],
 }
@@ -266,7 +269,7 @@ fn directed(study: &Setup, metric: &ComparedMetric, row: &ModeDifference) -> Str
     )
 }
 
-fn environment_label(study: &Setup, id: &EnvironmentId) -> String {
+pub(crate) fn environment_label(study: &Setup, id: &EnvironmentId) -> String {
     let environment = study.environments.iter().find(|environment| environment.id == *id);
     environment.map_or_else(|| id.to_string(), |environment| environment.label.clone())
 }
@@ -418,6 +421,7 @@ pub(crate) mod tests {
             primary: Primaries::Named,
             means: &[],
             contrasts: &[],
+            groups: &[],
             redrawn: &[],
         }
     }

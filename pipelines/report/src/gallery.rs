@@ -17,6 +17,8 @@ pub enum Shown {
     Answers,
     /// In the figure that compares the modes in this metric.
     Compared(String),
+    /// In the figure that compares groups in this metric.
+    Groups(String),
     /// In the figure of the changes between sessions in this metric.
     Sessions(String),
     /// In the figure of the changes from repeat to repeat in this metric.
@@ -53,7 +55,7 @@ impl Shown {
     /// The question that it answers.
     pub fn question(&self) -> Asked {
         match self {
-            Self::Compared(_) => Asked::Difference,
+            Self::Compared(_) | Self::Groups(_) => Asked::Difference,
             Self::Sessions(_) | Self::Learning(_) => Asked::Practice,
             Self::Answers => Asked::Answers,
             _ => Asked::Else,
@@ -109,6 +111,7 @@ impl Gallery {
                 (stem.map(str::to_owned), "likert")
             }
             Shown::Compared(metric) => (Some(format!("compare.{metric}")), "comparison"),
+            Shown::Groups(metric) => (Some(format!("groups.{metric}")), "comparison"),
             Shown::Sessions(metric) => (Some(format!("sessions.{metric}")), "comparison"),
             Shown::Learning(metric) => (Some(format!("learning.{metric}")), "comparison"),
             Shown::Forces => (Some("rendering_range".to_owned()), "modes"),

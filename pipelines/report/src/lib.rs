@@ -15,6 +15,7 @@ mod design;
 mod evidence;
 mod findings;
 mod gallery;
+mod groups;
 mod methods;
 mod model;
 mod page;
@@ -37,6 +38,7 @@ pub use design::{device_facts, mode_forces};
 pub use evidence::{Derived, Known, notes};
 pub use findings::{Finding, TrialNames, findings};
 pub use gallery::{Asked, Gallery, Shown};
+pub use groups::group_differences;
 pub use methods::{MethodsForm, MethodsPart, Recorded, methods};
 pub use model::model_facts;
 pub use page::{

@@ -23,6 +23,7 @@ mod counting;
 mod door;
 mod findings;
 mod folders;
+mod groups;
 mod hostile_import;
 mod little_memory;
 mod logs;

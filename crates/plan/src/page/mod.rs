@@ -30,7 +30,7 @@ use zwidth_study::{Environment, EnvironmentId, ModeId};
 use zwidth_tables::Table;
 
 /// Its version is raised when the page would be written differently from the same data.
-const STAGE: Stage = Stage { name: "page", version: 25 };
+const STAGE: Stage = Stage { name: "page", version: 26 };
 
 /// The job that makes the page itself.
 pub const JOB: &str = "page";
@@ -81,6 +81,7 @@ pub(crate) fn jobs(data: &StudyData, findings: &Findings, figures: &[Drawing]) -
             level: settings.level,
             alpha: settings.alpha,
             families: settings.families,
+            has_groups: settings.groups.is_some(),
             perception: data.study.perception.clone(),
             of_plant: compare::compared(data)
                 .into_iter()

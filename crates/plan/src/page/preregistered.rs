@@ -29,6 +29,7 @@ pub fn analysis(study: &Study) -> Value {
         "alpha": compare.alpha,
         "level": compare.level,
         "families": compare.families,
+        "groups": compare.groups,
     })
 }
 

@@ -17,8 +17,8 @@ use zwidth_report::{
     traded, uneven_ranges,
 };
 use zwidth_results::{
-    AnswerTally, Compared, JudgedStatement, LadderChoice, Learning, Mean, MetricNote,
-    ModeDifference, RedrawnDifference, Row, SessionChange, TradeChoice, TrialRemark,
+    AnswerTally, Compared, GroupDifference, JudgedStatement, LadderChoice, Learning, Mean,
+    MetricNote, ModeDifference, RedrawnDifference, Row, SessionChange, TradeChoice, TrialRemark,
 };
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, ORIGIN, Stage, strip_root};
 use zwidth_store::{Findings, Signal, StoreError, StudyData};
@@ -93,6 +93,9 @@ impl Inputs for Files {
                 MetricNote::NAME,
             ];
             files.extend(names.map(|name| comparison.file(name)));
+            if comparison.has_groups {
+                files.push(comparison.file(GroupDifference::NAME));
+            }
             if self.has_session_changes {
                 files.push(comparison.file(SessionChange::NAME));
             }
@@ -204,6 +207,7 @@ pub(crate) fn gather(page: &Page, files: &Files, making: &Making) -> Result<Gath
     }
     let mut sentences = zwidth_report::contrasts(&page.planned, &of_compared);
     for primary in primary_first(&of_compared)[0] {
+        sentences.extend(zwidth_report::group_differences(&page.planned, primary));
         let learning = own(&compared.learning, |row| row.metric == primary.metric.metric);
         sentences.extend(learned(&page.planned, primary, learning));
         let sessions = own(&compared.sessions, |row| row.metric == primary.metric.metric);
@@ -290,6 +294,7 @@ pub(crate) struct ReadComparison {
     metrics: Vec<Compared>,
     means: Vec<Mean>,
     contrasts: Vec<ModeDifference>,
+    groups: Vec<GroupDifference>,
     sessions: Vec<SessionChange>,
     learning: Vec<Learning>,
     redrawn: Vec<RedrawnDifference>,
@@ -305,6 +310,7 @@ impl ReadComparison {
             metrics: tables.table().read()?,
             means: tables.table().read()?,
             contrasts: tables.table().read()?,
+            groups: if tables.has_groups { tables.table().read()? } else { Vec::new() },
             sessions,
             learning: tables.table().read_if_made()?.unwrap_or_default(),
             redrawn: tables.table().read_if_made()?.unwrap_or_default(),
@@ -319,6 +325,7 @@ impl ReadComparison {
             primary,
             means: own(&self.means, |row| row.metric == metric.metric),
             contrasts: own(&self.contrasts, |row| row.metric == metric.metric),
+            groups: own(&self.groups, |row| row.metric == metric.metric),
             redrawn: own(&self.redrawn, |row| row.metric == metric.metric),
         });
         compared.collect()

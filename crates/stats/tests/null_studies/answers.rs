@@ -2,7 +2,7 @@
 //! changes.
 
 use crate::drawn::{Kind, Study, tidy};
-use crate::judged::{Asked, Judged, LEVEL, Said, judge};
+use crate::judged::{Asked, Judged, LEVEL, MOST, Said, judge};
 use zwidth_stats::Tested;
 use zwidth_stats::clmm::{
     Column, End, Fit, Integral, Model, Ratings, RatioTest, Terms, bootstrap, fit, profile_interval,
@@ -22,7 +22,7 @@ const RESAMPLES: usize = 19;
 const MODES: [usize; 2] = [0, 1];
 const LAST: usize = 1;
 /// What is asked of intervals is that of the profile.
-const APPROXIMATE: Asked = Asked::Approximate { coverage: [0.93, 1.0] };
+const APPROXIMATE: Asked = Asked::Approximate { most: MOST, coverage: [0.93, 1.0] };
 
 fn model(study: &Study) -> Option<Model> {
     let (participants, modes, values) = tidy(study);

@@ -78,9 +78,9 @@ impl Share {
 /// What may be asked of a test.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Asked {
-    /// Approximate: the upper bound of its false positives is at most 6 %, and the share of its
+    /// Approximate: the upper bound of its false positives is at most this, and the share of its
     /// intervals that hold the truth lies between these.
-    Approximate { coverage: [f64; 2] },
+    Approximate { most: f64, coverage: [f64; 2] },
     /// Exact: it rejects not significantly more than 5 %.
     Exact,
     /// Nothing: it is shown beside, to say what it would have done.
@@ -111,7 +111,7 @@ impl Judged {
             if is_whole { least <= share && share <= most } else { least <= high && low <= most }
         };
         let holds = match self.asked {
-            Asked::Approximate { coverage } => at_most(MOST) && within(coverage),
+            Asked::Approximate { most, coverage } => at_most(most) && within(coverage),
             Asked::Exact => low <= ALPHA,
             Asked::Nothing => true,
         };

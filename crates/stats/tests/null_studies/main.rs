@@ -11,6 +11,7 @@
 
 mod answers;
 mod drawn;
+mod groups;
 mod judged;
 mod metric;
 mod page;
@@ -44,37 +45,54 @@ fn of_answers(kind: Kind, ten_thousandths: usize) -> usize {
 }
 
 /// Runs tests on all kinds, writes the table, and fails where a promise is broken.
-fn hold(place: u8, title: &str, kinds: Vec<Kind>, judge: impl Fn(Kind) -> Vec<Judged>) {
-    let all: Vec<(Kind, Vec<Judged>)> = kinds.into_iter().map(|kind| (kind, judge(kind))).collect();
+fn hold<K: Copy>(
+    place: u8,
+    title: &str,
+    kinds: Vec<(String, K)>,
+    judge: impl Fn(K) -> Vec<Judged>,
+) {
+    let all: Vec<(String, Vec<Judged>)> =
+        kinds.into_iter().map(|(name, kind)| (name, judge(kind))).collect();
     page::write(place, title, &page::table(&all));
     let broken: Vec<String> = all
         .iter()
         .flat_map(|(kind, judged)| judged.iter().map(move |judged| (kind, judged)))
         .filter_map(|(kind, judged)| {
             let broken = judged.broken(studies() >= WHOLE)?;
-            Some(format!("{}: {broken}", kind.name()))
+            Some(format!("{kind}: {broken}"))
         })
         .collect();
     assert!(broken.is_empty(), "{}", broken.join("\n"));
 }
 
+/// Kinds with their names.
+fn named(kinds: Vec<Kind>) -> Vec<(String, Kind)> {
+    kinds.into_iter().map(|kind| (kind.name(), kind)).collect()
+}
+
+#[test]
+fn tests_of_groups_find_nothing_more_often_than_they_promise() {
+    let kinds = groups::kinds().into_iter().map(|kind| (kind.name(), kind)).collect();
+    hold(7, "Groups of people", kinds, |kind| groups::tests(kind, studies()));
+}
+
 #[test]
 fn paired_tests_of_a_metric_find_nothing_more_often_than_they_promise() {
-    hold(1, "A metric: participants' means", kinds(Measured::Metric), |kind| {
+    hold(1, "A metric: participants' means", named(kinds(Measured::Metric)), |kind| {
         metric::paired_tests(kind, studies())
     });
 }
 
 #[test]
 fn paired_tests_of_answers_find_nothing_more_often_than_they_promise() {
-    hold(3, "Answers: participants' means", kinds(Measured::Answer), |kind| {
+    hold(3, "Answers: participants' means", named(kinds(Measured::Answer)), |kind| {
         metric::paired_tests(kind, studies())
     });
 }
 
 #[test]
 fn mixed_models_find_nothing_more_often_than_they_promise() {
-    hold(2, "A metric: mixed models of all trials", kinds(Measured::Metric), |kind| {
+    hold(2, "A metric: mixed models of all trials", named(kinds(Measured::Metric)), |kind| {
         let judged = metric::mixed_models(kind, studies());
         // What these studies are for: the mistake shows in them, in any number of studies.
         let alone = &judged[2];
@@ -94,7 +112,7 @@ fn models_of_answers_find_nothing_more_often_than_they_promise() {
     hold(
         4,
         "Answers: cumulative-link models, and the probability of superiority",
-        answered(),
+        named(answered()),
         |kind| {
             let studies = of_answers(kind, 5000);
             let mut judged = answers::tests(kind, studies);
@@ -108,7 +126,7 @@ fn models_of_answers_find_nothing_more_often_than_they_promise() {
 
 #[test]
 fn profile_intervals_hold_the_truth_as_often_as_they_promise() {
-    hold(5, "Answers: profile intervals", answered(), |kind| {
+    hold(5, "Answers: profile intervals", named(answered()), |kind| {
         answers::profiles(kind, of_answers(kind, 300))
     });
 }

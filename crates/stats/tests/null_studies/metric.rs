@@ -1,7 +1,7 @@
 //! What the tests of a metric, and those of the means of answers, say of studies without an effect.
 
 use crate::drawn::{Kind, Measured, Study, complete, differences, tidy};
-use crate::judged::{Asked, Judged, LEVEL, Said, judge};
+use crate::judged::{Asked, Judged, LEVEL, MOST, Said, judge};
 use zwidth_stats::Tested;
 use zwidth_stats::lmm::trials::{Trials, fit_trials};
 use zwidth_stats::lmm::{Column, Criterion, Fit, Model, RandomTerm, fit};
@@ -10,7 +10,7 @@ use zwidth_stats::{friedman, paired, sign_flip, signed_rank};
 
 pub(crate) const SAMPLING: Sampling = Sampling { draws: 999, seed: 1 };
 /// What is asked of t and Kenward–Roger.
-const APPROXIMATE: Asked = Asked::Approximate { coverage: [0.94, 0.985] };
+const APPROXIMATE: Asked = Asked::Approximate { most: MOST, coverage: [0.94, 0.985] };
 /// The contrast of the last of three modes with the first, by their means.
 const CONTRAST: [f64; 3] = [-1.0, 0.0, 1.0];
 

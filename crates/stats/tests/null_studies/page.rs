@@ -1,6 +1,5 @@
 //! Tables of what was found, for `docs/statistics-tried.md`.
 
-use crate::drawn::Kind;
 use crate::judged::{Asked, Judged, Share};
 use crate::predicted::Compared;
 
@@ -16,7 +15,7 @@ pub(crate) fn write(place: u8, title: &str, table: &str) {
 }
 
 /// A row per kind; columns per test, and per interval.
-pub(crate) fn table(all: &[(Kind, Vec<Judged>)]) -> String {
+pub(crate) fn table(all: &[(String, Vec<Judged>)]) -> String {
     let most = all.iter().map(|(_, judged)| judged).max_by_key(|judged| judged.len()).unwrap();
     let testing = |judged: &&Judged| judged.rejected.of > 0;
     let covering = |judged: &&Judged| judged.covered.of > 0;
@@ -31,9 +30,9 @@ pub(crate) fn table(all: &[(Kind, Vec<Judged>)]) -> String {
         let covered = most.iter().filter(covering);
         let covered = covered.map(|of| of_test(of.test).map_or("–".to_owned(), covers));
         let of = judged[0].rejected.of.max(judged[0].covered.of);
-        line(&[vec![kind.name(), of.to_string()], rejected.chain(covered).collect()].concat())
+        line(&[vec![kind.clone(), of.to_string()], rejected.chain(covered).collect()].concat())
     });
-    format!("{}{}", head("people, scatter of modes", &heads), rows.collect::<String>())
+    format!("{}{}", head("people, their scatter", &heads), rows.collect::<String>())
 }
 
 /// False positives: bold where they are too many beyond doubt.

@@ -14,7 +14,7 @@ use std::path::Path;
 use zwidth_acquire::Unsynced;
 use zwidth_figures::{MeasuredBy, VerdictRow};
 use zwidth_plan as plan;
-use zwidth_results::Role;
+use zwidth_results::{NoteKind, Role};
 use zwidth_runner::{JobEnd, Options, Results};
 use zwidth_store::{RealFiles, StudyData, findings};
 use zwidth_study::StudyId;
@@ -27,6 +27,8 @@ pub(crate) enum By {
     Mode,
     /// The participants: each one's differences between modes
     Participant,
+    /// The groups of participants: means, differences between groups and between modes within each
+    Group,
     /// The sessions: changes from the first to each later one
     Session,
     /// The repeats: the change from one to the next
@@ -40,6 +42,7 @@ impl From<By> for zwidth_plan::By {
         match by {
             By::Mode => Self::Mode,
             By::Participant => Self::Participant,
+            By::Group => Self::Group,
             By::Session => Self::Session,
             By::Repeat => Self::Repeat,
             By::Answer => Self::Answer,
@@ -70,6 +73,14 @@ pub(crate) fn compare(root: &Path, command: &CompareArgs, screen: &Screen) -> an
     if by == By::Answer && plan::answers(&data).is_none() {
         bail!("{} has no answers after several modes to compare", data.layout.study());
     }
+    if by == By::Group && data.study.compare.groups.is_none() {
+        bail!(
+            "{} names no groups: name a column of people in {} (`groups` under [compare], its levels \
+             under [[people]]) and everybody's level in participants.toml or participants.csv beside it",
+            data.layout.study(),
+            data.layout.shown(&data.layout.study_toml()).display()
+        );
+    }
     let mut exit = make(&data, screen)?;
     let printed = plan::comparison(&data, by.into(), &metric);
     let tables = printed.iter().map(plan::Printed::read).collect::<Result<Vec<_>, _>>()?;
@@ -77,12 +88,18 @@ pub(crate) fn compare(root: &Path, command: &CompareArgs, screen: &Screen) -> an
         let why = match by {
             By::Mode => format!("no trial that counts has a value of {metric}"),
             By::Participant => "no participant took part more than once".to_owned(),
+            By::Group => "there is one participant".to_owned(),
             By::Session => "no participant came more than once".to_owned(),
             By::Repeat => "no condition was repeated".to_owned(),
             By::Answer => "no question was answered more than once".to_owned(),
         };
         screen.warn(format!("there is nothing to compare: {why}"));
         exit = Exit::Partly;
+    }
+    // A table without a row is not shown, and neither would be why it has none.
+    for table in tables.iter().filter(|table| table.height() == 0) {
+        let why = table.notes_by_kind().filter(|(kind, _)| *kind == NoteKind::LeftOut);
+        why.for_each(|(_, note)| screen.warn(format!("{}: {note}", table.title())));
     }
     if screen.json {
         let listed = tables.iter().map(listing).collect::<Result<Vec<_>, _>>()?;

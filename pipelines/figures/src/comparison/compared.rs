@@ -10,8 +10,8 @@ use zwidth_draw::{
 };
 use zwidth_results as results;
 use zwidth_results::{
-    Compared, Mean, MetricNote, ModeDifference, NoteKind, PersonDifference, RedrawnDifference,
-    RepeatMean, Role, Row as _, SessionChange, UnitOfAnalysis,
+    Compared, GroupDifference, GroupMean, GroupMember, Mean, MetricNote, ModeDifference, NoteKind,
+    PersonDifference, RedrawnDifference, RepeatMean, Role, Row as _, SessionChange, UnitOfAnalysis,
 };
 use zwidth_study::{
     Environment, EnvironmentId, Mode, ParticipantId, Source, contrast_label, in_a_sentence,
@@ -38,13 +38,13 @@ pub const REPEATS_COMPARED: FigureKind =
     FigureKind::new("learning", "mean at each repeat of a condition", "trial");
 
 /// Height of a panel, mm.
-const PANEL_MM: f64 = 52.0;
+pub(super) const PANEL_MM: f64 = 52.0;
 /// Height that one participant's line takes, mm.
 const PERSON_MM: f64 = 3.6;
 /// From this many participants on their codes would not be read, and a panel keeps its height.
 const MANY: usize = 40;
 /// Width of means against that of differences, whose names have the longer words.
-const WEIGHTS: [f64; 2] = [0.95, 1.0];
+pub(super) const WEIGHTS: [f64; 2] = [0.95, 1.0];
 
 /// The results for one metric.
 #[derive(Debug, Clone)]
@@ -59,6 +59,12 @@ pub struct MetricResults {
     pub contrasts: Vec<ModeDifference>,
     /// Everybody's differences.
     pub participants: Vec<PersonDifference>,
+    /// Differences between groups, if there are groups.
+    pub groups: Vec<GroupDifference>,
+    /// Means of groups by condition.
+    pub group_means: Vec<GroupMean>,
+    /// Who is of which group.
+    pub group_members: Vec<GroupMember>,
     /// Changes between sessions.
     pub sessions: Vec<SessionChange>,
     /// By repeat and condition.
@@ -91,7 +97,7 @@ impl Shown {
     }
 
     /// An axis of it, shared by the panels of a figure.
-    fn axis(&self, label: &str) -> Axis {
+    pub(super) fn axis(&self, label: &str) -> Axis {
         Axis::new(label, self.unit.as_str()).linked(label)
     }
 
@@ -265,7 +271,7 @@ fn means(
 }
 
 /// NaN of no values, which is a gap.
-fn mean(values: &[f64]) -> f64 {
+pub(super) fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
@@ -279,7 +285,7 @@ const NAMED_REPEATS: f64 = 12.0;
 const ASIDE: f64 = 0.18;
 
 /// Estimates with the ends of their intervals, in ink.
-fn intervals(
+pub(super) fn intervals(
     direction: Direction,
     at: Vec<f64>,
     estimates: &[[Option<f64>; 3]],

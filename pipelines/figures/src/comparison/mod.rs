@@ -2,12 +2,14 @@
 
 pub(crate) mod answers;
 pub(crate) mod compared;
+pub(crate) mod groups;
 pub(crate) mod likert;
 pub(crate) mod ratings;
 pub(crate) mod verdicts;
 
 pub use answers::*;
 pub use compared::*;
+pub use groups::*;
 pub use likert::*;
 pub use ratings::*;
 pub use verdicts::*;

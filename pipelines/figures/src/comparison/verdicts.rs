@@ -2,6 +2,7 @@
 //! own, its verdict and its value.
 
 use super::compared::{MetricResults, Shown, or_note, stacked, zero};
+use super::groups::effect_label;
 use crate::words::{mark, percent, plain};
 use crate::{About, FigureKind};
 use std::collections::BTreeSet;
@@ -10,7 +11,7 @@ use zwidth_draw::{
     Axis, Band, Cell, Direction, Figure, Intervals, Layer, ONE_COLUMN_MM, Panel, Points,
     TWO_COLUMNS_MM, Text, TextPlace,
 };
-use zwidth_results::{Mean, ModeDifference, Role, UnitOfAnalysis};
+use zwidth_results::{GroupDifference, Mean, ModeDifference, Role, UnitOfAnalysis};
 use zwidth_study::{Better, Environment, ModeId, Source, contrast_label, in_a_sentence};
 use zwidth_tables::{number, with_unit};
 
@@ -103,6 +104,8 @@ pub fn verdict_rows(
         for environment in environments {
             let contrasts = metric.contrasts.iter().filter(|c| c.environment == environment.id);
             rows.extend(contrasts.filter_map(|c| row(about, environment, metric, c)));
+            let groups = metric.groups.iter().filter(|g| g.environment == environment.id);
+            rows.extend(groups.filter_map(|g| group_row(about, environment, metric, g)));
         }
     }
     rows.sort_by_key(|row| row.by);
@@ -156,6 +159,46 @@ fn row(
         who: format!("{} {whose}", contrast.n),
         better: found.metric.better,
         best,
+    })
+}
+
+/// A claim about two groups; nobody's own difference stands behind it.
+fn group_row(
+    about: &About,
+    environment: &Environment,
+    found: &MetricResults,
+    row: &GroupDifference,
+) -> Option<VerdictRow> {
+    let (verdict, difference) = (row.verdict?, row.difference?);
+    let deviation = || {
+        let deviation = ((row.sd_first?.powi(2) + row.sd_second?.powi(2)) / 2.0).sqrt();
+        (deviation > 0.0).then_some(deviation)
+    };
+    let (by, unit) = match row.jnd {
+        Some(jnd) => (MeasuredBy::Jnd, jnd),
+        None => (MeasuredBy::Deviation, deviation()?),
+    };
+    let shown = Shown::of(about, &found.metric);
+    let ends = row.difference_ci_low.zip(row.difference_ci_high);
+    let error = row.difference_std_error.map(|error| error * shown.factor);
+    let rounded = |value: f64| number(value * shown.factor, error);
+    let interval = ends.map(|(low, high)| format!(" ({} to {})", rounded(low), rounded(high)));
+    let size = row.size.map(|size| format!(", {}", size.as_str()));
+    let effect = effect_label(&about.modes, &row.effect);
+    Some(VerdictRow {
+        metric: shown.words.clone(),
+        role: found.metric.role,
+        place: format!("{}: {}, {effect}", environment.label, row.groups),
+        by,
+        estimate: difference / unit,
+        ends: ends.map(|(low, high)| [low / unit, high / unit]),
+        dots: Vec::new(),
+        redrawn: Vec::new(),
+        value: with_unit(&rounded(difference), &shown.unit) + &interval.unwrap_or_default(),
+        verdict: format!("{}{}", verdict.as_str(), size.unwrap_or_default()),
+        who: format!("{} and {} people", row.n_first, row.n_second),
+        better: found.metric.better,
+        best: None,
     })
 }
 
@@ -433,6 +476,9 @@ mod tests {
             means: vec![mean("hybrid", 1.0, 3.0), mean("active", 3.0, 4.0)],
             contrasts: vec![difference],
             participants: vec![person("P01", -2.5), person("P02", -1.5)],
+            groups: Vec::new(),
+            group_means: Vec::new(),
+            group_members: Vec::new(),
             sessions: Vec::new(),
             repeats: Vec::new(),
             redrawn: Vec::new(),

@@ -1,7 +1,7 @@
 //! The papers from which the methods are taken.
 
 /// Each source: its key, how it is cited, the whole entry.
-pub(super) const SOURCES: [(&str, &str, &str); 18] = [
+pub(super) const SOURCES: [(&str, &str, &str); 20] = [
     (
         "balasubramanian",
         "Balasubramanian et al. 2015",
@@ -26,6 +26,8 @@ pub(super) const SOURCES: [(&str, &str, &str); 18] = [
     ("newey", "Newey & West 1987", "Newey & West 1987, Econometrica 55:703"),
     ("ogata", "Ogata 2010", "Ogata 2010, Modern Control Engineering, 5th ed., Prentice Hall"),
     ("schuirmann", "Schuirmann 1987", "Schuirmann 1987, J. Pharmacokinet. Biopharm. 15:657"),
+    ("satterthwaite", "Satterthwaite 1946", "Satterthwaite 1946, Biometrics Bulletin 2:110"),
+    ("chung", "Chung & Romano 2013", "Chung & Romano 2013, Ann. Stat. 41:484"),
     ("welch", "Welch 1947", "Welch 1947, Biometrika 34:28"),
     ("wilcoxon", "Wilcoxon 1945", "Wilcoxon 1945, Biometrics Bull. 1:80"),
 ];

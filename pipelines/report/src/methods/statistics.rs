@@ -2,7 +2,7 @@
 
 use super::recorded::{Recorded, plain};
 use super::sources::Cited;
-use zwidth_study::{Bound, EffectSize, Families, Study, contrast_label};
+use zwidth_study::{Bound, EffectSize, Families, GroupsCompared, LevelId, Study, contrast_label};
 
 pub(super) fn paragraphs(study: &Study, recorded: &Recorded, cited: &mut Cited) -> Vec<String> {
     if recorded.compared.is_empty() {
@@ -87,14 +87,38 @@ fn between(study: &Study, recorded: &Recorded, cited: &mut Cited) -> String {
             cited.cite("edgington")
         ),
     };
+    let test = match &study.compare.groups {
+        None => format!(
+            "Its mean was tested by Student's t with n − 1 degrees of freedom; beside it stand {beside}"
+        ),
+        Some(groups) => of_groups(groups, cited),
+    };
     let effects = effects(&study.compare.effect_sizes, cited);
     format!(
         "The unit of analysis was the participant: each one's repeats were averaged{sessions}, \
-         and each participant gave one difference. Its mean was tested by Student's t with n − 1 \
-         degrees of freedom; beside it stand {beside}.{effects} A mixed model with \
+         and each participant gave one difference. {test}.{effects} A mixed model with \
          participant and participant × mode as random effects was fitted to all trials by REML, with \
          Kenward–Roger degrees of freedom {}; no claim rests on it.",
         cited.cite("kenward")
+    )
+}
+
+/// How groups of participants were compared.
+fn of_groups(groups: &GroupsCompared, cited: &mut Cited) -> String {
+    let levels: Vec<&str> = groups.levels.iter().map(LevelId::as_str).collect();
+    let contrasts: Vec<String> = groups.contrasts.iter().map(ToString::to_string).collect();
+    let chosen = if groups.assigned { "assigned by chance" } else { "not assigned by chance" };
+    format!(
+        "Participants were of the groups {} ({}, {chosen}). Differences between modes were averaged over groups with \
+         the same weight each and tested with Satterthwaite's degrees of freedom {}. Groups were compared ({}) by \
+         Welch's t test {}, in the mean over modes and in every difference between modes, with a claim from four \
+         participants in each group on; beside it stands |t| over permuted labels {}",
+        levels.join(", "),
+        groups.column,
+        cited.cite("satterthwaite"),
+        contrasts.join(", "),
+        cited.cite("welch"),
+        cited.cite("chung"),
     )
 }
 
@@ -132,9 +156,10 @@ fn claims(study: &Study, recorded: &Recorded, cited: &mut Cited) -> String {
         Families::Environment => "in one environment",
     };
     let the = if has_several { "a" } else { "the" };
+    let of_groups = if compare.groups.is_some() { "of modes and of groups " } else { "" };
     let mut text = format!(
         "A difference of {the} primary measure was claimed where its p value, adjusted over the contrasts \
-         {family} by Holm's method {}, was below {}; intervals are at {} % and not adjusted.",
+         {of_groups}{family} by Holm's method {}, was below {}; intervals are at {} % and not adjusted.",
         cited.cite("holm"),
         plain(compare.alpha),
         plain(100.0 * compare.level)

@@ -53,6 +53,9 @@ pub struct Contents {
     level: f64,
     alpha: f64,
     families: Families,
+    /// Whether groups of people are compared: who is of which is not on the page.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    has_groups: bool,
     single_file: bool,
 }
 
@@ -107,6 +110,8 @@ pub struct Estimating {
     pub alpha: f64,
     /// Which contrasts are adjusted together.
     pub families: Families,
+    /// Whether groups of people are compared.
+    pub has_groups: bool,
     /// What is just noticed.
     pub perception: Perception,
     /// The metrics that rest on the plant, which all trials together identify.
@@ -246,6 +251,7 @@ impl Contents {
             level: estimating.level,
             alpha: estimating.alpha,
             families: estimating.families,
+            has_groups: estimating.has_groups,
             single_file: false,
         }
     }

@@ -79,6 +79,7 @@ fn with_answer(planned: &Setup, title: &str, answer: AnswerValue) -> Contents {
         level: 0.95,
         alpha: 0.05,
         families: zwidth_study::Families::Metric,
+        has_groups: false,
         perception: zwidth_study::Perception::default(),
         of_plant: Vec::new(),
     };

@@ -93,6 +93,8 @@ fn parameters() -> anyhow::Result<Parameters> {
         alpha: ALPHA,
         level: LEVEL,
         effect_sizes: Vec::new(),
+        groups: None,
+        covariates: Vec::new(),
         orders: Vec::new(),
     })
 }

@@ -147,21 +147,24 @@ function deviationIn(cells, mode, isSingle) {
 /** Every difference of the study with everybody's own, what it is measured by and what is said of it; those without a known just noticeable difference last. */
 function verdictRows() {
   const isSingle = new Set(study.trials.filter(counts).map(({ participant }) => participant)).size === 1;
+  // Groups have the same weight, and who is of which is not on the page: such differences stay as the program has them.
+  const isAgain = leftOut.size && !study.has_groups;
   const rows = study.metrics.flatMap((metric, index) => {
     const all = study.environments.flatMap(({ id }) => {
       const own = metric.differences.filter(({ environment }) => environment === id);
       if (!own.length) return [];
       const cells = cellsOf(index, id);
       return own.map((difference) => {
-        const row = leftOut.size ? estimatedAgain(index, difference, cells, isSingle) : { ...difference, people: peoplesDifferences(cells, difference) };
+        const row = isAgain ? estimatedAgain(index, difference, cells, isSingle) : { ...difference, people: peoplesDifferences(cells, difference) };
         if (!row) return null;
-        const sds = [row.mode, row.against].map((mode) => deviationIn(cells, mode, isSingle));
+        const sdOf = (mode) => metric.means.find((own) => own.environment === id && own.of === mode)?.sd ?? NaN;
+        const sds = [row.mode, row.against].map((mode) => (study.has_groups ? sdOf(mode) : deviationIn(cells, mode, isSingle)));
         return { ...row, index, isSingle, sav: Math.sqrt((sds[0] ** 2 + sds[1] ** 2) / 2) };
       }).filter(Boolean);
     });
     return all;
   });
-  if (leftOut.size) {
+  if (isAgain) {
     const isClaim = ({ index }) => study.families === "study" && study.metrics[index].is_primary;
     const familyOf = (row) => (isClaim(row) ? "primary" : study.families === "environment" ? `${row.index} ${row.environment}` : String(row.index));
     for (const family of groupBy(rows, familyOf).values()) judge(family, isSingle);

@@ -203,7 +203,7 @@ function writeExplored() {
   if (!leftOut.size) return matrix.explored.replaceChildren();
   const people = [...leftOut].filter((key) => !key.includes("/")).length, trials = leftOut.size - people;
   const what = [people ? `${people} ${people === 1 ? "person" : "people"}` : null, trials ? `${trials} ${trials === 1 ? "trial" : "trials"}` : null].filter(Boolean).join(" and ");
-  matrix.explored.replaceChildren(make("p", {}, make("strong", {}, "Explored, not the analysis."), ` Without ${what}. Everything below the rows is as analysed. These lines, each with its reason, would make it so:`), make("pre", {}, excludeLines().join("\n")), make("button", { type: "button", onclick: () => { leftOut.clear(); explore(); writePeople(); byId("left-out").firstElementChild.focus(); } }, "Take all back in"));
+  matrix.explored.replaceChildren(make("p", {}, make("strong", {}, "Explored, not the analysis."), ` Without ${what}.${study.has_groups ? " Only the dots are: differences and groups stay as analysed, because the page does not say who is of which group." : ""} Everything below the rows is as analysed. These lines, each with its reason, would make it so:`), make("pre", {}, excludeLines().join("\n")), make("button", { type: "button", onclick: () => { leftOut.clear(); explore(); writePeople(); byId("left-out").firstElementChild.focus(); } }, "Take all back in"));
 }
 
 function explore() {
@@ -312,7 +312,7 @@ function buildMatrix(host) {
   const family = { metric: "the contrasts of a metric", environment: "the contrasts of a metric in an environment", study: "the contrasts of all primary metrics together, and of each other metric" }[study.families];
   const legend = make("p", { class: "caption" }, [
     all.some(({ jnd }) => jnd !== null) && "Grey band: within ±1 just noticeable difference (JND), below what is felt.",
-    isAlone ? "Disc: mean difference; dots: repeats." : `Disc and whiskers: mean and ${percent} interval, not adjusted; dots: people. Verdicts are adjusted for ${family} (Holm).`,
+    isAlone ? "Disc: mean difference; dots: repeats." : `Disc and whiskers: mean and ${percent} interval, not adjusted; dots: people. Verdicts are adjusted for ${family}${study.has_groups ? ", differences between groups among them, which sentences and figures below tell" : ""} (Holm).`,
     isAlone && all.some(({ redrawn }) => redrawn.length) && "Ticks above: the difference in other orders of the trials, had none depended on mode: they decide the verdict.",
   ].filter(Boolean).join(" "));
   const save = (format) => make("button", { type: "button", "data-save-matrix": format, "aria-label": `Matrix as ${format}`, onclick: () => saveMatrix(format) }, format.toUpperCase());

@@ -1,0 +1,85 @@
+//! The people of a study by their groups, and when a group is too small.
+
+use crate::cells::Cells;
+use crate::{Groups, Parameters};
+use std::fmt;
+use zwidth_results::UnitOfAnalysis;
+use zwidth_stats::groups::{LEAST_FOR_A_CLAIM, LEAST_FOR_A_P};
+use zwidth_study::counted;
+
+/// The people of a study by their groups.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Split<'a> {
+    /// How they are compared.
+    pub(crate) groups: &'a Groups,
+    /// The group of each of [`Cells::participants`], by its place among the levels.
+    of: Vec<Option<usize>>,
+}
+
+impl<'a> Split<'a> {
+    /// How people are split; not at all if the study has no groups, or one participant.
+    pub(crate) fn of(cells: &Cells, parameters: &'a Parameters) -> Option<Self> {
+        let groups = parameters.groups.as_ref()?;
+        let of = cells.participants.iter().map(|who| groups.levels_of.get(who).copied()).collect();
+        (cells.unit() == UnitOfAnalysis::Participants).then_some(Self { groups, of })
+    }
+
+    /// The group of a participant.
+    pub(crate) fn level(&self, participant: usize) -> Option<usize> {
+        self.of[participant]
+    }
+
+    /// Values of people, group by group in the order of the levels; some may have none.
+    pub(crate) fn by_level<T>(&self, values: impl Iterator<Item = (usize, T)>) -> Vec<Vec<T>> {
+        let mut levels: Vec<Vec<T>> =
+            self.groups.compared.levels.iter().map(|_| Vec::new()).collect();
+        for (participant, value) in values {
+            if let Some(level) = self.of[participant] {
+                levels[level].push(value);
+            }
+        }
+        levels
+    }
+
+    /// The smallest of the groups that have somebody, with its name.
+    pub(crate) fn smallest(&self, people: impl Iterator<Item = usize>) -> Option<(usize, String)> {
+        let levels = self.by_level(people.map(|participant| (participant, ())));
+        let with =
+            levels.iter().zip(&self.groups.compared.levels).filter(|(level, _)| !level.is_empty());
+        with.map(|(level, id)| (level.len(), id.to_string())).min()
+    }
+}
+
+/// A group that is too small for a claim.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct TooFew {
+    n: usize,
+    group: String,
+}
+
+impl TooFew {
+    /// Whether the smallest of the groups, which has `n` people, is too small.
+    pub(crate) fn of(n: usize, group: &str) -> Option<Self> {
+        (n < LEAST_FOR_A_CLAIM).then(|| Self { n, group: group.to_owned() })
+    }
+
+    /// Whether there is a p value all the same.
+    pub(crate) fn has_p(&self) -> bool {
+        self.n >= LEAST_FOR_A_P
+    }
+}
+
+impl fmt::Display for TooFew {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { n, group } = self;
+        let people = counted(*n, "participants");
+        match self.has_p() {
+            true => write!(
+                f,
+                "no claim: {group} has {people}, and with {n} Welch's test finds an effect in up to 7 % \
+                 of studies without one"
+            ),
+            false => write!(f, "no test: {group} has {people}, {LEAST_FOR_A_P} are needed"),
+        }
+    }
+}
