@@ -127,11 +127,15 @@ impl Inputs for Comparison {
             RedrawnDifference::NAME,
             MetricNote::NAME,
         ];
-        let of_groups = OF_GROUPS.iter().filter(|_| self.has_groups);
-        let of_groups =
-            of_groups.chain([&GroupMember::NAME].into_iter().filter(|_| self.has_groups));
-        let of_numbers = [&CovariateSlope::NAME].into_iter().filter(|_| self.has_covariates);
-        names.iter().chain(of_groups).chain(of_numbers).map(|name| self.file(name)).collect()
+        let mut names = names.to_vec();
+        if self.has_groups {
+            names.extend(OF_GROUPS);
+            names.push(GroupMember::NAME);
+        }
+        if self.has_covariates {
+            names.push(CovariateSlope::NAME);
+        }
+        names.into_iter().map(|name| self.file(name)).collect()
     }
 }
 
@@ -533,7 +537,9 @@ fn make(
     let compared: Vec<&str> = stage.metrics.iter().map(|metric| metric.metric.as_str()).collect();
     let metrics = Measured::read(metrics, &compared)?;
     let results = zwidth_compare::compare(&metrics, stage)?;
-    let printed = zwidth_compare::together(&results.metrics, &results.contrasts, stage.families)?;
+    let has_groups = stage.groups.is_some();
+    let printed =
+        zwidth_compare::together(&results.metrics, &results.contrasts, stage.families, has_groups)?;
     let mut tables = vec![
         table_of(results.metrics)?,
         table_of(results.cells)?,
@@ -553,7 +559,7 @@ fn make(
     if !stage.covariates.is_empty() {
         tables.push(table_of(results.covariates)?);
     }
-    if stage.groups.is_some() {
+    if has_groups {
         tables.extend([
             table_of(results.groups)?,
             table_of(results.group_members)?,

@@ -177,7 +177,9 @@ pub(crate) fn rows(
                 false => null.as_ref().ok().map(|test| test.p_value),
             };
             let smallest_p = null.as_ref().ok().filter(|_| !of_people).map(|test| test.smallest_p);
-            let equivalence = tested.as_ref().ok().zip(measure.parameters.bounds[environment]);
+            let has_p = refused.as_ref().is_none_or(TooFew::has_p);
+            let bound = measure.parameters.bounds[environment].filter(|_| has_p);
+            let equivalence = tested.as_ref().ok().zip(bound);
             let equivalence = equivalence
                 .map(|(tested, bound)| paired::equivalence(tested, bound, parameters.alpha))
                 .transpose()?;

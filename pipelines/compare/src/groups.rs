@@ -47,6 +47,7 @@ struct Compared {
     noticed_from: Option<f64>,
 }
 
+/// What is compared between groups in an environment, with everybody's values.
 fn effects(
     environment: usize,
     cells: &Cells,

@@ -1,6 +1,7 @@
 //! The notes below the tables: whom the tables are about, how claims were tested, who is missing.
 
 use crate::cells::{Cell, Cells};
+use crate::differences::of_everybody;
 use crate::measure::Measure;
 use crate::orders;
 use crate::sessions::Changes;
@@ -217,7 +218,7 @@ pub(crate) fn contrasts(
             rows.iter().filter_map(|row| zeros(row, unit, parameters)).filter(|_| split.is_none()),
         )
         .chain(not_randomised(rows, parameters))
-        .chain(without_both(rows, cells, parameters))
+        .chain(without_rows(rows, cells, split, parameters))
         .chain(rows.iter().filter_map(|row| left_out(row, cells, split, measure, parameters)));
     below::<ModeDifference>(measure, notes.collect())
 }
@@ -359,27 +360,39 @@ fn not_randomised(rows: &[contrasts::Row], parameters: &Parameters) -> Vec<Note>
     notes
 }
 
-/// The contrasts that nobody has both modes of, where either mode is there: an empty table says why.
-fn without_both(rows: &[contrasts::Row], cells: &Cells, parameters: &Parameters) -> Vec<Note> {
+/// The contrasts without a row although either mode is there: an empty table says why.
+fn without_rows(
+    rows: &[contrasts::Row],
+    cells: &Cells,
+    split: Option<&Split>,
+    parameters: &Parameters,
+) -> Vec<Note> {
     let mut notes = Vec::new();
     for (e, environment) in parameters.environments.iter().enumerate() {
         for contrast in &parameters.contrasts {
             let Some(modes) = parameters.modes_of(contrast) else { continue };
+            let [first, second] = modes
+                .map(|mode| cells.people_in(e, mode).map(|(who, _)| who).collect::<BTreeSet<_>>());
             let has_row =
                 rows.iter().any(|row| row.claim.environment == e && row.contrast == *contrast);
-            let people = modes.map(|mode| cells.people_in(e, mode).count());
-            if has_row || people.contains(&0) {
+            if has_row || first.is_empty() || second.is_empty() {
                 continue;
             }
-            let [first, second] = people;
-            notes.push((
-                NoteKind::LeftOut,
-                format!(
-                    "{environment}, {contrast}: nobody has both in one session ({first} and {second} \
-                     participants have the one or the other). Conditions of different people are groups: name \
-                     them as a column of people ([[people]] and compare.groups of study.toml)."
+            let has_pairs = !of_everybody(cells, e, modes, parameters.level).is_empty();
+            let why = match split {
+                Some(split) if has_pairs => {
+                    format!("nobody who has both has a {}", split.groups.compared.column)
+                }
+                _ if !first.is_disjoint(&second) => "nobody has both in one session".to_owned(),
+                _ => format!(
+                    "nobody has both ({} participants have the one, {} the other). Conditions of different \
+                     people are groups: name them as a column of people ([[people]] and compare.groups of \
+                     study.toml)",
+                    first.len(),
+                    second.len()
                 ),
-            ));
+            };
+            notes.push((NoteKind::LeftOut, format!("{environment}, {contrast}: {why}.")));
         }
     }
     notes

@@ -15,6 +15,7 @@ pub fn together(
     metrics: &[Compared],
     contrasts: &[ModeDifference],
     families: Families,
+    has_groups: bool,
 ) -> Result<Table, CompareError> {
     let printed = Table::of_rows(contrasts)?.to_rows::<PrintedDifference>()?;
     let table = Table::of_rows(&printed)?.without_empty_columns();
@@ -22,6 +23,10 @@ pub fn together(
     let test = match first.unit_of_analysis {
         UnitOfAnalysis::TrialsOf(_) => {
             "p: the sharp null, that no trial depended on mode. Intervals describe the trials."
+        }
+        UnitOfAnalysis::Participants if has_groups => {
+            "t and p: the participants' differences, each group with the same weight, degrees of freedom of \
+             Satterthwaite."
         }
         UnitOfAnalysis::Participants => {
             "t and p: the participants' differences, n − 1 degrees of freedom."
@@ -46,8 +51,11 @@ pub fn together(
         Families::Metric | Families::Study => "each metric a family",
         Families::Environment => "each environment of a metric a family",
     };
-    let family =
-        &*format!("p adjusted after Holm, {family} of its own; intervals are not adjusted.");
+    let family = match has_groups && first.unit_of_analysis == UnitOfAnalysis::Participants {
+        true => format!("{family} of its own, with its differences between groups"),
+        false => format!("{family} of its own"),
+    };
+    let family = &*format!("p adjusted after Holm, {family}; intervals are not adjusted.");
     let table = table.with_note(of_whom(&first.unit_of_analysis)).with_note(test);
     Ok(table.with_note(claims).with_note(family))
 }
@@ -73,7 +81,7 @@ mod tests {
         let parameters = crate::Parameters { metrics: both, families, ..parameters() };
         let table = Table::new("metrics", "", columns.concat()).unwrap();
         let found = compare(&Measured::of(table).unwrap(), &parameters).unwrap();
-        let table = together(&found.metrics, &found.contrasts, families).unwrap();
+        let table = together(&found.metrics, &found.contrasts, families, false).unwrap();
         (table, found.contrasts)
     }
 
@@ -99,7 +107,7 @@ mod tests {
         let (table, _) = both(&["other_n"], Families::Metric);
         assert!(table.column("d_av").is_err() && table.column("difference_jnd").is_err());
         assert!(table.notes_by_kind().any(|(_, note)| note.ends_with("all are exploratory.")));
-        assert_eq!(together(&[], &[], Families::Metric).unwrap().height(), 0);
+        assert_eq!(together(&[], &[], Families::Metric, false).unwrap().height(), 0);
     }
 
     /// The two metrics have the same values, so each adjusted p of one metric is met twice in the family of

@@ -120,6 +120,11 @@ pub fn matrix(study: &Setup, metrics: &[ComparedMetric]) -> Matrix {
                     "Mean ± standard deviation within {who}; in brackets the number of trials. \
                      Nothing is said of anybody else."
                 ),
+                UnitOfAnalysis::Participants if !metric.groups.is_empty() => {
+                    "Mean of the groups' means, each group with the same weight, ± standard deviation within \
+                     groups; in brackets the number of participants."
+                        .to_owned()
+                }
                 UnitOfAnalysis::Participants => {
                     "Mean ± standard deviation over participants; in brackets their number."
                         .to_owned()

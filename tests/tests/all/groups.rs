@@ -203,6 +203,7 @@ fn a_wrong_participants_file_is_refused_and_who_has_no_group_is_named() {
     ran(root, "compare twelve --by group").prints(&["Without P08 (no group)."]);
     fs::remove_file(&file).unwrap();
     zwidth_line(root, "verify twelve").exits(1).prints(&["12 participants have no group"]);
+    ran(root, "compare twelve").says(&["task, hybrid − active: nobody who has both has a group."]);
     let study = root.join("raw/twelve/study.toml");
     fs::write(&study, STUDY.replace("groups = \"group\"\n", "")).unwrap();
     let groups = zwidth_line(root, "compare twelve --by group").exits(1);
@@ -231,7 +232,7 @@ fn modes_that_nobody_has_both_of_are_told_to_be_groups() {
     fs::write(root.join("raw/twelve/study.toml"), without).unwrap();
     imported(root);
     ran(root, "compare twelve").says(&[
-        "task, passive − active: nobody has both in one session (6 and 6 participants have the one or the other)",
+        "task, passive − active: nobody has both (6 participants have the one, 6 the other)",
         "name them as a column of people",
     ]);
 }

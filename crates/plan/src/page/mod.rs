@@ -81,7 +81,7 @@ pub(crate) fn jobs(data: &StudyData, findings: &Findings, figures: &[Drawing]) -
             level: settings.level,
             alpha: settings.alpha,
             families: settings.families,
-            has_groups: settings.groups.is_some(),
+            has_groups: settings.groups.is_some() && people::participants(data) > 1,
             perception: data.study.perception.clone(),
             of_plant: compare::compared(data)
                 .into_iter()

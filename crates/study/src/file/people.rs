@@ -265,9 +265,9 @@ fn from_csv(text: &str, columns: &[PersonColumn]) -> Result<People, Vec<StudyErr
         errors.push(StudyError { line, key: key.to_owned(), problem });
     };
     if header.get(0) != Some(PARTICIPANT) {
-        let first = header.get(0).unwrap_or_default();
+        let first = header.get(0).filter(|name| !name.is_empty()).unwrap_or("(file)");
         let problem = format!(
-            "is the first column, which is called {PARTICIPANT}; columns are separated by commas"
+            "the first column is called {PARTICIPANT}, and columns are separated by commas"
         );
         refuse(1, first, problem);
     }
@@ -481,8 +481,9 @@ mod tests {
             ("participant,age_years\nP01,old\n", 2, "'old' is no number"),
             ("participant,e-mail\nP01,x\n", 1, "who somebody is"),
             ("participant,group,group\nP01,expert,expert\n", 1, "stands twice"),
-            ("who,group\nP01,expert\n", 1, "is the first column, which is called participant"),
+            ("who,group\nP01,expert\n", 1, "the first column is called participant"),
             ("participant;group\nP01;expert\n", 1, "separated by commas"),
+            ("", 1, "the first column is called participant"),
             ("participant,group\nP01\n", 2, "found record with 1 fields"),
             ("participant,group\nP 1,expert\n", 2, "not a valid participant id"),
         ] {

@@ -37,6 +37,9 @@ pub const SESSIONS_COMPARED: FigureKind =
 pub const REPEATS_COMPARED: FigureKind =
     FigureKind::new("learning", "mean at each repeat of a condition", "trial");
 
+/// How groups of people enter a mean over all of them.
+pub(super) const EQUAL_WEIGHTS: &str = "Over all people each group has the same weight.";
+
 /// Height of a panel, mm.
 pub(super) const PANEL_MM: f64 = 52.0;
 /// Height that one participant's line takes, mm.
@@ -188,7 +191,9 @@ pub fn modes_compared(
         (Role::Exploratory, false) => "Exploratory: not the primary metric.",
         (Role::Exploratory, true) => "Exploratory: not a primary metric.",
     };
-    let footnotes = [what].into_iter().chain(against).chain(band).chain([role.to_owned()]);
+    let weights = (!compared.groups.is_empty()).then(|| EQUAL_WEIGHTS.to_owned());
+    let footnotes = [what].into_iter().chain(weights).chain(against).chain(band);
+    let footnotes = footnotes.chain([role.to_owned()]);
     let footnotes = verdicts.into_iter().chain(footnotes.map(|note| plain(&note))).collect();
     Figure {
         title: Some(plain(&format!("{}: {}", about.title, shown.words))),

@@ -1,7 +1,7 @@
 //! The answer in one glance: every difference between modes over what a person can feel, with everybody's
 //! own, its verdict and its value.
 
-use super::compared::{MetricResults, Shown, or_note, stacked, zero};
+use super::compared::{EQUAL_WEIGHTS, MetricResults, Shown, or_note, stacked, zero};
 use super::groups::effect_label;
 use crate::words::{mark, percent, plain};
 use crate::{About, FigureKind};
@@ -262,6 +262,10 @@ pub fn verdicts(
         ),
         _ => format!("Dots: people. Disc and whiskers: mean and {level} interval, not adjusted."),
     }];
+    let has_groups = found.iter().any(|metric| !metric.groups.is_empty());
+    if has_groups {
+        footnotes.push(EQUAL_WEIGHTS.to_owned());
+    }
     if rows.iter().any(|row| row.by == MeasuredBy::Jnd) {
         let note = "Band: within ± 1 just noticeable difference (JND), below what is felt.";
         footnotes.push(note.to_owned());
@@ -276,8 +280,9 @@ pub fn verdicts(
         let metrics = if about.has_several_primary { "metrics" } else { "metric" };
         footnotes.push(format!("Bold: the primary {metrics}; all others are exploratory."));
     }
+    let and_groups = if has_groups { " and groups" } else { "" };
     Figure {
-        title: Some(plain(&format!("{}: differences between modes", about.title))),
+        title: Some(plain(&format!("{}: differences between modes{and_groups}", about.title))),
         description:
             "Every difference between modes over what a person can feel, with its verdict."
                 .to_owned(),

@@ -156,7 +156,11 @@ fn claims(study: &Study, recorded: &Recorded, cited: &mut Cited) -> String {
         Families::Environment => "in one environment",
     };
     let the = if has_several { "a" } else { "the" };
-    let of_groups = if compare.groups.is_some() { "of modes and of groups " } else { "" };
+    let of_groups = if compare.groups.is_some() && recorded.participants > 1 {
+        "of modes and of groups "
+    } else {
+        ""
+    };
     let mut text = format!(
         "A difference of {the} primary measure was claimed where its p value, adjusted over the contrasts \
          {of_groups}{family} by Holm's method {}, was below {}; intervals are at {} % and not adjusted.",
