@@ -13,7 +13,7 @@ use zwidth_device::{
     Controller, Cue, Guard, Limits, LiveRun, Priority, RealClock, TrialEnd, TrialPlan, Velocity,
     run_live,
 };
-use zwidth_study::{Calibration, Control, Environment, Mode, Scene, Spring};
+use zwidth_study::{Calibration, Control, Environment, Levels, Mode, Scene, Spring};
 
 const HALF_STROKE_RAD: f64 = std::f64::consts::FRAC_PI_4;
 const SECONDS: f64 = 10.0;
@@ -36,6 +36,7 @@ fn ours(seconds: f64) -> LiveRun {
         scene,
         question: None,
         further: Vec::new(),
+        factors: Levels::new(),
     };
     let (motor_max_v, brake_max_v) = (Some(8.0), Some(8.0));
     let mode = Mode {
@@ -44,6 +45,7 @@ fn ours(seconds: f64) -> LiveRun {
         motor_max_v,
         brake_max_v,
         law: None,
+        factors: Levels::new(),
     };
     let (control, calibration) = (Control::default(), Calibration::thesis());
     let mut controller = Controller::new(&control, &environment, &mode, &calibration);

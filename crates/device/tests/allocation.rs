@@ -42,10 +42,24 @@ fn allocations(limit_s: f64, filter: VelocityFilter) -> u64 {
     let scene = Scene::SpringWall { spring, wall_rad: 0.1 };
     let label = String::new();
     let id = "e".parse().unwrap();
-    let environment = Environment { id, label, scene, question: None, further: Vec::new() };
+    let environment = Environment {
+        id,
+        label,
+        scene,
+        question: None,
+        further: Vec::new(),
+        factors: Default::default(),
+    };
     let label = String::new();
     let id = "m".parse().unwrap();
-    let mode = Mode { id, label, motor_max_v: Some(8.0), brake_max_v: Some(8.0), law: None };
+    let mode = Mode {
+        id,
+        label,
+        motor_max_v: Some(8.0),
+        brake_max_v: Some(8.0),
+        law: None,
+        factors: Default::default(),
+    };
     let calibration = Calibration::thesis();
     let mut controller = Controller::new(&Control::default(), &environment, &mode, &calibration);
     let mut guard = Guard::new(&device.capabilities, LIMITS, false);

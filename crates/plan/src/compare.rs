@@ -17,22 +17,22 @@ use zwidth_compare::{
 };
 use zwidth_draw::Figure;
 use zwidth_figures::{
-    ANSWERS_COMPARED, About, AnswersPage, FigureKind, GROUPS_COMPARED, IN_ONE_COLUMN,
-    MODES_COMPARED, MetricResults, PARTICIPANTS_COMPARED, REPEATS_COMPARED, SESSIONS_COMPARED,
-    VERDICTS, VerdictRow, answers_compared, verdict_rows,
+    ANSWERS_COMPARED, About, AnswersPage, EFFECTS_COMPARED, FigureKind, GROUPS_COMPARED,
+    IN_ONE_COLUMN, MODES_COMPARED, MetricResults, PARTICIPANTS_COMPARED, REPEATS_COMPARED,
+    SESSIONS_COMPARED, VERDICTS, VerdictRow, answers_compared, verdict_rows,
 };
 use zwidth_results::{
-    AnswerDifference, AnyGroup, Cell, Compared, CovariateSlope, GivenAnswer, GroupDifference,
-    GroupMean, GroupMember, GroupModeDifference, Learning, Mean, MetricNote, ModeDifference, Model,
-    Omnibus, OrderTest, PersonDifference, PersonSuperiority, PrintedDifference, RedrawnDifference,
-    RepeatMean, Row, SessionChange,
+    AnswerDifference, AnyGroup, Cell, Compared, CovariateSlope, EffectDifference, FactorTest,
+    GivenAnswer, GroupDifference, GroupMean, GroupMember, GroupModeDifference, Learning, Mean,
+    MetricNote, ModeDifference, Model, Omnibus, OrderTest, PersonDifference, PersonSuperiority,
+    PrintedDifference, RedrawnDifference, RepeatMean, Row, SessionChange,
 };
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, Stage};
 use zwidth_store::{Layout, SessionLog, Signal, StudyData};
 use zwidth_study::order::Rules;
 use zwidth_study::{
     Bound, Coordinate, Environment, Event, Families, GroupsCompared, IdError, Known, MetricId,
-    PersonColumnId, Source, Study, is_felt,
+    PersonColumnId, Source, Study,
 };
 use zwidth_tables::{Measured, Table, TableError};
 
@@ -53,6 +53,9 @@ const OTHERS: [&str; 6] = [
 const OF_GROUPS: [&str; 4] =
     [GroupDifference::NAME, GroupMean::NAME, GroupModeDifference::NAME, AnyGroup::NAME];
 
+/// The tables of a study with factors, likewise.
+const OF_FACTORS: [&str; 2] = [EffectDifference::NAME, FactorTest::NAME];
+
 /// The results of the stage on metrics: one folder, with a table for each kind of row.
 #[derive(Clone)]
 pub(crate) struct Comparison {
@@ -61,13 +64,17 @@ pub(crate) struct Comparison {
     pub(crate) has_groups: bool,
     /// Whether differences are compared over numbers of people.
     has_covariates: bool,
+    /// Whether effects of factors are compared.
+    pub(crate) has_effects: bool,
 }
 
 impl Comparison {
     fn of(data: &StudyData) -> Self {
         let has_groups = data.study.compare.groups.is_some();
         let has_covariates = !data.study.compare.covariates.is_empty();
-        Self { folder: derived(&data.layout, "compare"), has_groups, has_covariates }
+        let has_effects = !data.study.effects().is_empty();
+        let folder = derived(&data.layout, "compare");
+        Self { folder, has_groups, has_covariates, has_effects }
     }
 
     /// The table of rows `R`.
@@ -90,6 +97,10 @@ impl Comparison {
             contrasts: self.table().read_of(metric)?,
             participants: self.table().read_of(metric)?,
             groups: match self.has_groups {
+                true => self.table().read_of(metric)?,
+                false => Vec::new(),
+            },
+            effects: match self.has_effects {
                 true => self.table().read_of(metric)?,
                 false => Vec::new(),
             },
@@ -135,6 +146,9 @@ impl Inputs for Comparison {
         if self.has_covariates {
             names.push(CovariateSlope::NAME);
         }
+        if self.has_effects {
+            names.extend(OF_FACTORS);
+        }
         names.into_iter().map(|name| self.file(name)).collect()
     }
 }
@@ -163,7 +177,15 @@ pub fn comparison(data: &StudyData, by: By, metric: &str) -> Vec<Printed> {
         By::Answer => {
             return vec![Printed::without_empty_columns(answers_of(&data.layout).0.path())];
         }
-        By::Mode => vec![Mean::NAME, ModeDifference::NAME, Omnibus::NAME, OrderTest::NAME],
+        By::Mode if data.study.compare.contrasts.is_empty() => {
+            let of_factors = OF_FACTORS.into_iter().filter(|_| tables.has_effects);
+            [Mean::NAME].into_iter().chain(of_factors).chain([Omnibus::NAME]).collect()
+        }
+        By::Mode => {
+            let of_factors = OF_FACTORS.into_iter().filter(|_| tables.has_effects);
+            let of_modes = [Mean::NAME, ModeDifference::NAME];
+            of_modes.into_iter().chain(of_factors).chain([Omnibus::NAME, OrderTest::NAME]).collect()
+        }
         By::Participant if tables.has_covariates => {
             vec![PersonDifference::NAME, CovariateSlope::NAME]
         }
@@ -219,20 +241,21 @@ fn is_possible(data: &StudyData, metric: &str) -> bool {
     }
     data.counting().any(|trial| {
         let environment = data.study.environment(&trial.meta.environment);
-        let channels = &data.study.channels;
         environment.is_some_and(|e| {
-            zwidth_metrics::is_possible(metric, &e.scene, &trial.said.signals, channels)
+            zwidth_metrics::is_possible(&data.study, metric, &e.scene, &trial.said.signals)
         })
     })
 }
 
-/// The metrics that a study asks for, the primary ones first, each once.
+/// The metrics that a study asks for, the primary ones first, each once. Without a list of the others: a
+/// few of zwidth's, and the study's own.
 fn requested_metrics(study: &Study) -> Vec<String> {
     let others: Vec<String> = match &study.compare.metrics {
         Some(metrics) => metrics.iter().map(ToString::to_string).collect(),
         None => {
             let default = MetricId::primary().to_string();
-            std::iter::once(default).chain(OTHERS.map(str::to_owned)).collect()
+            let own = zwidth_metrics::own_metrics(study).map(|own| own.id.to_string());
+            std::iter::once(default).chain(OTHERS.map(str::to_owned)).chain(own).collect()
         }
     };
     let primary = study.compare.primary.metrics();
@@ -252,46 +275,66 @@ pub fn claims(study: &Study, metric: &str) -> usize {
     let signals: Vec<Signal> = Signal::all().collect();
     let environments = |metric: &str| {
         let is_possible = |environment: &&Environment| {
-            zwidth_metrics::is_possible(metric, &environment.scene, &signals, &study.channels)
+            zwidth_metrics::is_possible(study, metric, &environment.scene, &signals)
         };
         study.environments.iter().filter(is_possible).count()
     };
-    let together = match compare.families {
-        Families::Environment => 1,
+    // How often something in one environment is claimed, and something over several.
+    let [each, over_all] = match compare.families {
+        Families::Environment => [1, 1],
         Families::Study if compare.primary.has(metric) => {
-            compare.primary.metrics().iter().map(|metric| environments(metric.as_str())).sum()
+            let metrics = compare.primary.metrics();
+            let each = metrics.iter().map(|metric| environments(metric.as_str())).sum();
+            [each, metrics.len()]
         }
-        Families::Metric | Families::Study => environments(metric),
+        Families::Metric | Families::Study => [environments(metric), 1],
     };
     // Of groups in the mean over modes and in each contrast; in the mode, if there is one.
     let of_groups = compare.groups.as_ref().map_or(0, |groups| groups.contrasts.len());
-    let effects = if study.modes.len() > 1 { compare.contrasts.len() + 1 } else { 1 };
-    together * (compare.contrasts.len() + of_groups * effects)
+    let in_groups = if study.modes.len() > 1 { compare.contrasts.len() + 1 } else { 1 };
+    let effects = study.effects().into_iter().filter(|effect| !effect.weights.is_empty());
+    let [in_one, in_several]: [Vec<_>; 2] = {
+        let (one, several) = effects.partition(|effect| effect.environment.is_some());
+        [one, several]
+    };
+    // The same effects in every environment, and weighted contrasts in one of them.
+    let of_environments = study.environments.iter().map(|environment| {
+        in_one.iter().filter(|effect| effect.environment.as_ref() == Some(&environment.id)).count()
+    });
+    each * (compare.contrasts.len() + of_groups * in_groups + of_environments.max().unwrap_or(0))
+        + over_all * in_several.len()
 }
 
 /// Remarks on metrics in study.toml that do not exist, and on bounds that have no effect.
 pub fn asked_in_vain(study: &Study) -> Vec<String> {
-    let mut remarks = Vec::new();
+    let mut remarks: Vec<String> = zwidth_metrics::taken(study)
+        .map(|id| {
+            format!(
+                "[[metrics]] of study.toml: '{id}' is a column of the tables already; give the metric another \
+                 id; it is left out"
+            )
+        })
+        .collect();
+    let mut are_unknown = false;
     for metric in requested_metrics(study) {
-        if zwidth_metrics::is_number(&metric) {
+        if zwidth_metrics::is_number(study, &metric) {
             continue;
         }
         // A slide shows millimetres on its figures, but its metrics are named in radians like all.
         let in_radians = metric.replace("_per_mm", "_per_rad").replace("_mm", "_rad");
-        let hint = match zwidth_metrics::is_number(&in_radians) {
+        let hint = match zwidth_metrics::is_number(study, &in_radians) {
             true => format!(": write {in_radians}, also on a slide"),
             false => String::new(),
         };
+        are_unknown = true;
         remarks.push(format!(
             "[compare] of study.toml: there is no metric '{metric}' that is a number{hint}; \
              it is left out"
         ));
     }
-    if !remarks.is_empty() {
-        remarks.push(format!(
-            "[compare] of study.toml: the metrics are {}",
-            zwidth_metrics::names().join(", ")
-        ));
+    if are_unknown {
+        let names: Vec<&str> = zwidth_metrics::names(study).collect();
+        remarks.push(format!("[compare] of study.toml: the metrics are {}", names.join(", ")));
     }
     for (metric, bound) in &study.compare.bounds {
         let is_commanded = study
@@ -340,16 +383,22 @@ pub(crate) fn tables(data: &StudyData) -> Vec<Printed> {
     let Attendance { several, several_and_again } = attendance(data);
     let mut tables = Vec::new();
     if let Some(comparison) = of_study(data) {
-        tables.push(Printed::whole(&comparison.file(PrintedDifference::NAME)));
+        if !data.study.compare.contrasts.is_empty() {
+            tables.push(Printed::whole(&comparison.file(PrintedDifference::NAME)));
+        }
         let groups = data.study.compare.groups.as_ref().filter(|_| several);
         let of_groups = groups.is_some();
+        let of_contrasts = !data.study.compare.contrasts.is_empty();
+        let of_factors = comparison.has_effects;
         let of_more_groups = groups.is_some_and(|groups| groups.levels.len() > 2);
         let kinds = [
             (true, Mean::NAME),
-            (true, ModeDifference::NAME),
+            (of_contrasts, ModeDifference::NAME),
+            (of_factors, EffectDifference::NAME),
+            (of_factors && several, FactorTest::NAME),
             (several, Omnibus::NAME),
-            (several, Model::NAME),
-            (several, PersonDifference::NAME),
+            (several && of_contrasts, Model::NAME),
+            (several && of_contrasts, PersonDifference::NAME),
             (several && comparison.has_covariates, CovariateSlope::NAME),
             (of_groups, GroupDifference::NAME),
             (of_groups, GroupMean::NAME),
@@ -357,7 +406,7 @@ pub(crate) fn tables(data: &StudyData) -> Vec<Printed> {
             (of_more_groups, AnyGroup::NAME),
             (several_and_again, SessionChange::NAME),
             (true, Learning::NAME),
-            (true, OrderTest::NAME),
+            (of_contrasts, OrderTest::NAME),
         ];
         for metric in compared(data) {
             for (_, name) in kinds.iter().filter(|(is_printed, _)| *is_printed) {
@@ -411,12 +460,12 @@ impl Comparing<Parameters> {
             metrics.push(MetricParameters {
                 metric: metric.parse()?,
                 primary,
-                better: chosen.map_or_else(|| zwidth_metrics::better(metric), |(_, b)| *b),
+                better: chosen.map_or_else(|| zwidth_metrics::better(study, metric), |(_, b)| *b),
                 // A plan is a promise on primary metrics alone.
                 preregistered: if primary { preregistered(data, &compared) } else { None },
                 bounds: bounds.collect(),
                 // What cannot be felt is not noticed from any difference on.
-                noticed: is_felt(metric).then(|| Noticed {
+                noticed: zwidth_metrics::is_felt(&study.metrics, metric).then(|| Noticed {
                     perception: study.perception.clone(),
                     lever_m: study.device.lever_m.unwrap_or(0.0),
                     is_slide: matches!(study.coordinate, Coordinate::Linear { .. }),
@@ -439,6 +488,7 @@ impl Comparing<Parameters> {
             effect_sizes: compare.effect_sizes.clone(),
             groups: compare.groups.as_ref().map(|compared| groups(data, compared)),
             covariates: compare.covariates.iter().map(|column| covariate(data, column)).collect(),
+            effects: study.effects(),
             orders: data.sessions.iter().map(|log| order(log, study)).collect(),
         };
         let simulated = data.counting().any(|trial| trial.meta.source.is_simulated());
@@ -568,6 +618,9 @@ fn make(
             table_of(results.any_group)?,
         ]);
     }
+    if !stage.effects.is_empty() {
+        tables.extend([table_of(results.effects)?, table_of(results.factor_tests)?]);
+    }
     write_named(tables, making, *simulated)
 }
 
@@ -660,9 +713,13 @@ pub(crate) fn figures(data: &StudyData) -> Vec<Drawing> {
     // One repeat shows no learning.
     let repeated = data.study.design.repeats > 1;
     let of_groups = has_group_differences(data);
-    let kinds: [(bool, FigureKind, Draw); 5] = [
-        (true, MODES_COMPARED, zwidth_figures::modes_compared),
-        (several, PARTICIPANTS_COMPARED, zwidth_figures::participants_compared),
+    let of_contrasts = !data.study.compare.contrasts.is_empty();
+    let of_factors = !data.study.compare.effects.is_empty();
+    let kinds: [(bool, FigureKind, Draw); 6] = [
+        // Where factors are compared, the means stand by their levels.
+        (of_contrasts || !of_factors, MODES_COMPARED, zwidth_figures::modes_compared),
+        (of_factors, EFFECTS_COMPARED, zwidth_figures::effects_compared),
+        (several && of_contrasts, PARTICIPANTS_COMPARED, zwidth_figures::participants_compared),
         (of_groups, GROUPS_COMPARED, zwidth_figures::groups_compared),
         (several_and_again, SESSIONS_COMPARED, zwidth_figures::sessions_compared),
         (repeated, REPEATS_COMPARED, zwidth_figures::repeats_compared),
@@ -723,7 +780,7 @@ fn draw(drawn: &Drawn, tables: &Comparison) -> Figured {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use zwidth_study::Primary;
+    use zwidth_study::{Better, OwnMetric, Primary, Statistic, TrialPart};
 
     #[test]
     fn a_trial_that_was_done_again_twice_has_the_place_of_the_first() {
@@ -742,6 +799,30 @@ mod tests {
         assert_eq!(told.len(), 2, "{told:?}");
         assert!(told[0].contains("there is no metric 'softness_n'"), "{told:?}");
         assert!(told[1].contains("the metrics are ") && told[1].contains("wall_past_max_rad"));
+    }
+
+    #[test]
+    fn a_metric_of_the_studys_own_is_asked_for_unless_its_name_is_taken() {
+        let mut study = crate::tests::data().study;
+        let own = |id: &str| OwnMetric {
+            id: id.parse().unwrap(),
+            of: "force_ex_n".to_owned(),
+            statistic: Statistic::Max,
+            over: TrialPart::Movement,
+            label: "largest push".to_owned(),
+            unit: "N".to_owned(),
+            better: Better::Lower,
+        };
+        study.metrics = vec![own("push_n"), own("wall_dwell_s"), own("participant")];
+        assert_eq!(requested_metrics(&study).last().unwrap(), "push_n");
+        assert_eq!(zwidth_metrics::better(&study, "push_n"), Better::Lower);
+        assert_eq!(zwidth_metrics::better(&study, "wall_dwell_s"), Better::Neither);
+        let told = asked_in_vain(&study);
+        let taken = |id| format!("'{id}' is a column of the tables already");
+        assert_eq!(told.len(), 2, "{told:?}");
+        assert!(
+            told[0].contains(&taken("wall_dwell_s")) && told[1].contains(&taken("participant"))
+        );
     }
 
     #[test]

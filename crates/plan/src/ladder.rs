@@ -266,7 +266,7 @@ fn ladder_of(
         let Course { t_s, theta_rad, theta_dot_rad_s, force_ex_n, feedback_n, lever_m } = course;
         let samples = model_samples([t_s, theta_rad, theta_dot_rad_s, force_ex_n, feedback_n]);
         let lever_m = Some(*lever_m);
-        let parameters = zwidth_metrics::Parameters { lever_m, ..laddered.metrics };
+        let parameters = zwidth_metrics::Parameters { lever_m, ..laddered.metrics.clone() };
         let trial = Trial { meta: trial.meta.clone(), file: trial.file.clone(), samples };
         measured(&trial, &parameters)
     };

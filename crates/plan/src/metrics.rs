@@ -10,11 +10,11 @@ use crate::shared::trials::{OfTrials, Recordings, files, name, of_each};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
-use zwidth_metrics::{Parameters, TrialMetrics};
+use zwidth_metrics::{Parameters, TrialMetrics, own_metrics};
 use zwidth_results::{TrialEvent, TrialRemark};
 use zwidth_runner::{Job, JobError, Made, Making, Stage, strip_root};
 use zwidth_store::{Asked, Layout, OpenTrial, Signal, StoreError, StudyData};
-use zwidth_study::TrialMeta;
+use zwidth_study::{Condition, MetricId, TrialMeta};
 use zwidth_tables::{Measured, NoteKind, Table, TableError};
 
 const STAGE: Stage = Stage { name: "metrics", version: zwidth_metrics::VERSION };
@@ -61,6 +61,14 @@ struct ConditionParameters {
     asked: Asked,
 }
 
+/// What the table of conditions depends on besides the metrics.
+#[derive(Serialize)]
+struct ByCondition {
+    conditions: Vec<Condition>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    own: Vec<MetricId>,
+}
+
 pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
     let repeats = repeats(data);
     if repeats.is_empty() {
@@ -84,8 +92,10 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
         for repeats in session {
             let metrics = Parameters::of(&data.study, repeats.environment, repeats.mode);
             let asked = Asked::of(&data.study, &repeats.environment.id);
+            // The plant changes none of the study's own.
+            let plant = Parameters { own: Vec::new(), ..metrics.clone() };
+            with_plant.push(OfTrials::new(plant, &repeats.trials));
             plain.push(OfTrials::new(ConditionParameters { metrics, asked }, &repeats.trials));
-            with_plant.push(OfTrials::new(metrics, &repeats.trials));
             trials.push(files(&repeats.trials));
         }
         let events = events_of(&data.layout, first).path().to_owned();
@@ -109,7 +119,9 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
         whole,
         |(), sessions, making| Ok(join_sessions(sessions, join_tables, making)),
     ));
-    let (name, parameters) = ("metrics by condition", data.study.conditions());
+    let name = "metrics by condition";
+    let own: Vec<MetricId> = own_metrics(&data.study).map(|own| own.id.clone()).collect();
+    let parameters = ByCondition { conditions: data.study.conditions(), own };
     let outputs = vec![conditions];
     jobs.push(Job::new(
         STAGE,
@@ -117,11 +129,11 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
         parameters,
         metrics,
         outputs,
-        |conditions, metrics, making| {
+        |ByCondition { conditions, own }, metrics, making| {
             // The table has a hundred columns: those alone are read.
-            let summarised: Vec<&str> = zwidth_metrics::summarised().collect();
-            let metrics = Measured::read(metrics, &summarised)?;
-            write_tables(&[zwidth_metrics::by_condition(&metrics, conditions)?], making, Vec::new())
+            let metrics = Measured::read(metrics, &zwidth_metrics::summarised(own))?;
+            let table = zwidth_metrics::by_condition(&metrics, conditions, own)?;
+            write_tables(&[table], making, Vec::new())
         },
     ));
     jobs
@@ -158,7 +170,7 @@ fn make_with_plant(
     };
     let rows = conditions.par_iter().zip(trials).map(|(parameters, files)| {
         let signals = &zwidth_metrics::PLANT_SIGNALS;
-        let each = of_each(making.trials, files, &parameters.trials, signals, |trial| {
+        let each = of_each(making.trials, files, &parameters.trials, signals, &[], |trial| {
             zwidth_metrics::plant_metrics(trial, &parameters.stage, plant.as_ref())
         });
         // A trial that cannot be read, or has no metrics, has no row.
@@ -176,14 +188,19 @@ fn make_session(
 ) -> Result<Made, JobError> {
     let results = conditions.par_iter().zip(trials).map(|(parameters, files)| {
         let ConditionParameters { metrics, asked } = &parameters.stage;
-        let signals = [&zwidth_metrics::SIGNALS[..], &zwidth_store::CHECKED].concat();
-        let each = of_each(making.trials, files, &parameters.trials, &signals, |trial| {
-            let row = zwidth_metrics::trial_metrics(trial, metrics);
-            let mut care: Vec<_> =
-                trial.check(asked).into_iter().map(|finding| describe(trial, finding)).collect();
-            care.extend(row.as_ref().ok().and_then(|row| covers_little(row, trial)));
-            (row.map_err(|error| (name(&trial.meta), error.to_string())), care)
-        })?;
+        let signals = [&metrics.signals()[..], &zwidth_store::CHECKED].concat();
+        let channels = metrics.channels();
+        let each =
+            of_each(making.trials, files, &parameters.trials, &signals, &channels, |trial| {
+                let row = zwidth_metrics::trial_metrics(trial, metrics);
+                let mut care: Vec<_> = trial
+                    .check(asked)
+                    .into_iter()
+                    .map(|finding| describe(trial, finding))
+                    .collect();
+                care.extend(row.as_ref().ok().and_then(|row| covers_little(row, trial)));
+                (row.map_err(|error| (name(&trial.meta), error.to_string())), care)
+            })?;
         let mut rows = Vec::new();
         let mut remarks = Vec::new();
         for (file, each) in files.iter().zip(each) {
@@ -214,7 +231,8 @@ fn make_session(
     // Those that are left out come first.
     remarks.sort_by_key(|remark| remark.kind == NoteKind::Care);
 
-    let mut metrics = zwidth_metrics::table(&rows)?;
+    let own = conditions.first().map_or(&[][..], |first| &first.stage.metrics.own);
+    let mut metrics = zwidth_metrics::table(&rows, own)?;
     let (mut problems, mut care) = (Vec::new(), Vec::new());
     for TrialRemark { kind, what, why, .. } in &remarks {
         let sentence = format!("{what}: {why}");

@@ -232,7 +232,8 @@ fn make_data(
             .collect::<Result<Vec<_>, _>>()
     })?;
     let table = |k: usize| {
-        zwidth_metrics::table(&rows.iter().map(|row: &Vec<_>| row[k].clone()).collect::<Vec<_>>())
+        let rows: Vec<_> = rows.iter().map(|row: &Vec<_>| row[k].clone()).collect();
+        zwidth_metrics::table(&rows, &metrics.own)
     };
     let whole = table(0)?;
     let less = Less::ALL.into_iter().enumerate().map(|(k, less)| Ok((less, table(k + 1)?)));

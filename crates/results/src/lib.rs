@@ -29,6 +29,8 @@
 //! | [`GroupModeDifference`] | metric, environment, contrast, group | `compare` | printed tables |
 //! | [`GroupDifference`] | metric, environment, effect, groups | `compare` | figures, page, summary |
 //! | [`AnyGroup`] | metric, environment, effect | `compare` | printed tables |
+//! | [`EffectDifference`] | metric, environment, effect, levels | `compare` | figures, summary |
+//! | [`FactorTest`] | metric, environment, effect | `compare` | summary, printed tables |
 //! | [`SessionChange`] | metric, environment, mode, sessions | `compare` | figures, summary |
 //! | [`Learning`] | metric, environment, mode | `compare` | printed tables |
 //! | [`RepeatMean`] | metric, environment, mode, repeat | `compare` | figures |
@@ -91,6 +93,7 @@ mod characteristic;
 mod claims;
 mod column;
 mod comparison;
+mod effects;
 mod figure;
 mod free_motion;
 mod groups;
@@ -112,6 +115,7 @@ pub use characteristic::*;
 pub use claims::*;
 pub use column::{Column, Field, Scalar, Type, UNIT_OF_ROW, Values};
 pub use comparison::*;
+pub use effects::{EffectDifference, EffectLevels, FactorTest};
 pub use figure::*;
 pub use free_motion::*;
 pub use groups::*;

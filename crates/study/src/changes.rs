@@ -45,7 +45,8 @@ impl std::fmt::Display for StudyChange {
 }
 
 /// The lists of a study, whose elements have ids.
-const LISTS: [&str; 5] = ["environments", "modes", "questions", "channels", "people"];
+const LISTS: [&str; 7] =
+    ["environments", "modes", "questions", "channels", "people", "metrics", "factors"];
 
 /// Every value that differs between two versions of a study, by key. Empty if the two are equal: a
 /// file whose bytes differ all the same differs in comments and form alone.
@@ -121,10 +122,10 @@ fn affects(key: &str) -> Affects {
         | ["analysis", ..]
         | ["compare", ..]
         | ["perception", ..]
-        | ["people", ..]
+        | ["people" | "metrics" | "factors", ..]
         | ["replay", ..]
         | ["figures" | "scenes", ..] => Affects::Nothing,
-        ["environments" | "modes", _, "label"]
+        ["environments" | "modes", _, "label" | "factors", ..]
         | ["questions", _, "group" | "reversed"]
         | ["questions"] => Affects::Nothing,
         // A key that nobody thought of here is better asked about in vain than overlooked.

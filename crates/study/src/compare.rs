@@ -1,7 +1,7 @@
 //! What a study compares: contrasts of modes, metrics, what difference would matter.
 
 use crate::words::words;
-use crate::{IdError, LevelId, MetricId, ModeId, PersonColumnId};
+use crate::{IdError, LevelId, MetricId, ModeId, PersonColumnId, Term, Weighted};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt;
@@ -37,6 +37,12 @@ pub struct Compare {
     /// Numbers of people with which differences between modes may change.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub covariates: Vec<PersonColumnId>,
+    /// Factors and interactions whose effects are compared.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub effects: Vec<Term>,
+    /// Contrasts between any conditions.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub weighted: Vec<Weighted>,
 }
 
 /// The difference of two modes: `mode` − `against`.

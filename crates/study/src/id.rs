@@ -173,6 +173,8 @@ ids! {
     PersonColumnId = "column", unless refused_as_column;
     /// A level of a column of people, such as `expert`.
     LevelId = "level", unless refused;
+    /// A factor of modes or environments, such as `brake`, or a weighted contrast.
+    FactorId = "factor", unless refused;
     /// A metric, by the name of its column: it ends in its unit.
     MetricId = "metric", unless refused_as_metric;
     /// An actuator or sensor that was characterised, such as `motor`.

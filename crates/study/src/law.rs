@@ -43,11 +43,11 @@ impl ModeLaw {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Mode;
+    use crate::{Levels, Mode};
 
     fn mode(motor_max_v: Option<f64>, brake_max_v: Option<f64>) -> Mode {
         let (id, label) = ("m".parse().unwrap(), String::new());
-        Mode { id, label, motor_max_v, brake_max_v, law: None }
+        Mode { id, label, motor_max_v, brake_max_v, law: None, factors: Levels::new() }
     }
 
     #[test]

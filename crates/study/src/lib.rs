@@ -11,7 +11,9 @@ mod changes;
 mod compare;
 mod control;
 mod counted;
+mod effects;
 mod event;
+mod factors;
 mod figures;
 mod file;
 mod form;
@@ -21,6 +23,7 @@ mod law;
 mod locate;
 mod model;
 pub mod order;
+mod own_metric;
 mod people;
 mod perception;
 mod printable;
@@ -44,12 +47,14 @@ pub use compare::{
 };
 pub use control::{Control, VelocityFilter};
 pub use counted::counted;
+pub use effects::Effect;
 pub use event::{Event, Given, Moment, SealedTrial};
+pub use factors::{Factor, FactorOf, Levels, Term, Weight, Weighted};
 pub use figures::{Alignment, Figures, OwnFigures};
 pub use form::{CURRENT_BRAKE, CURRENT_MOTOR, Channel, REFERENCE, Schema, TrialForm};
 pub use id::{
-    ActuatorId, ChannelId, EnvironmentId, ExperimenterId, IdError, LevelId, MetricId, ModeId,
-    ParticipantId, PersonColumnId, QuestionId, SceneFigureId, SessionId, StudyId,
+    ActuatorId, ChannelId, EnvironmentId, ExperimenterId, FactorId, IdError, LevelId, MetricId,
+    ModeId, ParticipantId, PersonColumnId, QuestionId, SceneFigureId, SessionId, StudyId,
 };
 pub use label::{contrast_label, in_a_sentence};
 pub use law::{ActuatorKind, ModeLaw};
@@ -58,6 +63,7 @@ pub use model::{
     Analysis, Condition, Coordinate, Design, Device, Environment, Masses, Mode, OrderScheme,
     Question, Resistances, Study,
 };
+pub use own_metric::{OwnMetric, Statistic, TrialPart};
 pub use people::{Known, People, PeopleForm, Person, PersonColumn, PersonValue};
 pub use perception::{Measured, Perception, VibrationCurve, is_felt};
 pub use printable::{printable, printable_lines};

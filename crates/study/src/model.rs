@@ -1,10 +1,12 @@
 //! A study as a value: what was planned, in SI units.
 
 use crate::{
-    ActuatorKind, AnswerScale, Channel, Compare, Control, EnvironmentId, Figures, ModeId, ModeLaw,
-    Perception, PersonColumn, QuestionId, ReplayModel, Scene, SceneFigure, Schema, StudyId,
+    ActuatorKind, AnswerScale, Channel, Compare, Control, EnvironmentId, Factor, Figures, Levels,
+    ModeId, ModeLaw, OwnMetric, Perception, PersonColumn, QuestionId, ReplayModel, Scene,
+    SceneFigure, Schema, StudyId,
 };
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// A whole `study.toml`, checked.
 #[derive(Debug, Clone, PartialEq)]
@@ -49,6 +51,10 @@ pub struct Study {
     pub channels: Vec<Channel>,
     /// The columns of the participants' file, in the order of the file.
     pub people: Vec<PersonColumn>,
+    /// The study's own metrics, in the order of the file.
+    pub metrics: Vec<OwnMetric>,
+    /// What modes and environments have in common, in the order of the file.
+    pub factors: Vec<Factor>,
 }
 
 impl Study {
@@ -171,6 +177,9 @@ pub struct Environment {
     /// The questions after it, in this order.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub further: Vec<QuestionId>,
+    /// Its level of each factor of environments.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub factors: Levels,
 }
 
 impl Environment {
@@ -196,6 +205,9 @@ pub struct Mode {
     /// Which of them is in charge when, where the study names it ([`Mode::law`]).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub law: Option<ModeLaw>,
+    /// Its level of each factor of modes.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub factors: Levels,
 }
 
 impl Mode {

@@ -28,6 +28,7 @@ mod contrasts;
 mod covariates;
 mod differences;
 mod drawn;
+mod effects;
 mod error;
 mod groups;
 mod learning;
@@ -64,9 +65,10 @@ use rayon::prelude::*;
 use split::Split;
 use trials::Trials;
 use zwidth_results::{
-    AnyGroup, Cell, Compared, CovariateSlope, GroupDifference, GroupMean, GroupMember,
-    GroupModeDifference, Learning, Mean, MetricNote, ModeDifference, Model, Omnibus, OrderTest,
-    PersonDifference, RedrawnDifference, RepeatMean, Role, SessionChange, UnitOfAnalysis,
+    AnyGroup, Cell, Compared, CovariateSlope, EffectDifference, FactorTest, GroupDifference,
+    GroupMean, GroupMember, GroupModeDifference, Learning, Mean, MetricNote, ModeDifference, Model,
+    Omnibus, OrderTest, PersonDifference, RedrawnDifference, RepeatMean, Role, SessionChange,
+    UnitOfAnalysis,
 };
 use zwidth_study::Families;
 use zwidth_tables::Measured;
@@ -103,6 +105,10 @@ pub struct Comparison {
     pub groups: Vec<GroupDifference>,
     /// Whether any group differs from another.
     pub any_group: Vec<AnyGroup>,
+    /// Effects of factors.
+    pub effects: Vec<EffectDifference>,
+    /// Their analysis of variance.
+    pub factor_tests: Vec<FactorTest>,
     /// Changes between sessions.
     pub sessions: Vec<SessionChange>,
     /// Changes from repeat to repeat.
@@ -158,6 +164,8 @@ pub fn compare(metrics: &Measured, parameters: &Parameters) -> Result<Comparison
         all.group_contrasts.extend(metric.group_contrasts);
         all.groups.extend(metric.groups);
         all.any_group.extend(metric.any_group);
+        all.effects.extend(metric.effects);
+        all.factor_tests.extend(metric.factor_tests);
         all.sessions.extend(metric.sessions);
         all.learning.extend(metric.learning);
         all.repeats.extend(metric.repeats);
@@ -178,6 +186,7 @@ struct Tested<'a> {
     contrasts: Vec<contrasts::Row>,
     split: Option<Split<'a>>,
     groups: Vec<groups::Row<'a>>,
+    effects: Vec<effects::Row<'a>>,
 }
 
 impl<'a> Tested<'a> {
@@ -197,17 +206,20 @@ impl<'a> Tested<'a> {
             Some(split) => groups::rows(split, &cells, &contrasts, &measure, parameters)?,
             None => Vec::new(),
         };
-        Ok(Self { measure, cells, trials, unit, orders, contrasts, split, groups })
+        let effects = effects::rows(&cells, split.as_ref(), &measure, parameters)?;
+        Ok(Self { measure, cells, trials, unit, orders, contrasts, split, groups, effects })
     }
 
     fn claims(&mut self) -> impl Iterator<Item = &mut Claim> {
         let of_modes = self.contrasts.iter_mut().map(|row| &mut row.claim);
-        of_modes.chain(self.groups.iter_mut().map(|row| &mut row.claim))
+        let of_groups = self.groups.iter_mut().map(|row| &mut row.claim);
+        of_modes.chain(of_groups).chain(self.effects.iter_mut().map(|row| &mut row.claim))
     }
 
     /// The rows of a metric whose contrasts have their verdicts.
     fn judged(self, parameters: &Parameters) -> Result<Comparison, CompareError> {
-        let Self { measure, cells, trials, unit, orders, contrasts, split, groups } = &self;
+        let Self { measure, cells, trials, unit, orders, contrasts, split, groups, effects } =
+            &self;
         let split = split.as_ref();
         let means = means::means(cells, split, unit, measure, parameters)?;
         let models = models::models(trials, unit, measure, parameters);
@@ -216,6 +228,7 @@ impl<'a> Tested<'a> {
             notes::means(measure, &means, split, unit),
             notes::contrasts(contrasts, cells, split, unit, measure, parameters),
             notes::groups(cells, split, measure),
+            notes::effects(effects, split, measure, parameters),
             notes::omnibus(measure),
             notes::models(measure, &models),
             notes::sessions(measure, &sessions),
@@ -252,6 +265,8 @@ impl<'a> Tested<'a> {
             any_group: split
                 .map(|split| groups::any(split, cells, contrasts, measure, parameters))
                 .unwrap_or_default(),
+            effects: effects::named(effects, unit, split, measure, parameters),
+            factor_tests: effects::tests(cells, measure, parameters),
             sessions: sessions.rows,
             learning: learning::changes(trials, unit, measure, parameters),
             repeats: repeats::means(trials, measure, parameters)?,

@@ -6,12 +6,12 @@ use crate::measure::Measure;
 use crate::orders;
 use crate::sessions::Changes;
 use crate::split::Split;
-use crate::{Groups, Parameters, contrasts, groups};
+use crate::{Groups, Parameters, contrasts, effects, groups};
 use std::collections::{BTreeMap, BTreeSet};
 use zwidth_results::{
-    CovariateSlope, GroupDifference, GroupModeDifference, Learning, Mean, MetricNote,
-    ModeDifference, Model, NoteKind, Omnibus, OrderTest, RepeatMean, Row, SessionChange,
-    UnitOfAnalysis,
+    CovariateSlope, EffectDifference, FactorTest, GroupDifference, GroupModeDifference, Learning,
+    Mean, MetricNote, ModeDifference, Model, NoteKind, Omnibus, OrderTest, RepeatMean, Row,
+    SessionChange, UnitOfAnalysis,
 };
 use zwidth_stats::{design_guard, sign_flip};
 use zwidth_study::{Families, LevelId};
@@ -210,7 +210,11 @@ pub(crate) fn contrasts(
     let plan = measure.parameters.preregistered.as_ref();
     let plan = plan.map(|plan| plan.note(cells.participants.len()));
     let notes = general
-        .chain(jnd(rows, measure).into_iter().flatten())
+        .chain(
+            jnd(rows.iter().any(|row| row.jnd.is_some()), "mode compared with", measure)
+                .into_iter()
+                .flatten(),
+        )
         .chain(plan)
         .chain(reached(rows, parameters.alpha))
         .chain(guard(rows, unit, parameters).filter(|_| split.is_none()))
@@ -275,15 +279,63 @@ pub(crate) fn groups(cells: &Cells, split: Option<&Split>, measure: &Measure) ->
         .collect()
 }
 
-/// The just noticeable difference, if it is known, and how sizes are called.
-fn jnd(rows: &[contrasts::Row], measure: &Measure) -> Option<[Note; 2]> {
-    rows.iter().find(|row| row.jnd.is_some())?;
-    let noticed = measure.parameters.noticed.as_ref()?;
+/// Notes on effects of factors, and on their analysis of variance.
+pub(crate) fn effects(
+    rows: &[effects::Row],
+    split: Option<&Split>,
+    measure: &Measure,
+    parameters: &Parameters,
+) -> Vec<MetricNote> {
+    if parameters.effects.is_empty() {
+        return Vec::new();
+    }
+    let family = match (measure.parameters.primary, parameters.families) {
+        (false, _) => "Exploratory: not a primary metric. ",
+        (true, Families::Study) => "Of all primary metrics together: ",
+        (true, _) => "",
+    };
+    let mut notes = vec![
+        general(
+            "An effect is a later level of a factor less the first, the other factors averaged; of an \
+             interaction, how far that depends on the other factor. Everybody has one, of the means of their \
+             repeats, sessions with equal weight; n counts participants.",
+        ),
+        general(match split {
+            None => {
+                "Test: Student's t of participants' effects, n − 1 degrees of freedom, each with its own \
+                 variance."
+            }
+            Some(_) => {
+                "Test: t with the same weight for each group, Satterthwaite's degrees of freedom."
+            }
+        }),
+        general(&format!(
+            "{family}Effects and contrasts are one family of claims, adjusted after Holm; intervals are not \
+             adjusted."
+        )),
+    ];
+    notes.extend(split.map(weights));
+    notes.extend(
+        jnd(rows.iter().any(effects::Row::has_jnd), "conditions that are subtracted", measure)
+            .into_iter()
+            .flatten(),
+    );
+    let of_variance = "Within participants, each effect with its own error (effect × participant), over those \
+                       who have all of its conditions. With more than one degree of freedom p is that after \
+                       Greenhouse and Geisser. A description: claims rest on the effects alone.";
+    let notes = below::<EffectDifference>(measure, notes);
+    notes.into_iter().chain(below::<FactorTest>(measure, vec![general(of_variance)])).collect()
+}
+
+/// The just noticeable difference, if it is known, of the mean of what is compared with; and how sizes are
+/// called.
+fn jnd(is_known: bool, of: &str, measure: &Measure) -> Option<[Note; 2]> {
+    let noticed = measure.parameters.noticed.as_ref().filter(|_| is_known)?;
     let source = noticed.perception.source(&measure.unit)?;
     let from = match noticed.commanded.iter().any(Option::is_some) {
-        true => ", from the commanded value",
-        false if matches!(&*measure.unit, "rad" | "m") => "",
-        false => ", from the mean of the mode compared with",
+        true => ", from the commanded value".to_owned(),
+        false if matches!(&*measure.unit, "rad" | "m") => String::new(),
+        false => format!(", from the mean of the {of}"),
     };
     let jnd = format!("JND, the difference that is just noticed: {source}{from}.");
     let sizes = "An interval wholly beyond ± 1 JND is called felt, one wholly within it below what is \

@@ -4,8 +4,8 @@ use crate::{Preregistered, SessionOrder};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use zwidth_study::{
-    Better, Contrast, EffectSize, EnvironmentId, Families, GroupsCompared, MetricId, ModeId,
-    ParticipantId, Perception, PersonColumnId,
+    Better, Contrast, Effect, EffectSize, EnvironmentId, Families, GroupsCompared, MetricId,
+    ModeId, ParticipantId, Perception, PersonColumnId,
 };
 
 /// The parameters of a comparison.
@@ -33,6 +33,9 @@ pub struct Parameters {
     /// Numbers of people with which differences may change.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub covariates: Vec<Covariate>,
+    /// Effects of factors, and weighted contrasts.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub effects: Vec<Effect>,
     /// The orders of the sessions, and how they were drawn.
     pub orders: Vec<SessionOrder>,
 }

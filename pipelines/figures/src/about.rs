@@ -3,7 +3,7 @@
 
 use serde::Serialize;
 use std::ops::Not;
-use zwidth_study::{Coordinate, Mode, REFERENCE, Study};
+use zwidth_study::{Coordinate, Factor, Mode, REFERENCE, Study};
 
 /// What figures need to know of a study.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -21,6 +21,9 @@ pub struct About {
     /// Whether claims rest on several metrics.
     #[serde(skip_serializing_if = "Not::not")]
     pub has_several_primary: bool,
+    /// What modes and environments have in common.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub factors: Vec<Factor>,
 }
 
 impl About {
@@ -33,6 +36,7 @@ impl About {
             modes: study.modes.clone(),
             has_reference: study.channels.iter().any(|channel| channel.id.as_str() == REFERENCE),
             has_several_primary: study.compare.primary.are_several(),
+            factors: study.factors.clone(),
         }
     }
 }

@@ -47,6 +47,7 @@ fn scheme(questions: &[(usize, Question)]) -> Scheme {
             motor_max_v: None,
             brake_max_v: None,
             law: None,
+            factors: zwidth_study::Levels::new(),
         })
         .to_vec();
     study.environments.truncate(1);

@@ -224,7 +224,7 @@ mod tests {
     #[test]
     fn without_a_plant_or_a_lever_nothing_is_said_of_the_actuators() {
         let (trial, parameters) = (felt(1.3, 13.0, 2.08), in_spring(K, REST_RAD));
-        let without = Parameters { lever_m: None, ..parameters };
+        let without = Parameters { lever_m: None, ..parameters.clone() };
         let known = plant([0.0; 3]);
         let of = |parameters, plant| plant_metrics(&trial, parameters, plant).unwrap().discrepancy;
         assert_eq!(of(&parameters, None), ActuatorDiscrepancy::default());

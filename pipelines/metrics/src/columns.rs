@@ -2,9 +2,11 @@
 
 use crate::{PlantMetrics, TrialMetrics};
 use zwidth_numerics::spectrum::BandPower;
-use zwidth_results::RecordedStability;
+use zwidth_results::{ConditionTrials, RecordedStability, Row as _, TrialKey};
 use zwidth_store::Signal;
-use zwidth_study::{Better, CURRENT_BRAKE, CURRENT_MOTOR, Channel, REFERENCE, Scene};
+use zwidth_study::{
+    Better, CURRENT_BRAKE, CURRENT_MOTOR, MetricId, OwnMetric, REFERENCE, Scene, Study, TrialPart,
+};
 
 /// Version of the algorithms here: a change of any number they give, or a further metric, raises it.
 pub const VERSION: u32 = 22;
@@ -78,14 +80,38 @@ pub(crate) const GROUPS: [&[Spec]; 9] =
 /// Those that rest on the plant, likewise.
 pub(crate) const PLANT_GROUPS: [&[Spec<PlantMetrics>]; 2] = [ACTUATORS, ENERGY];
 
-/// Whether there is a metric of that name that is a number with a unit.
-pub fn is_number(metric: &str) -> bool {
-    numbers().any(|(name, _)| name == metric)
+/// A study's own metrics, but for those whose name is taken: what is told of those ([`taken`]) is that
+/// they are left out.
+pub fn own(study: &Study) -> impl Iterator<Item = &OwnMetric> {
+    study.metrics.iter().filter(|own| !is_taken(own.id.as_str()))
+}
+
+fn own_of<'a>(study: &'a Study, metric: &str) -> Option<&'a OwnMetric> {
+    own(study).find(|own| own.id.as_str() == metric)
+}
+
+/// A study's own metrics whose names tables have for something else.
+pub fn taken(study: &Study) -> impl Iterator<Item = &MetricId> {
+    study.metrics.iter().map(|own| &own.id).filter(|id| is_taken(id.as_str()))
+}
+
+/// Whether tables of metrics have a column of that name anyhow.
+pub(crate) fn is_taken(name: &str) -> bool {
+    let of_trial = GROUPS.into_iter().flatten().map(|spec| spec.name);
+    let of_plant = PLANT_GROUPS.into_iter().flatten().map(|spec| spec.name);
+    let (trial, condition) = (TrialKey::fields(), ConditionTrials::fields());
+    let mut keys = trial.iter().chain(&condition).map(|field| &*field.name);
+    of_trial.chain(of_plant).any(|taken| taken == name) || keys.any(|taken| taken == name)
+}
+
+/// Whether a study has a metric of that name that is a number with a unit.
+pub fn is_number(study: &Study, metric: &str) -> bool {
+    names(study).any(|name| name == metric)
 }
 
 /// The names of all metrics that can be compared, in the order of the table.
-pub fn names() -> Vec<&'static str> {
-    numbers().map(|(name, _)| name).collect()
+pub fn names(study: &Study) -> impl Iterator<Item = &str> {
+    numbers().map(|(name, _)| name).chain(own(study).map(|own| own.id.as_str()))
 }
 
 /// Whether a metric rests on the plant that all trials together identify.
@@ -94,10 +120,22 @@ pub fn is_of_plant(metric: &str) -> bool {
 }
 
 /// What a metric measures, in words; `None` if there is none of that name that is a number.
-pub fn in_words(metric: &str) -> Option<&'static str> {
+pub fn in_words(study: &Study, metric: &str) -> Option<String> {
+    if let Some(own) = own_of(study, metric) {
+        return Some(format!("{}: {}", own.label, own.rule()));
+    }
     let of_trial = GROUPS.into_iter().flatten().map(|spec| (spec.name, spec.description));
     let of_plant = PLANT_GROUPS.into_iter().flatten().map(|spec| (spec.name, spec.description));
-    of_trial.chain(of_plant).find(|(name, _)| *name == metric).map(|(_, words)| words)
+    let found = of_trial.chain(of_plant).find(|(name, _)| *name == metric);
+    found.map(|(_, words)| words.to_owned())
+}
+
+/// Whether a metric describes something that a person could feel ([`zwidth_study::is_felt`]).
+pub fn is_felt(own: &[OwnMetric], metric: &str) -> bool {
+    match own.iter().find(|own| own.id.as_str() == metric) {
+        Some(own) => own.is_felt(),
+        None => zwidth_study::is_felt(metric),
+    }
 }
 
 /// Errors, swings, wear: the lower, the better.
@@ -131,8 +169,11 @@ const HIGHER_IS_BETTER: [&str; 7] = [
     "force_per_power_recorded_n_per_w",
 ];
 
-/// Which values of a metric are better, where that does not depend on what a study wants.
-pub fn better(metric: &str) -> Better {
+/// Which values of a metric are better; of one of zwidth's, where that does not depend on what a study wants.
+pub fn better(study: &Study, metric: &str) -> Better {
+    if let Some(own) = own_of(study, metric) {
+        return own.better;
+    }
     match metric {
         _ if LOWER_IS_BETTER.contains(&metric) => Better::Lower,
         _ if HIGHER_IS_BETTER.contains(&metric) => Better::Higher,
@@ -140,7 +181,7 @@ pub fn better(metric: &str) -> Better {
     }
 }
 
-/// The names of all metrics that are numbers with a unit, and whether each is summarised.
+/// The names of all metrics of zwidth's that are numbers with a unit, and whether each is summarised.
 pub(crate) fn numbers() -> impl Iterator<Item = (&'static str, bool)> {
     let of_trial = GROUPS.into_iter().flatten().filter_map(number);
     of_trial.chain(PLANT_GROUPS.into_iter().flatten().filter_map(number))
@@ -178,10 +219,25 @@ fn is_in<R>(group: &[Spec<R>], metric: &str) -> bool {
     group.iter().any(|spec| spec.name == metric)
 }
 
-/// Whether trials in such a scene, recorded with such signals and channels, can have that metric at
-/// all.
-pub fn is_possible(metric: &str, scene: &Scene, signals: &[Signal], channels: &[Channel]) -> bool {
+/// Whether a study's trials in such a scene, recorded with such signals, can have that metric at all.
+pub fn is_possible(study: &Study, metric: &str, scene: &Scene, signals: &[Signal]) -> bool {
+    let channels = &study.channels;
     let has = |needed: &[Signal]| needed.iter().all(|signal| signals.contains(signal));
+    if let Some(own) = own_of(study, metric) {
+        let of = &own.of;
+        let is_recorded = match Signal::from_name(of) {
+            Some(signal) => signals.contains(&signal),
+            None => channels.iter().any(|channel| channel.id.as_str() == of),
+        };
+        let has_part = match own.over {
+            TrialPart::Recording => true,
+            TrialPart::PastWall => scene.wall_rad().is_some() && has(&[Signal::Theta]),
+            TrialPart::Movement | TrialPart::Compression | TrialPart::Decompression => {
+                has(&[Signal::Theta])
+            }
+        };
+        return is_recorded && has_part;
+    }
     if is_in(ACTUATORS, metric) {
         scene.spring().is_some() && has(&[Signal::Theta, Signal::ForceEx])
     } else if is_in(ENERGY, metric) {

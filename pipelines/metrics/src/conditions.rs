@@ -4,7 +4,7 @@ use crate::columns::numbers;
 use std::collections::BTreeMap;
 use zwidth_frames::{FrameError, Group, grouped};
 use zwidth_results::{ConditionKey, ConditionTrials, Row as _};
-use zwidth_study::Condition;
+use zwidth_study::{Condition, MetricId};
 use zwidth_tables::{Column, Field, Measured, Table, TableError, Values, split_unit};
 
 /// Why there are no metrics by condition.
@@ -18,9 +18,10 @@ pub enum ConditionsError {
     Table(#[from] TableError),
 }
 
-/// The metrics that are summarised.
-pub fn summarised() -> impl Iterator<Item = &'static str> {
-    numbers().filter(|(_, summarised)| *summarised).map(|(name, _)| name)
+/// The metrics that are summarised, those of the study's `own` last.
+pub fn summarised(own: &[MetricId]) -> Vec<&str> {
+    let of_all = numbers().filter(|(_, summarised)| *summarised).map(|(name, _)| name);
+    of_all.chain(own.iter().map(MetricId::as_str)).collect()
 }
 
 /// One row per participant, session and condition, sessions in the order of the trials and the
@@ -33,9 +34,11 @@ pub fn summarised() -> impl Iterator<Item = &'static str> {
 pub fn by_condition(
     metrics: &Measured,
     conditions: &[Condition],
+    own: &[MetricId],
 ) -> Result<Table, ConditionsError> {
     let keys: Vec<ConditionKey> = metrics.trials().iter().map(|trial| trial.condition()).collect();
-    let present: Vec<(&Field, &[Option<f64>])> = summarised()
+    let present: Vec<(&Field, &[Option<f64>])> = summarised(own)
+        .into_iter()
         .filter_map(|name| metrics.metric(name))
         .filter_map(|column| match &column.values {
             Values::Float(values) => Some((&column.field, values.as_slice())),
@@ -143,7 +146,7 @@ mod tests {
     fn conditions_stand_in_the_order_of_the_study_and_unknown_ones_after_them() {
         let rows =
             [("c", Some(3.0)), ("new", None), ("a", Some(1.0)), ("b", Some(2.0)), ("a", Some(1.0))];
-        let table = by_condition(&metrics(&rows), &["a", "b", "c"].map(condition)).unwrap();
+        let table = by_condition(&metrics(&rows), &["a", "b", "c"].map(condition), &[]).unwrap();
         let modes: Vec<_> = table.texts("mode").unwrap().into_iter().flatten().collect();
         assert_eq!(modes, ["a", "b", "c", "new"]);
         assert_eq!(table.floats("duration_s").unwrap(), [Some(1.0), Some(2.0), Some(3.0), None]);
@@ -152,7 +155,7 @@ mod tests {
     #[test]
     fn repeats_become_mean_and_deviation_of_their_condition() {
         let rows = [("b", Some(1.0)), ("a", Some(5.0)), ("b", Some(3.0)), ("b", None)];
-        let table = by_condition(&metrics(&rows), &[condition("b"), condition("a")]).unwrap();
+        let table = by_condition(&metrics(&rows), &[condition("b"), condition("a")], &[]).unwrap();
         assert_eq!(table.texts("mode").unwrap(), [Some("b".to_owned()), Some("a".to_owned())]);
         assert_eq!(table.integers("n").unwrap(), [Some(3), Some(1)]);
         assert_eq!(table.floats("duration_s").unwrap(), [Some(2.0), Some(5.0)]);
@@ -162,7 +165,7 @@ mod tests {
 
     #[test]
     fn a_metric_that_no_trial_has_is_left_out() {
-        let table = by_condition(&metrics(&[("a", Some(1.0))]), &[]).unwrap();
+        let table = by_condition(&metrics(&[("a", Some(1.0))]), &[], &[]).unwrap();
         assert!(table.floats("wall_dwell_s").is_err());
     }
 }

@@ -39,7 +39,9 @@ mod force;
 mod gap;
 mod movement;
 mod oscillation;
+mod own;
 mod parameters;
+mod part;
 mod plant;
 mod plateau;
 #[cfg(test)]
@@ -57,7 +59,8 @@ mod wall;
 pub use actuator::ActuatorDiscrepancy;
 pub use by_mode::by_mode;
 pub use columns::{
-    VERSION, better, commanded, in_words, is_number, is_of_plant, is_possible, names, needs_lever,
+    VERSION, better, commanded, in_words, is_felt, is_number, is_of_plant, is_possible, names,
+    needs_lever, own as own_metrics, taken,
 };
 pub use compliance::Compliance;
 pub use conditions::{ConditionsError, by_condition, summarised};
@@ -69,7 +72,7 @@ pub use events::TimedEvent;
 pub use force::UserForce;
 pub use movement::Movement;
 pub use oscillation::Swings;
-pub use parameters::{Parameters, Plant};
+pub use parameters::{Parameters, Plant, SIGNALS};
 pub use plant::{PLANT_SIGNALS, PlantMetrics, plant_metrics};
 pub use spring::{Saturation, SpringRendering};
 pub use stability::Stability;
@@ -78,7 +81,7 @@ pub use table::{join_plant, join_sessions, plant_table, table};
 pub use wall::WallContact;
 
 use signals::Signals;
-use zwidth_store::{Recorded, Signal};
+use zwidth_store::Recorded;
 use zwidth_study::TrialMeta;
 
 /// The metrics of one trial.
@@ -105,22 +108,11 @@ pub struct TrialMetrics {
     pub step: StepResponse,
     /// Whether the trial was what the protocol asks for.
     pub compliance: Compliance,
+    /// The study's own, in the order of study.toml.
+    pub own: Vec<Option<f64>>,
     /// What happened when.
     pub events: Vec<TimedEvent>,
 }
-
-/// The signals that [`trial_metrics`] looks at; currents and references are channels.
-pub const SIGNALS: [Signal; 9] = [
-    Signal::Time,
-    Signal::Theta,
-    Signal::ThetaDot,
-    Signal::ForceEx,
-    Signal::VoltageMotor,
-    Signal::VoltageBrake,
-    Signal::ForceAge,
-    Signal::ForceCmd,
-    Signal::StateBits,
-];
 
 /// The metrics of `trial`.
 ///
@@ -153,6 +145,7 @@ pub fn trial_metrics<'a>(
         electricity: electricity::electrical_energy(&signals, parameters),
         step: step::step_response(&signals),
         compliance: compliance::compliance(&signals, parameters),
+        own: own::own_metrics(&signals, parameters)?,
     })
 }
 
@@ -162,7 +155,7 @@ mod tests {
     use crate::testing::{REST_RAD, at_wall, in_spring, only, stroke, trial};
     use std::cell::RefCell;
     use std::sync::{Arc, Weak};
-    use zwidth_store::{Columns, Samples, Values};
+    use zwidth_store::{Columns, Samples, Signal, Values};
     use zwidth_study::{CURRENT_BRAKE, CURRENT_MOTOR, REFERENCE};
 
     #[test]

@@ -1,10 +1,28 @@
 //! What the metrics of a trial depend on besides its samples.
 
 use serde::Serialize;
-use zwidth_study::{Analysis, Environment, Mode, Resistances, Scene, Study};
+use zwidth_store::Signal;
+use zwidth_study::{
+    Analysis, CURRENT_BRAKE, CURRENT_MOTOR, ChannelId, Environment, Mode, OwnMetric, REFERENCE,
+    Resistances, Scene, Study,
+};
+
+/// The signals that [`crate::trial_metrics`] looks at, besides those of the study's own metrics; currents
+/// and references are channels.
+pub const SIGNALS: [Signal; 9] = [
+    Signal::Time,
+    Signal::Theta,
+    Signal::ThetaDot,
+    Signal::ForceEx,
+    Signal::VoltageMotor,
+    Signal::VoltageBrake,
+    Signal::ForceAge,
+    Signal::ForceCmd,
+    Signal::StateBits,
+];
 
 /// Everything that the metrics of a condition's trials depend on besides the trials.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Parameters {
     /// Thresholds, grid and confidence level.
     pub analysis: Analysis,
@@ -26,12 +44,29 @@ pub struct Parameters {
     pub uses_brake: bool,
     /// Resistances of the actuators' windings.
     pub resistances: Resistances,
+    /// The study's own metrics.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub own: Vec<OwnMetric>,
 }
 
 impl Parameters {
     /// Whether the mode has a brake and no motor.
     pub(crate) fn brakes_only(&self) -> bool {
         self.uses_brake && !self.uses_motor
+    }
+
+    /// The signals that [`crate::trial_metrics`] looks at.
+    pub fn signals(&self) -> Vec<Signal> {
+        let own = self.own.iter().filter_map(|own| Signal::from_name(&own.of));
+        SIGNALS.into_iter().chain(own).collect()
+    }
+
+    /// The channels that it looks at, where a trial has them.
+    pub fn channels(&self) -> Vec<ChannelId> {
+        let own = self.own.iter().map(|own| own.of.as_str());
+        let names = [CURRENT_MOTOR, CURRENT_BRAKE, REFERENCE].into_iter().chain(own);
+        // A signal's name is no channel's, and none of the others is lost.
+        names.filter_map(|name| ChannelId::new(name).ok()).collect()
     }
 
     /// Those of a condition of a study.
@@ -48,6 +83,7 @@ impl Parameters {
             uses_motor: mode.motor_max_v.is_some(),
             uses_brake: mode.brake_max_v.is_some(),
             resistances: study.resistances,
+            own: study.metrics.clone(),
         }
     }
 }

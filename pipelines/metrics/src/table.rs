@@ -1,21 +1,34 @@
 //! The rows as a table: SI units, one row per trial.
 
-use crate::columns::{GROUPS, Get, PLANT_GROUPS, Spec};
+use crate::columns::{GROUPS, Get, PLANT_GROUPS, Spec, is_taken};
 use crate::{PlantMetrics, TrialMetrics};
 use std::collections::BTreeMap;
 use zwidth_results::{Row as _, TrialKey};
-use zwidth_study::TrialMeta;
-use zwidth_tables::{Column, Table, TableError};
+use zwidth_study::{OwnMetric, TrialMeta};
+use zwidth_tables::{Column, Field, Table, TableError, Type, Values};
 
-/// One row per trial, in the order given: which trial it is, then every metric. SI units; null
+/// One row per trial, in the order given: which trial it is, then every metric, those of the study's own
+/// last. SI units; null
 /// where a metric does not apply or the recording lacks what it needs. The columns' definitions are
 /// at the fields of [`TrialMetrics`]'s parts and, by column, in `docs/analysis.md`.
 ///
 /// # Errors
 /// A metric that is not finite.
-pub fn table(rows: &[TrialMetrics]) -> Result<Table, TableError> {
+pub fn table(rows: &[TrialMetrics], own: &[OwnMetric]) -> Result<Table, TableError> {
     let mut columns = keys(rows.iter().map(|row| &row.meta));
     columns.extend(GROUPS.into_iter().flatten().map(|spec| column(spec, rows)));
+    // One whose name is taken has no column.
+    let named = own.iter().enumerate().filter(|(_, metric)| !is_taken(metric.id.as_str()));
+    columns.extend(named.map(|(k, metric)| {
+        let values = rows.iter().map(|row| row.own.get(k).copied().flatten());
+        let field = Field {
+            name: metric.id.to_string().into(),
+            unit: metric.unit.clone().into(),
+            description: metric.label.clone().into(),
+            kind: Type::Float,
+        };
+        Column { field, values: Values::Float(values.collect()) }
+    }));
     Table::new("metrics", "Metrics, one row per trial", columns)
 }
 
@@ -106,7 +119,7 @@ mod tests {
             ("Hz", "_hz"),
             ("N/W", "_n_per_w"),
         ];
-        let tables = [table(&[]).unwrap(), plant_table(&[]).unwrap()];
+        let tables = [table(&[], &[]).unwrap(), plant_table(&[]).unwrap()];
         for field in tables.iter().flat_map(Table::fields).filter(|f| f.unit != "1") {
             let (_, ending) = endings.iter().find(|(unit, _)| *unit == field.unit).unwrap();
             assert!(field.name.ends_with(ending), "{}: {}", field.name, field.unit);
@@ -122,7 +135,7 @@ mod tests {
                 trial.meta.trial = number;
                 trial_metrics(&trial, &in_spring(4.0, REST_RAD)).unwrap()
             };
-            table(&numbers.map(row)).unwrap()
+            table(&numbers.map(row), &[]).unwrap()
         };
         let all = join_sessions(vec![of("P02", [3, 4]), of("P01", [10, 9])]).unwrap().unwrap();
         let keys: Vec<TrialKey> = all.to_rows().unwrap();
@@ -150,7 +163,7 @@ mod tests {
         let with: Vec<_> =
             trials[..2].iter().map(|t| plant_metrics(t, &parameters, None).unwrap()).collect();
         let with = plant_table(&[with[1].clone(), with[0].clone()]).unwrap();
-        let joined = join_plant(&table(&rows).unwrap(), &with).unwrap();
+        let joined = join_plant(&table(&rows, &[]).unwrap(), &with).unwrap();
         let least = joined.floats("closed_loop_energy_min_j").unwrap();
         let area = joined.floats("loop_area_j").unwrap();
         assert!((least[0].unwrap() / area[0].unwrap() - 1.0).abs() < 0.02, "{least:?} {area:?}");
@@ -173,7 +186,7 @@ mod tests {
     fn a_row_lands_in_its_columns_and_what_does_not_apply_is_null() {
         let trial = trial(&stroke(1.0, 2.0), |theta, _| 4.0 * (theta - REST_RAD));
         let row = trial_metrics(&trial, &at_wall(4.0, REST_RAD, 3.0)).unwrap();
-        let table = table(std::slice::from_ref(&row)).unwrap();
+        let table = table(std::slice::from_ref(&row), &[]).unwrap();
         assert_eq!(table.floats("stiffness_n_per_rad").unwrap(), [row.spring.stiffness_n_per_rad]);
         assert_eq!(table.flags("wall_reached").unwrap(), [Some(false)]);
         assert_eq!(table.floats("wall_dwell_s").unwrap(), [None]);

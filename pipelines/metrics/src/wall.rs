@@ -2,9 +2,9 @@
 
 use crate::MetricsError;
 use crate::compliance::range;
+use crate::part::{Part, Piece};
 use crate::resolution::resolution_rad;
 use crate::signals::Signals;
-use std::ops::Range;
 use zwidth_numerics::phases::first_passing;
 use zwidth_numerics::series::{ends, interpolate};
 use zwidth_stats::interval::Estimate;
@@ -93,7 +93,7 @@ pub(crate) fn wall_contact(
         return Ok(WallContact { reached: Some(false), ..WallContact::default() });
     }
     // Angle and force, then time and force, then time and velocity: two columns at a time.
-    let past = Past::of(&theta, wall_rad);
+    let past = Part::past(&theta, wall_rad);
     let count_rad = resolution_rad(&theta);
     // The first contact is no rebound.
     let rebounds = contacts(&theta, wall_rad).len() as i64 - 1;
@@ -200,69 +200,6 @@ fn stiffness(
         level,
     )?;
     Ok(line.map(|line| line.slope))
-}
-
-/// The part of the interval between samples i and i + 1 that lies past the wall, as shares of the
-/// interval.
-struct Piece {
-    i: usize,
-    from: f64,
-    to: f64,
-}
-
-impl Piece {
-    /// The mean over it of a signal with straight lines between its samples.
-    fn mean(&self, values: &[f64]) -> f64 {
-        let share = (self.from + self.to) / 2.0;
-        values[self.i] + share * (values[self.i + 1] - values[self.i])
-    }
-}
-
-/// When the lever is past the wall.
-struct Past {
-    /// Whether a sample is.
-    samples: Vec<bool>,
-    /// The intervals from the first that is, in part, to the last.
-    intervals: Range<usize>,
-    /// Where an interval with one sample past it and one not passes the wall, as a share of it: in
-    /// order.
-    crossings: Vec<f64>,
-}
-
-impl Past {
-    fn of(theta: &[f64], wall: f64) -> Self {
-        let passes = theta.windows(2).filter(|w| (w[0] > wall) != (w[1] > wall));
-        let samples: Vec<bool> = theta.iter().map(|theta| *theta > wall).collect();
-        let first = samples.iter().position(|past| *past).unwrap_or(samples.len());
-        let last = samples.iter().rposition(|past| *past).unwrap_or(0);
-        Self {
-            intervals: first.saturating_sub(1)..(last + 1).min(samples.len().saturating_sub(1)),
-            samples,
-            crossings: passes.map(|w| (wall - w[0]) / (w[1] - w[0])).collect(),
-        }
-    }
-
-    /// Σ over the parts of intervals past the wall.
-    fn over_pieces(&self, value: impl Fn(&Piece) -> f64) -> f64 {
-        let mut crossings = self.crossings.iter().copied();
-        let mut sum = 0.0;
-        for i in self.intervals.clone() {
-            let (from, to) = match (self.samples[i], self.samples[i + 1]) {
-                (true, true) => (0.0, 1.0),
-                (false, true) => (crossings.next().unwrap_or_default(), 1.0),
-                (true, false) => (0.0, crossings.next().unwrap_or_default()),
-                (false, false) => continue,
-            };
-            sum += value(&Piece { i, from, to });
-        }
-        sum
-    }
-
-    /// The largest value of a signal there.
-    fn largest(&self, values: &[f64]) -> Option<f64> {
-        let past = values.iter().zip(&self.samples).filter(|(_, past)| **past);
-        past.map(|(value, _)| *value).reduce(f64::max)
-    }
 }
 
 /// The longest time, s, from the first to the last of neighbouring samples that are all `still`.

@@ -5,8 +5,8 @@ use crate::gallery::Shown;
 use crate::people::capital;
 use serde::Serialize;
 use zwidth_results::{
-    Compared, GroupDifference, Mean, ModeDifference, RedrawnDifference, Role, UnitOfAnalysis,
-    Verdict,
+    Compared, EffectDifference, FactorTest, GroupDifference, Mean, ModeDifference,
+    RedrawnDifference, Role, UnitOfAnalysis, Verdict,
 };
 use zwidth_study::{
     Better, Coordinate, EnvironmentId, ModeId, Setup, Study, contrast_label, in_a_sentence,
@@ -49,6 +49,10 @@ pub struct ComparedMetric<'a> {
     pub contrasts: &'a [ModeDifference],
     /// Differences between groups, if there are groups.
     pub groups: &'a [GroupDifference],
+    /// Effects of factors, if there are factors.
+    pub effects: &'a [EffectDifference],
+    /// Their analysis of variance.
+    pub factor_tests: &'a [FactorTest],
     /// The differences in other orders of one participant's trials, had none depended on mode.
     pub redrawn: &'a [RedrawnDifference],
 }
@@ -153,7 +157,8 @@ pub fn contrasts(study: &Setup, metrics: &[ComparedMetric]) -> Vec<Finding> {
         let text = format!(
             "Nobody has trials in both modes of a contrast, so no difference between modes in {words} can be told."
         );
-        return if modes.len() > 1 { vec![finding(first, text)] } else { Vec::new() };
+        let has_reason = modes.len() > 1 && first.effects.is_empty();
+        return if has_reason { vec![finding(first, text)] } else { Vec::new() };
     }
     let compared = primary.iter().filter(|metric| !metric.contrasts.is_empty());
     let answers = compared.clone().map(|metric| finding(metric, answer(study, metric)));
@@ -427,6 +432,8 @@ pub(crate) mod tests {
             means: &[],
             contrasts: &[],
             groups: &[],
+            effects: &[],
+            factor_tests: &[],
             redrawn: &[],
         }
     }

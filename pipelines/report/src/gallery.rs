@@ -19,6 +19,8 @@ pub enum Shown {
     Compared(String),
     /// In the figure that compares groups in this metric.
     Groups(String),
+    /// In the figure of the factors' effects on this metric.
+    Effects(String),
     /// In the figure of the changes between sessions in this metric.
     Sessions(String),
     /// In the figure of the changes from repeat to repeat in this metric.
@@ -112,6 +114,7 @@ impl Gallery {
             }
             Shown::Compared(metric) => (Some(format!("compare.{metric}")), "comparison"),
             Shown::Groups(metric) => (Some(format!("groups.{metric}")), "comparison"),
+            Shown::Effects(metric) => (Some(format!("effects.{metric}")), "metrics"),
             Shown::Sessions(metric) => (Some(format!("sessions.{metric}")), "comparison"),
             Shown::Learning(metric) => (Some(format!("learning.{metric}")), "comparison"),
             Shown::Forces => (Some("rendering_range".to_owned()), "modes"),

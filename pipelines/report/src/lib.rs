@@ -12,6 +12,7 @@ mod columns;
 mod compared;
 mod components;
 mod design;
+mod effects;
 mod evidence;
 mod findings;
 mod gallery;
@@ -35,6 +36,7 @@ pub use compared::{
 };
 pub use components::components;
 pub use design::{device_facts, mode_forces};
+pub use effects::factor_effects;
 pub use evidence::{Derived, Known, notes};
 pub use findings::{Finding, TrialNames, findings};
 pub use gallery::{Asked, Gallery, Shown};

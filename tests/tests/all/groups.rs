@@ -1,20 +1,13 @@
-//! Groups of people, from recordings and a participants' file to the tables and the sentences. The recordings
-//! are made by formula, so that anybody can make them again.
+//! Groups of people, from recordings and a participants' file to the tables and the sentences.
 
-use crate::binary::{Ran, zwidth, zwidth_line};
+use crate::binary::zwidth_line;
+use crate::formulas::{import, ran, record, u};
 use serde_json::Value;
-use std::f64::consts::PI;
 use std::fmt::Write as _;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 const MODES: [&str; 3] = ["active", "passive", "hybrid"];
-
-/// A number between −½ and ½: (h³ mod 9941)/9941 − ½.
-fn u(of: [u64; 3]) -> f64 {
-    let h = 1 + 131 * of[0] + 173 * of[1] + 197 * of[2];
-    (h * h * h % 9941) as f64 / 9941.0 - 0.5
-}
 
 const STUDY: &str = r#"
 schema = 2
@@ -51,38 +44,9 @@ metrics = []
 groups = "group"
 "#;
 
-const MAP: &str = r#"
-kind = "trials"
-simulated = true
-[name]
-pattern = '(?<who>P\d+)_(?<mode>[a-z]+)_(?<repeat>\d+)\.csv$'
-[trial]
-participant = { name = "who" }
-session = "S01"
-environment = "task"
-mode = { name = "mode" }
-repeat = { name = "repeat" }
-[time]
-from = "t_s"
-unit = "s"
-[[column]]
-to = "theta_rad"
-from = "angle_deg"
-unit = "deg"
-[[column]]
-to = "force_ex_n"
-from = "force_n"
-unit = "N"
-[[column]]
-to = "theta_dot_rad_s"
-derive = "derivative of theta_rad"
-"#;
-
 /// The study of twelve people in three modes, of whom the last five are experts and scatter three times as much;
 /// a trial's force is constant, so that its mean is known.
 fn twelve(root: &Path) {
-    let recordings = root.join("recordings");
-    fs::create_dir_all(&recordings).unwrap();
     let mut people = "participant,group\n".to_owned();
     for person in 1..=12 {
         let expert = if person > 7 { 1.0 } else { 0.0 };
@@ -93,45 +57,22 @@ fn twelve(root: &Path) {
                 let force = 2.0
                     + 0.25 * m as f64
                     + (0.15 + 0.3 * expert) * hybrid
-                    + 0.8 * u([person, 0, 0])
-                    + 0.6 * (1.0 + 2.0 * expert) * u([person, m + 1, 0])
-                    + 0.4 * u([person, m + 1, repeat]);
+                    + 0.8 * u(&[person])
+                    + 0.6 * (1.0 + 2.0 * expert) * u(&[person, m + 1])
+                    + 0.4 * u(&[person, m + 1, repeat]);
+                let force = (1000.0 * force).round() / 1000.0;
                 let largest = 20.0 + 0.1 * person as f64 + 0.03 * m as f64 + 0.01 * repeat as f64;
-                let mut rows = "t_s,angle_deg,force_n\n".to_owned();
-                for sample in 0..=50 {
-                    let t = f64::from(sample) / 50.0;
-                    let angle = largest * (PI * t).sin().powi(2);
-                    writeln!(rows, "{t:.2},{angle:.6},{force:.3}").unwrap();
-                }
-                fs::write(recordings.join(format!("P{person:02}_{mode}_{repeat}.csv")), rows)
-                    .unwrap();
+                let (who, repeat) = (format!("P{person:02}"), repeat.to_string());
+                record(root, [&who, mode, &repeat], largest, |_| force);
             }
         }
     }
-    let raw = root.join("raw/twelve");
-    fs::create_dir_all(&raw).unwrap();
-    fs::write(raw.join("study.toml"), STUDY).unwrap();
-    fs::write(raw.join("participants.csv"), people).unwrap();
-    fs::write(root.join("map.toml"), MAP).unwrap();
-    imported(root);
+    import(root, "twelve", STUDY, FORCE);
+    fs::write(root.join("raw/twelve/participants.csv"), people).unwrap();
 }
 
-fn imported(root: &Path) {
-    let map = root.join("map.toml");
-    let files = fs::read_dir(root.join("recordings")).unwrap();
-    let files: Vec<PathBuf> = files.map(|entry| entry.unwrap().path()).collect();
-    let files = files.iter().map(|path| path.to_str().unwrap());
-    let given = ["import", "twelve", "--map", map.to_str().unwrap()];
-    let ran = zwidth(root, &given.into_iter().chain(files).collect::<Vec<_>>());
-    assert!(matches!(ran.code, Some(0 | 3)), "{}", ran.err);
-}
-
-/// Forces that stand still all along are told, so that the program ends with a warning.
-fn ran(root: &Path, line: &str) -> Ran {
-    let ran = zwidth_line(root, line);
-    assert!(matches!(ran.code, Some(0 | 3)), "{line}: {}", ran.err);
-    ran
-}
+/// The column of the force.
+const FORCE: &str = "[[column]]\nto = \"force_ex_n\"";
 
 /// The row of a table of `compare --json` in which these columns have these values.
 fn row<'a>(tables: &'a Value, table: &str, values: &[(&str, &str)]) -> &'a Value {
@@ -226,11 +167,9 @@ fn modes_that_nobody_has_both_of_are_told_to_be_groups() {
         }
     }
     fs::remove_dir_all(root.join("raw/twelve")).unwrap();
-    fs::create_dir_all(root.join("raw/twelve")).unwrap();
     let without =
         STUDY.replace("groups = \"group\"\n", "contrasts = [[\"passive\", \"active\"]]\n");
-    fs::write(root.join("raw/twelve/study.toml"), without).unwrap();
-    imported(root);
+    import(root, "twelve", &without, FORCE);
     ran(root, "compare twelve").says(&[
         "task, passive − active: nobody has both (6 participants have the one, 6 the other)",
         "name them as a column of people",

@@ -21,12 +21,15 @@ mod compared;
 mod counting;
 #[cfg(unix)]
 mod door;
+mod factors;
 mod findings;
 mod folders;
+mod formulas;
 mod groups;
 mod hostile_import;
 mod little_memory;
 mod logs;
+mod own_metrics;
 mod page;
 mod participant;
 #[cfg(unix)]

@@ -110,6 +110,7 @@ pub fn check_step(
                     scene: Scene::Free,
                     question: None,
                     further: Vec::new(),
+                    factors: zwidth_study::Levels::new(),
                 };
                 let cue = Cue { trial: 0, environment: &environment, limit_s: HAND_S };
                 device.begin(start_s, &cue);

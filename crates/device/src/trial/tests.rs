@@ -26,7 +26,14 @@ pub(crate) const LIMITS: Limits =
     Limits { theta_min_rad: -FRAC_PI_4, theta_max_rad: FRAC_PI_4, force_n: 10.0 };
 
 pub(crate) fn mode_of(motor_max_v: Option<f64>, brake_max_v: Option<f64>) -> Mode {
-    Mode { id: "m".parse().unwrap(), label: String::new(), motor_max_v, brake_max_v, law: None }
+    Mode {
+        id: "m".parse().unwrap(),
+        label: String::new(),
+        motor_max_v,
+        brake_max_v,
+        law: None,
+        factors: Default::default(),
+    }
 }
 
 /// The hybrid mode.
@@ -36,7 +43,14 @@ pub(crate) fn mode() -> Mode {
 
 pub(crate) fn environment(scene: Scene) -> Environment {
     let id = "e".parse().unwrap();
-    Environment { id, label: String::new(), scene, question: None, further: Vec::new() }
+    Environment {
+        id,
+        label: String::new(),
+        scene,
+        question: None,
+        further: Vec::new(),
+        factors: Default::default(),
+    }
 }
 
 pub(crate) fn controller(environment: &Environment, mode: &Mode) -> Controller {

@@ -42,7 +42,7 @@ pub fn recorded(data: &StudyData) -> Recorded {
     let primary = data.study.compare.primary.metrics().iter().map(ToString::to_string);
     let metrics = bounded.chain(primary).chain(compared.iter().cloned());
     let words = metrics.filter_map(|name| {
-        let words = zwidth_metrics::in_words(&name)?.to_owned();
+        let words = zwidth_metrics::in_words(&data.study, &name)?;
         Some((name, words))
     });
     Recorded {

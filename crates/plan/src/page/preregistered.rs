@@ -30,6 +30,8 @@ pub fn analysis(study: &Study) -> Value {
         "level": compare.level,
         "families": compare.families,
         "groups": compare.groups,
+        "effects": (!study.factors.is_empty()).then_some(&compare.effects),
+        "weighted": (!compare.weighted.is_empty()).then_some(&compare.weighted),
     })
 }
 

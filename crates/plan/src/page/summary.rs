@@ -17,8 +17,9 @@ use zwidth_report::{
     traded, uneven_ranges,
 };
 use zwidth_results::{
-    AnswerTally, Compared, GroupDifference, JudgedStatement, LadderChoice, Learning, Mean,
-    MetricNote, ModeDifference, RedrawnDifference, Row, SessionChange, TradeChoice, TrialRemark,
+    AnswerTally, Compared, EffectDifference, FactorTest, GroupDifference, JudgedStatement,
+    LadderChoice, Learning, Mean, MetricNote, ModeDifference, RedrawnDifference, Row,
+    SessionChange, TradeChoice, TrialRemark,
 };
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, ORIGIN, Stage, strip_root};
 use zwidth_store::{Findings, Signal, StoreError, StudyData};
@@ -95,6 +96,11 @@ impl Inputs for Files {
             files.extend(names.map(|name| comparison.file(name)));
             if comparison.has_groups {
                 files.push(comparison.file(GroupDifference::NAME));
+            }
+            if comparison.has_effects {
+                files.extend(
+                    [EffectDifference::NAME, FactorTest::NAME].map(|name| comparison.file(name)),
+                );
             }
             if self.has_session_changes {
                 files.push(comparison.file(SessionChange::NAME));
@@ -208,6 +214,7 @@ pub(crate) fn gather(page: &Page, files: &Files, making: &Making) -> Result<Gath
     let mut sentences = zwidth_report::contrasts(&page.planned, &of_compared);
     for primary in primary_first(&of_compared)[0] {
         sentences.extend(zwidth_report::group_differences(&page.planned, primary));
+        sentences.extend(zwidth_report::factor_effects(&page.planned, primary));
         let learning = own(&compared.learning, |row| row.metric == primary.metric.metric);
         sentences.extend(learned(&page.planned, primary, learning));
         let sessions = own(&compared.sessions, |row| row.metric == primary.metric.metric);
@@ -295,6 +302,8 @@ pub(crate) struct ReadComparison {
     means: Vec<Mean>,
     contrasts: Vec<ModeDifference>,
     groups: Vec<GroupDifference>,
+    effects: Vec<EffectDifference>,
+    factor_tests: Vec<FactorTest>,
     sessions: Vec<SessionChange>,
     learning: Vec<Learning>,
     redrawn: Vec<RedrawnDifference>,
@@ -311,6 +320,8 @@ impl ReadComparison {
             means: tables.table().read()?,
             contrasts: tables.table().read()?,
             groups: if tables.has_groups { tables.table().read()? } else { Vec::new() },
+            effects: if tables.has_effects { tables.table().read()? } else { Vec::new() },
+            factor_tests: if tables.has_effects { tables.table().read()? } else { Vec::new() },
             sessions,
             learning: tables.table().read_if_made()?.unwrap_or_default(),
             redrawn: tables.table().read_if_made()?.unwrap_or_default(),
@@ -326,6 +337,8 @@ impl ReadComparison {
             means: own(&self.means, |row| row.metric == metric.metric),
             contrasts: own(&self.contrasts, |row| row.metric == metric.metric),
             groups: own(&self.groups, |row| row.metric == metric.metric),
+            effects: own(&self.effects, |row| row.metric == metric.metric),
+            factor_tests: own(&self.factor_tests, |row| row.metric == metric.metric),
             redrawn: own(&self.redrawn, |row| row.metric == metric.metric),
         });
         compared.collect()

@@ -3,20 +3,21 @@
 
 use zwidth_metrics::Parameters;
 use zwidth_store::{Samples, Signal, Trial};
-use zwidth_study::{Measured, is_felt};
+use zwidth_study::Measured;
 use zwidth_tables::{Column, Values};
 
 /// The study's metrics that are numbers and say what somebody could feel; empty where they cannot
 /// be computed.
 pub(crate) fn measured(trial: &Trial, parameters: &Parameters) -> Vec<Measured> {
     let row = zwidth_metrics::trial_metrics(trial, parameters);
-    let Some(table) = row.ok().and_then(|row| zwidth_metrics::table(&[row]).ok()) else {
+    let Some(table) = row.ok().and_then(|row| zwidth_metrics::table(&[row], &parameters.own).ok())
+    else {
         return Vec::new();
     };
     let mut numbers = Vec::new();
     for Column { field, values, .. } in table.columns() {
         let Values::Float(values) = values else { continue };
-        if is_felt(&field.name) {
+        if zwidth_metrics::is_felt(&parameters.own, &field.name) {
             let value = values.first().copied().flatten();
             numbers.push(Measured {
                 name: field.name.to_string(),

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use zwidth_store::{
     Lately, OpenTrial, Signal, StoreError, StudyData, Trial, TrialEntry, read_thinned, read_trial,
 };
-use zwidth_study::{CURRENT_BRAKE, CURRENT_MOTOR, ChannelId, ModeId, REFERENCE, TrialMeta};
+use zwidth_study::{ChannelId, ModeId, TrialMeta};
 
 /// A trial's number, mode and repeat as the session has them. A trial that was recorded sealed has a
 /// code for its mode in its file, also after the session was unsealed.
@@ -146,7 +146,7 @@ pub(crate) fn read_drawn(
 }
 
 /// What `make` makes of each trial with these signals, side by side; of a long trial only the columns
-/// that `make` looks at are read. Channels that metrics need are included if the files have them.
+/// that `make` looks at are read. Channels are included where the files have them.
 ///
 /// # Errors
 /// A file that the system does not give.
@@ -155,14 +155,11 @@ pub(crate) fn of_each<T: Send>(
     files: &[Arc<Path>],
     labels: &[TrialLabel],
     signals: &[Signal],
+    channels: &[ChannelId],
     make: impl Fn(&OpenTrial) -> T + Sync,
 ) -> Result<Vec<Result<T, StoreError>>, StoreError> {
-    // Names of ours: each of them is an id, and none is lost below.
-    let names = [CURRENT_MOTOR, CURRENT_BRAKE, REFERENCE];
-    let channels: Vec<ChannelId> =
-        names.into_iter().filter_map(|name| ChannelId::new(name).ok()).collect();
     let each = files.par_iter().zip(labels).map(|(file, label)| {
-        let mut trial = lately.open(file, signals, &channels)?;
+        let mut trial = lately.open(file, signals, channels)?;
         label.apply(&mut trial.meta);
         let result = make(&trial);
         // Whatever was made without a column that could not be read is void.
@@ -212,7 +209,7 @@ mod tests {
             let files = [Arc::from(file)];
             let counts = |found: Result<usize, StoreError>| found.map_err(|error| error.by_system);
             let lately = Lately::default();
-            let of = of_each(&lately, &files, &known, &[], |_| ()).and_then(readable);
+            let of = of_each(&lately, &files, &known, &[], &[], |_| ()).and_then(readable);
             [
                 counts(read_all(&files, &known, Signal::all()).map(|(_, told)| told.len())),
                 counts(read_drawn(&files, &known, Signal::all()).map(|(_, told)| told.len())),

@@ -1,22 +1,33 @@
 //! `[compare]` of a `study.toml`: its defaults, its checks, and the way back.
 
 use super::check::Check;
+use super::environment::EnvironmentTable;
+use super::factors::default_effects;
 use super::people::chosen_contrasts;
-use super::shape::{BoundTable, CompareTable};
+use super::shape::{BoundTable, CompareTable, WeightedTable};
 use crate::{
-    Analysis, Bound, Compare, Contrast, EffectSize, Families, MetricId, Mode, ModeId, PersonColumn,
-    Primary, Study,
+    Analysis, Bound, Compare, Contrast, EffectSize, Factor, Families, MetricId, Mode, ModeId,
+    PersonColumn, Primary, Study,
 };
 use std::collections::{BTreeMap, BTreeSet};
+
+/// What of a study can be compared.
+#[derive(Clone, Copy)]
+pub(super) struct Comparable<'a> {
+    pub(super) modes: &'a [Mode],
+    pub(super) environments: &'a [EnvironmentTable],
+    pub(super) factors: &'a [Factor],
+    pub(super) people: &'a [PersonColumn],
+}
 
 impl Check<'_> {
     pub(super) fn compare(
         &mut self,
         table: CompareTable,
-        modes: &[Mode],
-        people: &[PersonColumn],
+        comparable: &Comparable,
         analysis: &Analysis,
     ) -> Compare {
+        let Comparable { modes, environments, factors, people } = *comparable;
         let is_primary_named = table.primary.is_some();
         let primary = table.primary.unwrap_or_else(|| Primary::One(MetricId::primary()));
         let alpha = table.alpha.unwrap_or(Compare::ALPHA);
@@ -45,8 +56,10 @@ impl Check<'_> {
             better: table.better,
             contrasts: match table.contrasts {
                 Some(pairs) => self.contrasts(pairs, modes),
-                None => default_contrasts(modes),
+                None => default_contrasts(modes, factors),
             },
+            effects: self.effects(table.effects, factors),
+            weighted: self.weighted(table.weighted, factors, modes, environments),
             families: table.families.unwrap_or_else(|| default_families(&primary)),
             primary,
             is_primary_named,
@@ -156,8 +169,11 @@ fn default_families(primary: &Primary) -> Families {
     if primary.are_several() { Families::Study } else { Families::Metric }
 }
 
-/// The last of `modes` against each other one, in their order.
-fn default_contrasts(modes: &[Mode]) -> Vec<Contrast> {
+/// The last of `modes` against each other one, in their order; none where factors are compared.
+fn default_contrasts(modes: &[Mode], factors: &[Factor]) -> Vec<Contrast> {
+    if !factors.is_empty() {
+        return Vec::new();
+    }
     let Some((last, others)) = modes.split_last() else { return Vec::new() };
     let pairs = others.iter().map(|other| (last.id.clone(), other.id.clone()));
     pairs.map(|(mode, against)| Contrast { mode, against }).collect()
@@ -180,7 +196,7 @@ pub(super) fn table(study: &Study) -> CompareTable {
         [(compare.alpha, Compare::ALPHA), (compare.level, study.analysis.confidence)]
             .map(|(value, default)| (value.to_bits() != default.to_bits()).then_some(value));
     CompareTable {
-        contrasts: (*contrasts != default_contrasts(&study.modes))
+        contrasts: (*contrasts != default_contrasts(&study.modes, &study.factors))
             .then(|| contrasts.iter().map(|c| [c.mode.clone(), c.against.clone()]).collect()),
         primary: compare.is_primary_named.then(|| compare.primary.clone()),
         metrics: compare.metrics.clone(),
@@ -195,6 +211,9 @@ pub(super) fn table(study: &Study) -> CompareTable {
         groups: compare.groups.as_ref().map(|groups| groups.column.clone()),
         group_contrasts: compare.groups.as_ref().and_then(chosen_contrasts),
         covariates: compare.covariates.clone(),
+        effects: (compare.effects != default_effects(&study.factors))
+            .then(|| compare.effects.clone()),
+        weighted: compare.weighted.iter().map(WeightedTable::of).collect(),
     }
 }
 

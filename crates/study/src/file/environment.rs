@@ -4,7 +4,7 @@ use super::check::Check;
 use super::units::{MILLI, decimal, degrees};
 use crate::model::{Coordinate, Environment};
 use crate::scene::SceneNumber;
-use crate::{EnvironmentId, QuestionId, SceneKind};
+use crate::{EnvironmentId, Levels, QuestionId, SceneKind};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -23,6 +23,8 @@ pub(super) struct EnvironmentTable {
     question: Option<QuestionId>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     questions: Vec<QuestionId>,
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub(super) factors: Levels,
 }
 
 impl SceneNumber {
@@ -81,6 +83,7 @@ impl EnvironmentTable {
             } else {
                 e.questions().cloned().collect()
             },
+            factors: e.factors.clone(),
         }
     }
 }
@@ -106,6 +109,7 @@ impl Check<'_> {
             scene: e.kind.scene(|quantity| values.get(&quantity).copied().unwrap_or_default()),
             question: own_questions.first().cloned(),
             further: own_questions.into_iter().skip(1).collect(),
+            factors: e.factors.clone(),
         }
     }
 

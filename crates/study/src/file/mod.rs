@@ -3,7 +3,9 @@
 mod check;
 mod compare;
 mod environment;
+mod factors;
 mod figures;
+mod own_metrics;
 mod people;
 mod perception;
 mod questions;

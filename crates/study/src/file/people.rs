@@ -108,7 +108,7 @@ impl Check<'_> {
         PersonColumn { id, known }
     }
 
-    fn levels(&mut self, key: &str, levels: &[LevelId]) {
+    pub(super) fn levels(&mut self, key: &str, levels: &[LevelId]) {
         let n = levels.len();
         if !LEVELS.contains(&n) {
             let [least, most] = [LEVELS.start(), LEVELS.end()];

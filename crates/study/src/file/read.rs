@@ -1,6 +1,7 @@
 //! From the text of a `study.toml` to a checked study in SI units.
 
 use super::check::{Check, FARTHEST_DEG};
+use super::compare::Comparable;
 use super::shape::*;
 use super::units::MILLI;
 use crate::form::READ_CHANNELS;
@@ -170,7 +171,18 @@ impl Check<'_> {
         let labels: Vec<&str> = file.modes.iter().map(|mode| mode.label.as_str()).collect();
         let analysis = self.analysis(&file.analysis, coordinate);
         let people = self.people(file.people);
-        let compare = self.compare(file.compare, &file.modes, &people, &analysis);
+        self.own_metrics(&file.metrics, &file.channels);
+        self.factors(&file.factors, &file.modes, &file.environments);
+        let compare = self.compare(
+            file.compare,
+            &Comparable {
+                modes: &file.modes,
+                environments: &file.environments,
+                factors: &file.factors,
+                people: &people,
+            },
+            &analysis,
+        );
         Study {
             id: file.study.id,
             title: file.study.title,
@@ -198,6 +210,8 @@ impl Check<'_> {
             schema,
             channels: file.channels,
             people,
+            metrics: file.metrics,
+            factors: file.factors,
             analysis,
             compare,
             perception: self.perception(file.perception),
@@ -219,7 +233,7 @@ impl Check<'_> {
             }
         }
         self.at_most_listed(list, count);
-        if count == 0 && !["questions", "channels", "scenes", "people"].contains(&list) {
+        if count == 0 && ["environments", "modes"].contains(&list) {
             self.error(list, "the list is empty; a study needs at least one");
         }
     }

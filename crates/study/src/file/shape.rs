@@ -7,7 +7,8 @@ use super::perception::PerceptionTable;
 use crate::model::{Analysis, Design, Mode, Resistances};
 use crate::{AnswerScale, Better, LevelId, MetricId, ModeId, PersonColumnId, QuestionId, StudyId};
 use crate::{
-    Channel, Control, EffectSize, Families, Primary, ReplayModel, SceneFigure, VelocityFilter,
+    Channel, Control, EffectSize, Factor, FactorId, Families, OwnMetric, Primary, ReplayModel,
+    SceneFigure, Term, VelocityFilter,
 };
 use serde::de::{self, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
@@ -54,6 +55,10 @@ pub(super) struct File {
     pub(super) channels: Vec<Channel>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(super) people: Vec<PersonColumnTable>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(super) metrics: Vec<OwnMetric>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(super) factors: Vec<Factor>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -186,6 +191,17 @@ pub(super) struct CompareTable {
     pub(super) group_contrasts: Option<Vec<[LevelId; 2]>>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(super) covariates: Vec<PersonColumnId>,
+    pub(super) effects: Option<Vec<Term>>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(super) weighted: Vec<WeightedTable>,
+}
+
+#[derive(Serialize, Deserialize, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub(super) struct WeightedTable {
+    pub(super) id: FactorId,
+    /// By `environment/mode`.
+    pub(super) weights: BTreeMap<String, f64>,
 }
 
 /// A metric or a list of metrics. By hand, because an untagged enum does not say what is wrong with an id.

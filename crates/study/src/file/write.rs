@@ -61,6 +61,8 @@ impl From<&Study> for File {
             questions: s.questions.iter().map(QuestionTable::of).collect(),
             channels: s.channels.clone(),
             people: s.people.iter().map(PersonColumnTable::of).collect(),
+            metrics: s.metrics.clone(),
+            factors: s.factors.clone(),
         }
     }
 }

@@ -247,7 +247,7 @@ fn metric(data: &StudyData, command: &CompareArgs) -> anyhow::Result<String> {
     let Some(wanted) = &command.metric else { return Ok(first.clone()) };
     match metrics.iter().find(|metric| *metric == wanted) {
         Some(metric) => Ok(metric.clone()),
-        None if plan::is_metric(wanted) => bail!(
+        None if plan::is_metric(&data.study, wanted) => bail!(
             "--metric {wanted}: {} does not compare it yet (it compares {}); if its trials have it, \
              add it to `metrics` under [compare] in {}",
             data.layout.study(),

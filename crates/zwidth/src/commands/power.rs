@@ -175,7 +175,7 @@ pub(crate) fn power(root: &Path, command: &PowerArgs, screen: &Screen) -> anyhow
         write_new(&raw, &path, plan::plan_text(&result)?.as_bytes())?;
         screen.say(format!("{}: deposit a copy before data are taken", path.display()));
     }
-    screen.give(&result, || screen.result(sentences(&result).join("\n")))?;
+    screen.give(&result, || screen.result(sentences(&data.study, &result).join("\n")))?;
     Ok(Exit::Fine)
 }
 
@@ -255,9 +255,9 @@ fn widest(
 }
 
 /// The result in sentences.
-fn sentences(result: &Planned) -> [String; 4] {
+fn sentences(study: &Study, result: &Planned) -> [String; 4] {
     let Planned { metric, difference, participants, studies, alpha, source, .. } = result;
-    let named = plan::metric_in_words(metric).map(|words| format!("{words} ({metric})"));
+    let named = plan::metric_in_words(study, metric).map(|words| format!("{words} ({metric})"));
     let [power, low, high] =
         [result.power, result.power_ci_low, result.power_ci_high].map(|share| 100.0 * share);
     [

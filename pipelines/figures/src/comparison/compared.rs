@@ -10,8 +10,9 @@ use zwidth_draw::{
 };
 use zwidth_results as results;
 use zwidth_results::{
-    Compared, GroupDifference, GroupMean, GroupMember, Mean, MetricNote, ModeDifference, NoteKind,
-    PersonDifference, RedrawnDifference, RepeatMean, Role, Row as _, SessionChange, UnitOfAnalysis,
+    Compared, EffectDifference, GroupDifference, GroupMean, GroupMember, Mean, MetricNote,
+    ModeDifference, NoteKind, PersonDifference, RedrawnDifference, RepeatMean, Role, Row as _,
+    SessionChange, UnitOfAnalysis,
 };
 use zwidth_study::{
     Environment, EnvironmentId, Mode, ParticipantId, Source, contrast_label, in_a_sentence,
@@ -64,6 +65,8 @@ pub struct MetricResults {
     pub participants: Vec<PersonDifference>,
     /// Differences between groups, if there are groups.
     pub groups: Vec<GroupDifference>,
+    /// Effects of factors, if there are factors.
+    pub effects: Vec<EffectDifference>,
     /// Means of groups by condition.
     pub group_means: Vec<GroupMean>,
     /// Who is of which group.

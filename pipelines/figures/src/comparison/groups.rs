@@ -57,7 +57,11 @@ pub fn groups_compared(
             false => plain(&format!("{}: {}", row.groups, effect_label(&about.modes, &row.effect))),
         });
         let label = if is_one_pair { first.to_string() } else { "difference".to_owned() };
-        let layers = between(&differences, &shown);
+        let rows: Vec<_> = differences
+            .iter()
+            .map(|row| (row.jnd, [row.difference, row.difference_ci_low, row.difference_ci_high]))
+            .collect();
+        let layers = across(&rows, &shown);
         let names = Axis::categories(names);
         let panel = Panel::new(Cell::at(row, 1), shown.axis(&plain(&label)), names, layers);
         panels.push(panel.tall(PANEL_MM));
@@ -152,11 +156,12 @@ fn people(
     layers
 }
 
-/// The differences with their intervals, zero, and what is not felt.
-fn between(differences: &[&GroupDifference], shown: &Shown) -> Vec<Layer> {
+/// Differences below each other with their intervals, zero, and what is not felt: of each the just noticeable
+/// difference, and estimate and interval.
+pub(super) fn across(rows: &[(Option<f64>, [Option<f64>; 3])], shown: &Shown) -> Vec<Layer> {
     let mut layers = Vec::new();
-    for (place, row) in differences.iter().enumerate() {
-        let Some(jnd) = row.jnd.map(|jnd| jnd * shown.factor) else { continue };
+    for (place, (jnd, _)) in rows.iter().enumerate() {
+        let Some(jnd) = jnd.map(|jnd| jnd * shown.factor) else { continue };
         let [low, high] = [-0.4, 0.4].map(|side| place as f64 + side);
         layers.push(Layer::Band(Band {
             x: vec![-jnd, jnd],
@@ -167,11 +172,8 @@ fn between(differences: &[&GroupDifference], shown: &Shown) -> Vec<Layer> {
         }));
     }
     layers.push(zero(Direction::Vertical));
-    let at = (0..differences.len()).map(|place| place as f64).collect();
-    let estimates: Vec<[Option<f64>; 3]> = differences
-        .iter()
-        .map(|row| [row.difference, row.difference_ci_low, row.difference_ci_high])
-        .collect();
+    let at = (0..rows.len()).map(|place| place as f64).collect();
+    let estimates: Vec<[Option<f64>; 3]> = rows.iter().map(|(_, estimate)| *estimate).collect();
     layers.push(Layer::Intervals(intervals(Direction::Horizontal, at, &estimates, shown)));
     layers
 }
@@ -271,6 +273,7 @@ mod tests {
             contrasts: Vec::new(),
             participants: Vec::new(),
             groups,
+            effects: Vec::new(),
             group_means: vec![mean("novice", 1.0), mean("expert", 2.0)],
             // The third has no group, and no dot.
             group_members: vec![member("P01", "novice"), member("P02", "expert")],

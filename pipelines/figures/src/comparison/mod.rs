@@ -2,6 +2,7 @@
 
 pub(crate) mod answers;
 pub(crate) mod compared;
+mod effects;
 pub(crate) mod groups;
 pub(crate) mod likert;
 pub(crate) mod ratings;
@@ -9,6 +10,7 @@ pub(crate) mod verdicts;
 
 pub use answers::*;
 pub use compared::*;
+pub use effects::*;
 pub use groups::*;
 pub use likert::*;
 pub use ratings::*;

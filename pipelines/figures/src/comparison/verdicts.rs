@@ -2,6 +2,7 @@
 //! own, its verdict and its value.
 
 use super::compared::{EQUAL_WEIGHTS, MetricResults, Shown, or_note, stacked, zero};
+use super::effects::effect_name;
 use super::groups::effect_label;
 use crate::words::{mark, percent, plain};
 use crate::{About, FigureKind};
@@ -11,7 +12,9 @@ use zwidth_draw::{
     Axis, Band, Cell, Direction, Figure, Intervals, Layer, ONE_COLUMN_MM, Panel, Points,
     TWO_COLUMNS_MM, Text, TextPlace,
 };
-use zwidth_results::{GroupDifference, Mean, ModeDifference, Role, UnitOfAnalysis};
+use zwidth_results::{
+    EffectDifference, GroupDifference, Mean, ModeDifference, Role, UnitOfAnalysis,
+};
 use zwidth_study::{Better, Environment, ModeId, Source, contrast_label, in_a_sentence};
 use zwidth_tables::{number, with_unit};
 
@@ -107,6 +110,9 @@ pub fn verdict_rows(
             let groups = metric.groups.iter().filter(|g| g.environment == environment.id);
             rows.extend(groups.filter_map(|g| group_row(about, environment, metric, g)));
         }
+        rows.extend(
+            metric.effects.iter().filter_map(|e| effect_row(about, environments, metric, e)),
+        );
     }
     rows.sort_by_key(|row| row.by);
     rows
@@ -159,6 +165,47 @@ fn row(
         who: format!("{} {whose}", contrast.n),
         better: found.metric.better,
         best,
+    })
+}
+
+/// A claim about an effect of factors.
+fn effect_row(
+    about: &About,
+    environments: &[Environment],
+    found: &MetricResults,
+    row: &EffectDifference,
+) -> Option<VerdictRow> {
+    let difference = row.difference?;
+    let (by, unit) = match row.jnd {
+        Some(jnd) => (MeasuredBy::Jnd, jnd),
+        // In standard deviations of everybody's effects: those of conditions are of no single size.
+        None => {
+            let deviation = row.difference_std_error? * (row.n as f64).sqrt();
+            (MeasuredBy::Deviation, (deviation > 0.0).then_some(deviation)?)
+        }
+    };
+    let shown = Shown::of(about, &found.metric);
+    let ends = row.difference_ci_low.zip(row.difference_ci_high);
+    let error = row.difference_std_error.map(|error| error * shown.factor);
+    let rounded = |value: f64| number(value * shown.factor, error);
+    let interval = ends.map(|(low, high)| format!(" ({} to {})", rounded(low), rounded(high)));
+    let size = row.size.map(|size| format!(", {}", size.as_str()));
+    let environment = environments.iter().find(|own| Some(&own.id) == row.environment.as_ref());
+    let place = environment.map_or_else(String::new, |own| format!("{}: ", own.label));
+    Some(VerdictRow {
+        metric: shown.words.clone(),
+        role: found.metric.role,
+        place: place + &effect_name(row),
+        by,
+        estimate: difference / unit,
+        ends: ends.map(|(low, high)| [low / unit, high / unit]),
+        dots: Vec::new(),
+        redrawn: Vec::new(),
+        value: with_unit(&rounded(difference), &shown.unit) + &interval.unwrap_or_default(),
+        verdict: format!("{}{}", row.verdict.as_str(), size.unwrap_or_default()),
+        who: format!("{} people", row.n),
+        better: found.metric.better,
+        best: None,
     })
 }
 
@@ -260,7 +307,11 @@ pub fn verdicts(
             "Dots: repeats of {who}, of whom alone this speaks; disc: the mean difference. Above it, grey: the \
              differences in other orders of the trials, had none depended on mode."
         ),
-        _ => format!("Dots: people. Disc and whiskers: mean and {level} interval, not adjusted."),
+        _ => {
+            let dots = rows.iter().any(|row| !row.dots.is_empty());
+            let dots = if dots { "Dots: people. " } else { "" };
+            format!("{dots}Disc and whiskers: mean and {level} interval, not adjusted.")
+        }
     }];
     let has_groups = found.iter().any(|metric| !metric.groups.is_empty());
     if has_groups {
@@ -280,9 +331,16 @@ pub fn verdicts(
         let metrics = if about.has_several_primary { "metrics" } else { "metric" };
         footnotes.push(format!("Bold: the primary {metrics}; all others are exploratory."));
     }
-    let and_groups = if has_groups { " and groups" } else { "" };
+    let of_contrasts = found.iter().any(|metric| !metric.contrasts.is_empty());
+    let of_effects = found.iter().any(|metric| !metric.effects.is_empty());
+    let what = match (of_contrasts, of_effects, has_groups) {
+        (false, true, _) => "effects of factors",
+        (true, true, _) => "differences between modes and effects of factors",
+        (_, false, true) => "differences between modes and groups",
+        (_, false, false) => "differences between modes",
+    };
     Figure {
-        title: Some(plain(&format!("{}: differences between modes{and_groups}", about.title))),
+        title: Some(plain(&format!("{}: {what}", about.title))),
         description:
             "Every difference between modes over what a person can feel, with its verdict."
                 .to_owned(),
@@ -482,6 +540,7 @@ mod tests {
             contrasts: vec![difference],
             participants: vec![person("P01", -2.5), person("P02", -1.5)],
             groups: Vec::new(),
+            effects: Vec::new(),
             group_means: Vec::new(),
             group_members: Vec::new(),
             sessions: Vec::new(),

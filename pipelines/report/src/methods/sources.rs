@@ -1,7 +1,7 @@
 //! The papers from which the methods are taken.
 
 /// Each source: its key, how it is cited, the whole entry.
-pub(super) const SOURCES: [(&str, &str, &str); 20] = [
+pub(super) const SOURCES: [(&str, &str, &str); 21] = [
     (
         "balasubramanian",
         "Balasubramanian et al. 2015",
@@ -10,6 +10,7 @@ pub(super) const SOURCES: [(&str, &str, &str); 20] = [
     ("bang", "Bang et al. 2004", "Bang, Ni & Davis 2004, Controlled Clinical Trials 25:143"),
     ("bell", "Bell & McCaffrey 2002", "Bell & McCaffrey 2002, Survey Methodology 28:169"),
     ("bland", "Bland & Altman 1999", "Bland & Altman 1999, Stat. Methods Med. Res. 8:135"),
+    ("greenhouse", "Greenhouse & Geisser 1959", "Greenhouse & Geisser 1959, Psychometrika 24:95"),
     ("hedges", "Hedges 1981", "Hedges 1981, Journal of Educational Statistics 6:107"),
     ("cumming", "Cumming 2012", "Cumming 2012, Understanding the New Statistics, Routledge"),
     (

@@ -2,7 +2,9 @@
 
 use super::recorded::{Recorded, plain};
 use super::sources::Cited;
-use zwidth_study::{Bound, EffectSize, Families, GroupsCompared, LevelId, Study, contrast_label};
+use zwidth_study::{
+    Bound, EffectSize, FactorOf, Families, GroupsCompared, LevelId, Study, contrast_label,
+};
 
 pub(super) fn paragraphs(study: &Study, recorded: &Recorded, cited: &mut Cited) -> Vec<String> {
     if recorded.compared.is_empty() {
@@ -65,41 +67,105 @@ fn compared(study: &Study, recorded: &Recorded) -> String {
         let the = if primary.are_several() { "A" } else { "The" };
         format!(" {the} primary measure ({words}) does not exist in these data.")
     });
-    format!(
-        "These differences between modes were compared in each environment: {}.{measures}{}{exploratory}",
-        contrasts.join(", "),
-        missing.collect::<String>()
-    )
+    let differences = match contrasts.as_slice() {
+        [] => String::new(),
+        all => format!(
+            "These differences between modes were compared in each environment: {}.",
+            all.join(", ")
+        ),
+    };
+    let sentences = [factors(study), differences, measures, missing.collect(), exploratory];
+    sentences
+        .map(|sentence| sentence.trim_start().to_owned())
+        .into_iter()
+        .filter(|s| !s.is_empty())
+        .collect::<Vec<_>>()
+        .join(" ")
+}
+
+/// The factors of the design, and which of their effects were compared.
+fn factors(study: &Study) -> String {
+    let mut text = String::new();
+    if !study.factors.is_empty() {
+        let factors = study.factors.iter().map(|factor| {
+            let levels: Vec<&str> = factor.levels.iter().map(LevelId::as_str).collect();
+            let of = match factor.of {
+                FactorOf::Modes => "of modes",
+                FactorOf::Environments => "of environments",
+            };
+            format!("{} ({of}; {})", factor.id, levels.join(", "))
+        });
+        let effects: Vec<String> =
+            study.compare.effects.iter().map(|term| term.to_string().replace(':', " × ")).collect();
+        let over_all = study.factors.iter().any(|factor| factor.of == FactorOf::Environments);
+        text += &format!(
+            "The design crossed the factors {}. Of these the effects {} were compared{}: every later level less the \
+             first, the other factors averaged, as a weighted sum of each participant's means.",
+            factors.collect::<Vec<_>>().join(", "),
+            effects.join(", "),
+            if over_all { "" } else { " in each environment" }
+        );
+    }
+    for weighted in &study.compare.weighted {
+        let weights = weighted.weights.iter().map(|weight| {
+            format!("{} × {}/{}", plain(weight.weight), weight.environment, weight.mode)
+        });
+        text += &format!(
+            " The contrast {} weighed the conditions {}.",
+            weighted.id,
+            weights.collect::<Vec<_>>().join(", ")
+        );
+    }
+    text
 }
 
 /// Several participants: each gives one difference.
 fn between(study: &Study, recorded: &Recorded, cited: &mut Cited) -> String {
     let again = recorded.sessions > recorded.participants;
     let sessions = if again { ", then the sessions" } else { "" };
+    let has_contrasts = !study.compare.contrasts.is_empty();
     let flips = cited.cite("fisher");
-    let ranks = cited.cite("wilcoxon");
     // The order in which others drew their trials is not known.
-    let beside = match recorded.is_foreign() {
-        true => format!("the sign-flip test {flips} and the signed-rank test {ranks}"),
-        false => format!(
-            "the sign-flip test {flips}, the signed-rank test {ranks} and a randomisation test over \
+    let beside = match (has_contrasts, recorded.is_foreign()) {
+        (false, _) => format!("beside it stands the sign-flip test {flips}"),
+        (true, true) => {
+            let ranks = cited.cite("wilcoxon");
+            format!("beside it stand the sign-flip test {flips} and the signed-rank test {ranks}")
+        }
+        (true, false) => format!(
+            "beside it stand the sign-flip test {flips}, the signed-rank test {} and a randomisation test over \
              the orders that the design could have drawn {}",
+            cited.cite("wilcoxon"),
             cited.cite("edgington")
         ),
     };
     let test = match &study.compare.groups {
-        None => format!(
-            "Its mean was tested by Student's t with n − 1 degrees of freedom; beside it stand {beside}"
-        ),
+        None => {
+            format!("Its mean was tested by Student's t with n − 1 degrees of freedom; {beside}")
+        }
         Some(groups) => of_groups(groups, cited),
     };
     let effects = effects(&study.compare.effect_sizes, cited);
+    let variance = match study.factors.iter().any(|factor| factor.levels.len() > 2) {
+        true => format!(
+            " Beside the effects of factors with several levels stands their analysis of variance, each with its \
+             own error and Greenhouse and Geisser's degrees of freedom {}.",
+            cited.cite("greenhouse")
+        ),
+        false => String::new(),
+    };
+    let each = if has_contrasts { "one difference" } else { "one value of each effect" };
+    let model = match has_contrasts {
+        true => format!(
+            " A mixed model with participant and participant × mode as random effects was fitted to all trials by \
+             REML, with Kenward–Roger degrees of freedom {}; no claim rests on it.",
+            cited.cite("kenward")
+        ),
+        false => String::new(),
+    };
     format!(
         "The unit of analysis was the participant: each one's repeats were averaged{sessions}, \
-         and each participant gave one difference. {test}.{effects} A mixed model with \
-         participant and participant × mode as random effects was fitted to all trials by REML, with \
-         Kenward–Roger degrees of freedom {}; no claim rests on it.",
-        cited.cite("kenward")
+         and each participant gave {each}. {test}.{effects}{variance}{model}"
     )
 }
 
@@ -156,14 +222,19 @@ fn claims(study: &Study, recorded: &Recorded, cited: &mut Cited) -> String {
         Families::Environment => "in one environment",
     };
     let the = if has_several { "a" } else { "the" };
-    let of_groups = if compare.groups.is_some() && recorded.participants > 1 {
-        "of modes and of groups "
-    } else {
-        ""
+    let has_groups = compare.groups.is_some() && recorded.participants > 1;
+    let has_effects = !(study.factors.is_empty() && compare.weighted.is_empty());
+    let claimed = match (compare.contrasts.is_empty(), has_effects, has_groups) {
+        (true, true, false) => "effects ",
+        (true, true, true) => "effects and the contrasts of groups ",
+        (false, true, true) => "effects and the contrasts of modes and of groups ",
+        (false, true, false) => "effects and contrasts ",
+        (_, false, true) => "contrasts of modes and of groups ",
+        (_, false, false) => "contrasts ",
     };
     let mut text = format!(
-        "A difference of {the} primary measure was claimed where its p value, adjusted over the contrasts \
-         {of_groups}{family} by Holm's method {}, was below {}; intervals are at {} % and not adjusted.",
+        "A difference of {the} primary measure was claimed where its p value, adjusted over the \
+         {claimed}{family} by Holm's method {}, was below {}; intervals are at {} % and not adjusted.",
         cited.cite("holm"),
         plain(compare.alpha),
         plain(100.0 * compare.level)

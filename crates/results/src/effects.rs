@@ -1,0 +1,149 @@
+//! What the stage `compare` finds about factors of the design, one metric at a time. The numbers of a row
+//! are in the unit of its metric, which the row names.
+
+use crate::column::UNIT_OF_ROW;
+use crate::comparison::{Size, Verdict};
+use crate::row::rows;
+use crate::sentence::Sentence;
+use crate::value::texts;
+use std::fmt;
+use std::str::FromStr;
+use std::sync::Arc;
+use zwidth_study::{Contrast, EnvironmentId, IdError, LevelId, MetricId, Term};
+
+/// The levels that an effect compares: of every factor the one and the other.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct EffectLevels(pub Vec<[LevelId; 2]>);
+
+/// Between the pairs of an interaction. No id has a space.
+const TIMES: &str = " × ";
+
+impl fmt::Display for EffectLevels {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let pair = |[one, other]: &[LevelId; 2]| match self.0.len() {
+            1 => format!("{one}{}{other}", Contrast::MINUS),
+            _ => format!("({one}{}{other})", Contrast::MINUS),
+        };
+        f.pad(&self.0.iter().map(pair).collect::<Vec<_>>().join(TIMES))
+    }
+}
+
+impl FromStr for EffectLevels {
+    type Err = IdError;
+
+    fn from_str(text: &str) -> Result<Self, IdError> {
+        let pairs = text.split(TIMES).map(|pair| {
+            let pair = pair.trim_start_matches('(').trim_end_matches(')');
+            // Without the sign the second text is empty, which is no id: that is the error.
+            let (one, other) = pair.split_once(Contrast::MINUS).unwrap_or((pair, ""));
+            Ok([one.parse()?, other.parse()?])
+        });
+        pairs.collect::<Result<_, _>>().map(Self)
+    }
+}
+
+texts!(Term, EffectLevels);
+
+rows! {
+    /// The effect of a factor, of an interaction or of a weighted contrast, tested.
+    EffectDifference = "effects", "Effects of factors" {
+        /// what is compared
+        metric: MetricId,
+        /// unit of the metric
+        unit: Arc<str>,
+        /// what was rendered; null over several environments
+        environment: Option<EnvironmentId>,
+        /// of which factor, or of which several; or the name of a weighted contrast
+        effect: Term,
+        /// the levels compared: the one minus the other, the other factors averaged
+        levels: Option<EffectLevels>,
+        /// participants
+        n: usize,
+        /// the effect, mean over participants
+        difference: Option<f64> = UNIT_OF_ROW,
+        /// its standard error
+        difference_std_error: Option<f64> = UNIT_OF_ROW,
+        /// lower end of its interval
+        difference_ci_low: Option<f64> = UNIT_OF_ROW,
+        /// upper end of its interval
+        difference_ci_high: Option<f64> = UNIT_OF_ROW,
+        /// t statistic
+        statistic: Option<f64>,
+        /// degrees of freedom
+        df: Option<f64>,
+        /// p value of no effect, not adjusted
+        p_value: Option<f64>,
+        /// p value adjusted after Holm within its family
+        p_adjusted: Option<f64>,
+        /// d_av without its bias where people are few; of a factor alone
+        g_av: Option<f64>,
+        /// effect over the root mean of both sides' variances between participants
+        d_av: Option<f64>,
+        /// d_z without its bias where people are few
+        g_z: Option<f64>,
+        /// effect over the standard deviation of participants' effects
+        d_z: Option<f64>,
+        /// p value of the sign-flip test of participants' effects
+        p_sign_flip: Option<f64>,
+        /// just noticeable difference
+        jnd: Option<f64> = UNIT_OF_ROW,
+        /// the effect in just noticeable differences
+        difference_jnd: Option<f64>,
+        /// lower end of its interval in just noticeable differences
+        difference_jnd_ci_low: Option<f64>,
+        /// upper end of its interval in just noticeable differences
+        difference_jnd_ci_high: Option<f64>,
+        /// whether the effect is felt, by its interval
+        size: Option<Size>,
+        /// difference that is too small to matter
+        bound: Option<f64> = UNIT_OF_ROW,
+        /// p value of an effect as large as the bound
+        p_not_equivalent: Option<f64>,
+        /// whether there is an effect
+        verdict: Verdict,
+        /// within which conditions the effect is, or why something is missing
+        remark: Option<Sentence>,
+    }
+
+    /// The analysis of variance of a factor or an interaction, within participants.
+    FactorTest = "anova", "Analysis of variance of factors" {
+        /// what is compared
+        metric: MetricId,
+        /// unit of the metric
+        unit: Arc<str>,
+        /// what was rendered; null over several environments
+        environment: Option<EnvironmentId>,
+        /// of which factor, or of which several
+        effect: Term,
+        /// participants with every condition
+        n: usize,
+        /// F statistic
+        f: f64,
+        /// degrees of freedom of the effect
+        df_effect: f64,
+        /// degrees of freedom of its error
+        df_error: f64,
+        /// p value, under sphericity
+        p_f: f64,
+        /// Greenhouse and Geisser's ε
+        epsilon_gg: f64,
+        /// p value with degrees of freedom times ε
+        p_gg: f64,
+        /// partial η²: the effect's sum of squares over that and its error's
+        eta_squared_partial: f64,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn levels_are_read_back_as_they_are_shown() {
+        for text in ["yes − no", "(yes − no) × (soft − stiff)"] {
+            let levels: EffectLevels = text.parse().unwrap();
+            assert_eq!(levels.to_string(), text);
+        }
+        assert!("yes".parse::<EffectLevels>().is_err());
+    }
+}

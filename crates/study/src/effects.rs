@@ -1,0 +1,247 @@
+//! The effects of factors that a study compares.
+
+use crate::{EnvironmentId, Factor, FactorId, FactorOf, LevelId, ModeId, Study, Term, Weight};
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// An effect: one weight for each of some conditions, with which everybody's means are added up.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Effect {
+    /// What it is of.
+    pub term: Term,
+    /// The two levels compared of each factor, the one minus the other; none of a weighted contrast.
+    pub levels: Vec<[LevelId; 2]>,
+    /// The environment in which it is; `None` of one over several.
+    pub environment: Option<EnvironmentId>,
+    /// The weights, which add up to 0; none where the study lacks a condition for it.
+    pub weights: Vec<Weight>,
+    /// The condition that the study lacks, or those within which the effect is, where not all are there.
+    pub lacks: Option<String>,
+}
+
+/// A condition with the level of every factor that it has.
+struct Crossed<'a> {
+    environment: &'a EnvironmentId,
+    mode: &'a ModeId,
+    levels: BTreeMap<&'a FactorId, &'a LevelId>,
+}
+
+impl Study {
+    /// The effects that the study compares: of each term, every later level of a factor less the first, the
+    /// other factors averaged; in every environment, unless a factor is of environments.
+    pub fn effects(&self) -> Vec<Effect> {
+        let over_all = self.factors.iter().any(|factor| factor.of == FactorOf::Environments);
+        let mut effects = Vec::new();
+        let everywhere = if over_all { &[][..] } else { &self.environments };
+        let places = everywhere.iter().map(|environment| Some(&environment.id));
+        for place in places.chain(over_all.then_some(None)) {
+            let crossed = self.crossed(place);
+            for term in &self.compare.effects {
+                effects.extend(self.effects_of(term, place, &crossed));
+            }
+        }
+        effects.extend(self.compare.weighted.iter().map(|weighted| {
+            let first = &weighted.weights[0].environment;
+            let is_within = weighted.weights.iter().all(|weight| weight.environment == *first);
+            Effect {
+                term: Term(vec![weighted.id.clone()]),
+                levels: Vec::new(),
+                environment: is_within.then(|| first.clone()),
+                weights: weighted.weights.clone(),
+                lacks: None,
+            }
+        }));
+        effects
+    }
+
+    /// The conditions in an environment, or in all, with the levels of their modes and environments.
+    fn crossed(&self, place: Option<&EnvironmentId>) -> Vec<Crossed<'_>> {
+        let here = self.environments.iter().filter(|e| place.is_none_or(|place| e.id == *place));
+        let pairs = here.flat_map(|e| self.modes.iter().map(move |mode| (e, mode)));
+        let crossed = pairs.map(|(environment, mode)| Crossed {
+            environment: &environment.id,
+            mode: &mode.id,
+            levels: environment.factors.iter().chain(&mode.factors).collect(),
+        });
+        crossed.collect()
+    }
+
+    /// The effects of a term: one for each choice of a later level of its factors.
+    fn effects_of(
+        &self,
+        term: &Term,
+        place: Option<&EnvironmentId>,
+        crossed: &[Crossed<'_>],
+    ) -> Vec<Effect> {
+        let of_term =
+            term.0.iter().filter_map(|id| self.factors.iter().find(|factor| factor.id == *id));
+        let of_term: Vec<&Factor> = of_term.collect();
+        let others: Vec<&Factor> =
+            self.factors.iter().filter(|factor| !term.0.contains(&factor.id)).collect();
+        let pairs = choices(of_term.iter().map(|factor| {
+            let first = &factor.levels[0];
+            factor.levels[1..].iter().map(|later| [later, first]).collect()
+        }));
+        // What is averaged: the other factors, and the modes where none of the factors tells them apart.
+        let strata = choices(others.iter().map(|factor| factor.levels.iter().collect()));
+        let is_of_modes = self.factors.iter().any(|factor| factor.of == FactorOf::Modes);
+        let modes: Vec<Option<&ModeId>> = match is_of_modes {
+            true => vec![None],
+            false => self.modes.iter().map(|mode| Some(&mode.id)).collect(),
+        };
+        let mut effects = Vec::new();
+        for pairs in pairs {
+            // With the one level of every pair or with the other: the sign is the product of theirs.
+            let sides = choices(pairs.iter().map(|_| vec![0_usize, 1]));
+            let mut weights = Vec::new();
+            let mut within = Vec::new();
+            let mut first_missing = None;
+            for (stratum, mode) in strata.iter().flat_map(|s| modes.iter().map(move |m| (s, *m))) {
+                let same: Vec<(&FactorId, &LevelId)> =
+                    others.iter().map(|factor| &factor.id).zip(stratum.iter().copied()).collect();
+                let cells = sides.iter().map(|sides| {
+                    let levels = sides.iter().zip(&pairs).map(|(side, pair)| pair[*side]);
+                    let wanted: Vec<(&FactorId, &LevelId)> =
+                        term.0.iter().zip(levels).chain(same.iter().copied()).collect();
+                    let found = crossed.iter().find(|cell| {
+                        mode.is_none_or(|mode| cell.mode == mode)
+                            && wanted.iter().all(|(id, level)| cell.levels.get(id) == Some(level))
+                    });
+                    let is_negative = sides.iter().sum::<usize>() % 2 == 1;
+                    found.map(|cell| (cell, is_negative)).ok_or_else(|| in_words(&wanted))
+                });
+                match cells.collect::<Result<Vec<_>, String>>() {
+                    Ok(cells) => {
+                        within.push(in_words(&same));
+                        weights.extend(cells.into_iter().map(|(cell, is_negative)| Weight {
+                            environment: cell.environment.clone(),
+                            mode: cell.mode.clone(),
+                            weight: if is_negative { -1.0 } else { 1.0 },
+                        }));
+                    }
+                    Err(missing) => first_missing = first_missing.or(Some(missing)),
+                }
+            }
+            let complete = within.len();
+            weights.iter_mut().for_each(|weight| weight.weight /= complete as f64);
+            let lacks = match first_missing {
+                Some(missing) if complete == 0 => {
+                    Some(format!("cannot be estimated: no condition has {missing}"))
+                }
+                Some(_) => Some(format!("within {}", within.join("; "))),
+                None => None,
+            };
+            effects.push(Effect {
+                term: term.clone(),
+                levels: pairs.into_iter().map(|pair| pair.map(LevelId::clone)).collect(),
+                environment: place.cloned(),
+                weights,
+                lacks,
+            });
+        }
+        effects
+    }
+}
+
+/// `motor = no, brake = no`.
+fn in_words(levels: &[(&FactorId, &LevelId)]) -> String {
+    let all: Vec<String> =
+        levels.iter().map(|(factor, level)| format!("{factor} = {level}")).collect();
+    all.join(", ")
+}
+
+/// Every way to choose one from each list, the last list's choice changing fastest.
+fn choices<T: Copy>(lists: impl Iterator<Item = Vec<T>>) -> Vec<Vec<T>> {
+    lists.fold(vec![Vec::new()], |chosen, list| {
+        let with = |before: &Vec<T>| {
+            let before = before.clone();
+            list.iter().map(move |next| [&before[..], &[*next]].concat()).collect::<Vec<_>>()
+        };
+        chosen.iter().flat_map(with).collect()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::tests::text;
+    use crate::{Study, Weight};
+
+    /// The template's study with the factors motor and brake, and these modes.
+    fn with(modes: &[(&str, &str, &str)], more: &str) -> Study {
+        let text = text();
+        let (before, rest) = text.split_once("[[modes]]").unwrap();
+        let (_, questions) = rest.split_once("[[questions]]").unwrap();
+        let modes: String = modes
+            .iter()
+            .map(|(id, motor, brake)| {
+                format!(
+                    "[[modes]]\nid = \"{id}\"\nlabel = \"{id}\"\n\
+                     factors = {{ motor = \"{motor}\", brake = \"{brake}\" }}\n"
+                )
+            })
+            .collect();
+        let factors = "[[factors]]\nid = \"motor\"\nlevels = [\"no\", \"yes\"]\n\
+                       [[factors]]\nid = \"brake\"\nlevels = [\"no\", \"yes\"]\n";
+        let text = format!("{before}{modes}{factors}[[questions]]{questions}\n{more}");
+        Study::from_toml(&text).unwrap()
+    }
+
+    fn weights(weights: &[Weight]) -> Vec<(&str, f64)> {
+        weights.iter().map(|w| (w.mode.as_str(), w.weight)).collect()
+    }
+
+    const THREE: [(&str, &str, &str); 3] =
+        [("active", "yes", "no"), ("passive", "no", "yes"), ("hybrid", "yes", "yes")];
+
+    #[test]
+    fn of_all_four_an_effect_averages_the_other_factor_and_an_interaction_is_a_difference_of_differences()
+     {
+        let all = [&[("none", "no", "no")], &THREE[..]].concat();
+        let study = with(&all, "");
+        let effects = study.effects();
+        let first = &study.environments[0].id;
+        let here: Vec<_> =
+            effects.iter().filter(|effect| effect.environment.as_ref() == Some(first)).collect();
+        assert_eq!(effects.len(), 3 * study.environments.len());
+        let names: Vec<String> = here.iter().map(|effect| effect.term.to_string()).collect();
+        assert_eq!(names, ["motor", "brake", "motor:brake"]);
+        let motor = [("active", 0.5), ("none", -0.5), ("hybrid", 0.5), ("passive", -0.5)];
+        assert_eq!(weights(&here[0].weights), motor);
+        let crossed = [("hybrid", 1.0), ("active", -1.0), ("passive", -1.0), ("none", 1.0)];
+        assert_eq!(weights(&here[2].weights), crossed);
+        assert!(here.iter().all(|effect| effect.lacks.is_none()));
+    }
+
+    #[test]
+    fn without_a_condition_effects_are_within_those_there_are_and_the_interaction_says_which_lacks()
+    {
+        let study = with(&THREE, "");
+        let effects = study.effects();
+        let [motor, brake, both] = &effects[..3] else { panic!("{effects:?}") };
+        assert_eq!(weights(&motor.weights), [("hybrid", 1.0), ("passive", -1.0)]);
+        assert_eq!(motor.lacks.as_deref(), Some("within brake = yes"));
+        assert_eq!(weights(&brake.weights), [("hybrid", 1.0), ("active", -1.0)]);
+        assert!(both.weights.is_empty());
+        let lacks = "cannot be estimated: no condition has motor = no, brake = no";
+        assert_eq!(both.lacks.as_deref(), Some(lacks));
+    }
+
+    #[test]
+    fn a_factor_of_environments_makes_effects_over_all_of_them() {
+        let text = text()
+            .replacen("kind = \"spring\"", "kind = \"spring\"\nfactors = { wall = \"no\" }", 1)
+            .replacen(
+                "kind = \"spring_wall\"",
+                "kind = \"spring_wall\"\nfactors = { wall = \"yes\" }",
+                1,
+            );
+        let text = format!(
+            "{text}\n[[factors]]\nid = \"wall\"\nlevels = [\"no\", \"yes\"]\nof = \"environments\"\n"
+        );
+        // Modes of the same level of every factor: none is of modes.
+        let study = Study::from_toml(&text).unwrap();
+        let [wall] = &study.effects()[..] else { panic!("{:?}", study.effects()) };
+        assert_eq!((wall.environment.as_ref(), wall.weights.len()), (None, 6));
+        assert_eq!(wall.lacks, None);
+    }
+}

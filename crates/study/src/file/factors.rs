@@ -1,0 +1,314 @@
+//! `[[factors]]`, `compare.effects` and `[[compare.weighted]]` of a `study.toml`.
+
+use super::check::Check;
+use super::environment::EnvironmentTable;
+use super::shape::WeightedTable;
+use crate::{
+    EnvironmentId, Factor, FactorId, FactorOf, Levels, Mode, ModeId, Term, Weight, Weighted,
+};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// No study has more factors.
+const MOST_FACTORS: usize = 4;
+/// No study has more effects, or weighted contrasts.
+const MOST_EFFECTS: usize = 32;
+/// Weights that add up to less than this share of themselves add up to 0.
+const ROUNDING: f64 = 1e-9;
+
+impl WeightedTable {
+    pub(super) fn of(weighted: &Weighted) -> Self {
+        let weights = weighted
+            .weights
+            .iter()
+            .map(|Weight { environment, mode, weight }| (format!("{environment}/{mode}"), *weight));
+        Self { id: weighted.id.clone(), weights: weights.collect() }
+    }
+}
+
+impl Check<'_> {
+    /// The factors, and the levels that modes and environments have of them.
+    pub(super) fn factors(
+        &mut self,
+        factors: &[Factor],
+        modes: &[Mode],
+        environments: &[EnvironmentTable],
+    ) {
+        self.unique("factors", factors.iter().map(|factor| factor.id.as_str()));
+        if factors.len() > MOST_FACTORS {
+            let n = factors.len();
+            let problem = format!("the list has {n} entries; at most {MOST_FACTORS} are allowed");
+            self.error("factors", problem);
+        }
+        for (i, factor) in factors.iter().enumerate() {
+            self.levels(&format!("factors[{i}].levels"), &factor.levels);
+        }
+        let of_modes = modes.iter().map(|mode| (mode.id.as_str(), &mode.factors));
+        self.levels_of("mode", FactorOf::Modes, of_modes.collect(), factors);
+        let of_environments = environments.iter().map(|e| (e.id.as_str(), &e.factors));
+        self.levels_of("environment", FactorOf::Environments, of_environments.collect(), factors);
+    }
+
+    /// That each of `all`, which are modes or environments, has one level of every factor of theirs, and no two
+    /// the same.
+    fn levels_of(
+        &mut self,
+        what: &str,
+        of: FactorOf,
+        all: Vec<(&str, &Levels)>,
+        factors: &[Factor],
+    ) {
+        let own: Vec<&Factor> = factors.iter().filter(|factor| factor.of == of).collect();
+        let mut seen: BTreeMap<&Levels, &str> = BTreeMap::new();
+        for (i, (id, levels)) in all.into_iter().enumerate() {
+            let key = format!("{what}s[{i}].factors");
+            for (factor, level) in levels {
+                let known = own.iter().find(|own| own.id == *factor);
+                let problem = match known {
+                    None => {
+                        format!("there is no factor '{factor}' of {what}s; name it in [[factors]]")
+                    }
+                    Some(own) if !own.levels.contains(level) => {
+                        let all: Vec<&str> =
+                            own.levels.iter().map(|level| level.as_str()).collect();
+                        format!("'{level}' is no level of {factor}; there are {}", all.join(", "))
+                    }
+                    Some(_) => continue,
+                };
+                self.error(&format!("{key}.{factor}"), problem);
+            }
+            for factor in own.iter().filter(|factor| !levels.contains_key(&factor.id)) {
+                let first = factor.levels.first().map_or("…", |level| level.as_str());
+                let problem = format!(
+                    "{what} '{id}' has no level of {0}; add factors = {{ {0} = \"{first}\" }} or another one",
+                    factor.id
+                );
+                self.error(&format!("{what}s[{i}]"), problem);
+            }
+            if let Some(other) = seen.insert(levels, id).filter(|_| !own.is_empty()) {
+                let problem = format!(
+                    "{what}s '{other}' and '{id}' have the same level of every factor; add a factor in \
+                     which they differ"
+                );
+                self.error(&key, problem);
+            }
+        }
+    }
+
+    /// `compare.effects`; without it every factor, and every interaction of two.
+    pub(super) fn effects(&mut self, chosen: Option<Vec<Term>>, factors: &[Factor]) -> Vec<Term> {
+        let Some(chosen) = chosen else { return default_effects(factors) };
+        if factors.is_empty() {
+            let problem = "is not used without [[factors]]; add them";
+            self.error("compare.effects", problem);
+        }
+        if chosen.len() > MOST_EFFECTS {
+            let n = chosen.len();
+            let problem = format!("the list has {n} entries; at most {MOST_EFFECTS} are allowed");
+            self.error("compare.effects", problem);
+        }
+        let mut seen = BTreeSet::new();
+        for (i, term) in chosen.iter().enumerate() {
+            let key = format!("compare.effects[{i}]");
+            let distinct: BTreeSet<&FactorId> = term.0.iter().collect();
+            let unknown = term.0.iter().find(|id| factors.iter().all(|factor| factor.id != **id));
+            if let Some(unknown) = unknown {
+                let all: Vec<&str> = factors.iter().map(|factor| factor.id.as_str()).collect();
+                self.error(
+                    &key,
+                    format!("there is no factor '{unknown}'; there are {}", all.join(", ")),
+                );
+            } else if distinct.len() < term.0.len() {
+                self.error(&key, format!("'{term}' names a factor twice; leave one out"));
+            } else if !seen.insert(distinct) {
+                self.error(&key, format!("'{term}' stands twice; leave one out"));
+            }
+        }
+        chosen
+    }
+
+    /// `[[compare.weighted]]`.
+    pub(super) fn weighted(
+        &mut self,
+        tables: Vec<WeightedTable>,
+        factors: &[Factor],
+        modes: &[Mode],
+        environments: &[EnvironmentTable],
+    ) -> Vec<Weighted> {
+        self.unique("compare.weighted", tables.iter().map(|table| table.id.as_str()));
+        if tables.len() > MOST_EFFECTS {
+            let n = tables.len();
+            let problem = format!("the list has {n} entries; at most {MOST_EFFECTS} are allowed");
+            self.error("compare.weighted", problem);
+        }
+        let mut all = Vec::new();
+        for (i, WeightedTable { id, weights: table }) in tables.into_iter().enumerate() {
+            let key = format!("compare.weighted[{i}]");
+            if factors.iter().any(|factor| factor.id == id) {
+                self.error(&format!("{key}.id"), format!("'{id}' is a factor; choose another id"));
+            }
+            let mut weights = Vec::new();
+            for (name, weight) in table {
+                let key = format!("{key}.weights");
+                let condition = name.split_once('/').and_then(|(environment, mode)| {
+                    let environment = EnvironmentId::new(environment).ok()?;
+                    let mode = ModeId::new(mode).ok()?;
+                    let is_known = environments.iter().any(|own| own.id == environment)
+                        && modes.iter().any(|own| own.id == mode);
+                    is_known.then_some((environment, mode))
+                });
+                match condition {
+                    None => {
+                        let problem = format!(
+                            "there is no condition '{name}'; write the environment's id, '/' and the mode's"
+                        );
+                        self.error(&key, problem);
+                    }
+                    Some(_) if !weight.is_finite() || weight == 0.0 => {
+                        let problem = format!(
+                            "'{name}' has the weight {weight}: give it one, or leave it out"
+                        );
+                        self.error(&key, problem);
+                    }
+                    Some((environment, mode)) => weights.push(Weight { environment, mode, weight }),
+                }
+            }
+            let sum: f64 = weights.iter().map(|weight| weight.weight).sum();
+            let size: f64 = weights.iter().map(|weight| weight.weight.abs()).sum();
+            if sum.abs() > ROUNDING * size || weights.is_empty() {
+                let problem = format!(
+                    "the weights add up to {sum}; those of a contrast add up to 0, such as 1 and -1"
+                );
+                self.error(&key, problem);
+            }
+            all.push(Weighted { id, weights });
+        }
+        all
+    }
+}
+
+/// Every factor, then every interaction of two.
+pub(super) fn default_effects(factors: &[Factor]) -> Vec<Term> {
+    let ids: Vec<&FactorId> = factors.iter().map(|factor| &factor.id).collect();
+    let pairs = ids.iter().enumerate().flat_map(|(i, first)| {
+        ids[i + 1..].iter().map(move |second| vec![(*first).clone(), (*second).clone()])
+    });
+    ids.iter().map(|id| vec![(*id).clone()]).chain(pairs).map(Term).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::tests::{check_refused, check_round_trip, text};
+    use crate::{Study, StudyError};
+
+    const FACTOR: &str = "[[factors]]\nid = \"strong\"\nlevels = [\"no\", \"some\", \"yes\"]\n";
+
+    /// The template's study whose modes have these levels of a factor, and these lines after it.
+    fn with(levels: [&str; 3], factor: &str, more: &str) -> Result<Study, Vec<StudyError>> {
+        let ids = ["active", "passive", "hybrid"].into_iter().zip(levels);
+        let text = ids.fold(text(), |text, (id, level)| match level {
+            "" => text,
+            _ => {
+                let id = format!("id = \"{id}\"");
+                text.replacen(&id, &format!("{id}\nfactors = {{ strong = \"{level}\" }}"), 1)
+            }
+        });
+        Study::from_toml(&format!("{text}\n{factor}{more}\n"))
+    }
+
+    #[test]
+    fn factors_effects_and_weights_survive_a_round_trip() {
+        let weighted = "[[compare.weighted]]\nid = \"wall_costs\"\nweights = { \"spring_wall/hybrid\" = 1, \
+                        \"spring_wall/active\" = -1, \"spring/hybrid\" = -1, \"spring/active\" = 1 }\n";
+        let study = with(["no", "some", "yes"], FACTOR, weighted).unwrap();
+        check_round_trip(&study);
+        assert!(study.compare.contrasts.is_empty(), "effects are compared in their place");
+        let names: Vec<String> = study.effects().iter().map(|e| e.term.to_string()).collect();
+        assert_eq!(names, ["strong", "strong", "strong", "strong", "wall_costs"]);
+        let study = with(["no", "some", "yes"], FACTOR, "[compare]\neffects = []\n").unwrap();
+        assert!(study.effects().is_empty());
+        check_round_trip(&study);
+    }
+
+    #[test]
+    fn what_cannot_be_meant_is_one_error_with_key_and_remedy() {
+        let all = ["no", "some", "yes"];
+        let weights =
+            |weights: &str| format!("[[compare.weighted]]\nid = \"w\"\nweights = {{ {weights} }}");
+        for (levels, factor, more, key, words) in [
+            (
+                ["no", "", "yes"],
+                FACTOR,
+                String::new(),
+                "modes[1]",
+                "add factors = { strong = \"no\" }",
+            ),
+            (
+                ["no", "sme", "yes"],
+                FACTOR,
+                String::new(),
+                "modes[1].factors.strong",
+                "no, some, yes",
+            ),
+            (
+                ["no", "no", "yes"],
+                FACTOR,
+                String::new(),
+                "modes[1].factors",
+                "'active' and 'passive'",
+            ),
+            (
+                ["", "", "yes"],
+                "",
+                String::new(),
+                "modes[2].factors.strong",
+                "name it in [[factors]]",
+            ),
+            (
+                all,
+                FACTOR,
+                "[compare]\neffects = [\"weak\"]".into(),
+                "compare.effects[0]",
+                "there are strong",
+            ),
+            (
+                all,
+                FACTOR,
+                "[compare]\neffects = [\"strong:strong\"]".into(),
+                "compare.effects[0]",
+                "a factor twice",
+            ),
+            (
+                all,
+                FACTOR,
+                "[compare]\neffects = [\"strong\", \"strong\"]".into(),
+                "compare.effects[1]",
+                "stands twice",
+            ),
+            (["", "", ""], "", "[compare]\neffects = []".into(), "compare.effects", "add them"),
+            (
+                all,
+                FACTOR,
+                weights("\"spring/hybrid\" = 1, \"spring/active\" = -0.5"),
+                "compare.weighted[0]",
+                "add up to 0.5",
+            ),
+            (
+                all,
+                FACTOR,
+                weights("\"spring/hybrid\" = 1, \"spring/none\" = -1, \"spring/active\" = -1"),
+                "compare.weighted[0].weights",
+                "no condition 'spring/none'",
+            ),
+            (
+                all,
+                FACTOR,
+                weights("\"spring/hybrid\" = 1, \"spring/active\" = -1")
+                    .replace("\"w\"", "\"strong\""),
+                "compare.weighted[0].id",
+                "is a factor",
+            ),
+        ] {
+            check_refused(with(levels, factor, &more), key, words);
+        }
+    }
+}

@@ -1,0 +1,342 @@
+//! Effects of factors, one metric per figure.
+
+use super::compared::{MetricResults, PANEL_MM, Shown, WEIGHTS, intervals, mean, or_note};
+use super::groups::across;
+use crate::words::{mark, percent, plain};
+use crate::{About, FigureKind};
+use std::collections::BTreeMap;
+use zwidth_draw::style::{self, Stroke};
+use zwidth_draw::{Axis, Cell, Direction, Figure, Intervals, Layer, Line, Panel, dodge};
+use zwidth_results::EffectDifference;
+use zwidth_study::{
+    Environment, EnvironmentId, Factor, FactorOf, LevelId, ModeId, ParticipantId, Source,
+};
+use zwidth_tables::p_value;
+
+/// The figure [`effects_compared`].
+pub const EFFECTS_COMPARED: FigureKind = FigureKind::new(
+    "effects",
+    "effects of factors: means by their levels, and effects with their intervals",
+    "trial",
+);
+
+/// Effects compared: at the left the means by the levels of the first factor, a line for each level of the
+/// second, in a panel for each level of any other; at the right the effects with their intervals.
+pub fn effects_compared(
+    about: &About,
+    environments: &[Environment],
+    sources: &[Source],
+    compared: &MetricResults,
+) -> Figure {
+    let shown = Shown::of(about, &compared.metric);
+    let over_all = about.factors.iter().any(|factor| factor.of == FactorOf::Environments);
+    // Weighted contrasts over several environments stand after those of each.
+    let each = environments.iter().filter(|_| !over_all).map(Some);
+    let mut panels: Vec<Panel> = Vec::new();
+    let mut verdicts = Vec::new();
+    let mut row = 0;
+    for place in each.chain([None]) {
+        let id = place.map(|environment| &environment.id);
+        let is_here = |row: &&EffectDifference| over_all || row.environment.as_ref() == id;
+        let effects: Vec<&EffectDifference> = compared.effects.iter().filter(is_here).collect();
+        if effects.is_empty() {
+            continue;
+        }
+        let first_row = row;
+        let with_means = place.is_some() || over_all;
+        let by_levels = with_means.then(|| conditions(about, environments, place));
+        for (levels, conditions) in by_levels.into_iter().flatten() {
+            let title = [place.map(|e| plain(&e.label)), levels].into_iter().flatten();
+            let title = title.collect::<Vec<_>>().join(", ");
+            let levels = about.factors.iter().take(1).flat_map(|factor| &factor.levels);
+            let x = Axis::categories(levels.map(|level| plain(level.as_str())));
+            let label = about.factors.first().map(|factor| plain(factor.id.as_str()));
+            let x = Axis { label: label.unwrap_or_default(), ..x };
+            let layers = lines(about, &conditions, &shown, compared);
+            let panel = Panel::new(Cell::at(row, 0), x, shown.axis("mean"), layers);
+            panels.push(panel.titled(title).tall(PANEL_MM));
+            row += 1;
+        }
+        let names = Axis::categories(effects.iter().map(|row| plain(&effect_name(row))));
+        let rows: Vec<_> = effects
+            .iter()
+            .map(|row| (row.jnd, [row.difference, row.difference_ci_low, row.difference_ci_high]))
+            .collect();
+        let layers = across(&rows, &shown);
+        let panel = Panel::new(Cell::at(first_row, 1), shown.axis("effect"), names, layers);
+        panels.push(panel.tall(PANEL_MM));
+        row = row.max(first_row + 1);
+        let claims: Vec<String> = effects.iter().map(|row| said(row)).collect();
+        let label =
+            place.map_or_else(String::new, |environment| format!("{}: ", environment.label));
+        verdicts.push(format!("{label}{}.", claims.join("; ")));
+    }
+    let level = percent(about.confidence);
+    let footnotes = [format!(
+        "Left, grey: participants; discs: their mean. Whiskers: {level} intervals, not adjusted. Right: a later level \
+         of a factor less the first, the others averaged; grey: ± 1 just noticeable difference, where it is known. \
+         p: after Holm."
+    )];
+    Figure {
+        title: Some(plain(&format!("{}: effects of factors, {}", about.title, shown.words))),
+        description: format!("{}: effects of factors, with {level} intervals.", shown.words),
+        panels: or_note(panels),
+        column_weights: WEIGHTS.to_vec(),
+        footnotes: verdicts.iter().chain(&footnotes).map(|note| plain(note)).collect(),
+        mark: mark(sources.iter().copied()),
+        ..Figure::default()
+    }
+}
+
+/// `motor: yes − no`; a weighted contrast by its name.
+pub(super) fn effect_name(row: &EffectDifference) -> String {
+    let factors = row.effect.to_string().replace(':', " × ");
+    match &row.levels {
+        Some(levels) => format!("{factors}: {levels}"),
+        None => factors,
+    }
+}
+
+/// What came out: `motor: yes − no: different, p = 0.003, 8 people`.
+fn said(row: &EffectDifference) -> String {
+    let size = row.size.map(|size| size.as_str().to_owned());
+    let p = row.p_adjusted.map(|p| format!("p {}", p_value(p)).replace(' ', "\u{a0}"));
+    let people = (row.n > 0).then(|| format!("{}\u{a0}people", row.n));
+    let remark = row.remark.as_ref().map(ToString::to_string);
+    let verdict = Some(row.verdict.as_str().to_owned());
+    let parts: Vec<String> = [verdict, size, p, people, remark].into_iter().flatten().collect();
+    format!("{}: {}", effect_name(row), parts.join(", "))
+}
+
+/// A condition by the places of its levels of the first two factors.
+struct Crossed<'a> {
+    environment: &'a EnvironmentId,
+    mode: &'a ModeId,
+    at: [usize; 2],
+}
+
+/// The conditions of a place, by their levels of every factor after the second, in the study's order.
+fn conditions<'a>(
+    about: &'a About,
+    environments: &'a [Environment],
+    place: Option<&Environment>,
+) -> BTreeMap<Option<String>, Vec<Crossed<'a>>> {
+    let mut by_rest: BTreeMap<Option<String>, Vec<Crossed>> = BTreeMap::new();
+    for environment in environments {
+        if place.is_some_and(|place| place.id != environment.id) {
+            continue;
+        }
+        for mode in &about.modes {
+            let level = |factor: &Factor| -> Option<&LevelId> {
+                mode.factors.get(&factor.id).or_else(|| environment.factors.get(&factor.id))
+            };
+            let at = |index: usize| -> Option<usize> {
+                let Some(factor) = about.factors.get(index) else { return Some(0) };
+                factor.levels.iter().position(|own| Some(own) == level(factor))
+            };
+            let (Some(first), Some(second)) = (at(0), at(1)) else { continue };
+            let rest = about
+                .factors
+                .iter()
+                .skip(2)
+                .filter_map(|factor| Some(format!("{} = {}", factor.id, level(factor)?)));
+            let rest: Vec<String> = rest.collect();
+            by_rest.entry((!rest.is_empty()).then(|| rest.join(", "))).or_default().push(Crossed {
+                environment: &environment.id,
+                mode: &mode.id,
+                at: [first, second],
+            });
+        }
+    }
+    by_rest
+}
+
+/// A line through the means for each level of the second factor, and everybody's behind them.
+fn lines(
+    about: &About,
+    conditions: &[Crossed],
+    shown: &Shown,
+    compared: &MetricResults,
+) -> Vec<Layer> {
+    let second = about.factors.get(1);
+    let number = second.map_or(1, |factor| factor.levels.len());
+    let (mut people, mut means) = (Vec::new(), Vec::new());
+    for index in 0..number {
+        let colour = style::environment_colour(index);
+        let dash = style::dash(index);
+        let mut own: BTreeMap<&ParticipantId, BTreeMap<usize, Vec<f64>>> = BTreeMap::new();
+        let mut line: BTreeMap<usize, [Option<f64>; 3]> = BTreeMap::new();
+        for condition in conditions.iter().filter(|condition| condition.at[1] == index) {
+            let key = (condition.environment, condition.mode);
+            for cell in compared.cells.iter().filter(|cell| (&cell.environment, &cell.mode) == key)
+            {
+                // A person's sessions come together: the mean is over all of them.
+                let values = own.entry(&cell.participant).or_default();
+                let values = values.entry(condition.at[0]).or_default();
+                values.extend(cell.mean.map(|mean| mean * shown.factor));
+            }
+            let found = compared.means.iter().find(|row| (&row.environment, &row.mode) == key);
+            line.extend(
+                found.map(|row| (condition.at[0], [Some(row.mean), row.ci_low, row.ci_high])),
+            );
+        }
+        let place = |at: usize| at as f64 + dodge(index, number);
+        for values in own.values() {
+            people.push(Layer::Line(Line {
+                x: values.keys().map(|at| place(*at)).collect(),
+                y: values.values().map(|values| mean(values)).collect(),
+                stroke: Stroke { opacity: 0.45, ..style::faint(style::GREY) },
+                ..Line::default()
+            }));
+        }
+        let at: Vec<f64> = line.keys().map(|at| place(*at)).collect();
+        let name = second.map(|factor| plain(&format!("{} = {}", factor.id, factor.levels[index])));
+        means.push(Layer::Line(Line {
+            x: at.clone(),
+            y: line
+                .values()
+                .map(|row| row[0].map_or(f64::NAN, |mean| mean * shown.factor))
+                .collect(),
+            stroke: Stroke { dash, ..style::mean(colour) },
+            ..Line::default()
+        }));
+        let estimates: Vec<_> = line.into_values().collect();
+        let marks = intervals(Direction::Vertical, at, &estimates, shown);
+        let marker = style::marker(index);
+        means.push(Layer::Intervals(Intervals { colour, marker, name, ..marks }));
+    }
+    people.into_iter().chain(means).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::comparison::verdicts::verdict_rows;
+    use zwidth_results::{Cell as Found, Compared, Mean, Role, UnitOfAnalysis, Verdict};
+    use zwidth_study::{Better, Study};
+
+    /// The template's study, whose modes are weak, strong, and strong with noise.
+    fn study() -> Study {
+        let mut study = zwidth_testing::study();
+        let factor = |id: &str, levels: [&str; 2]| Factor {
+            id: id.parse().unwrap(),
+            levels: levels.map(|level| level.parse().unwrap()).to_vec(),
+            of: FactorOf::Modes,
+        };
+        study.factors = vec![factor("force", ["weak", "strong"]), factor("noise", ["off", "on"])];
+        let levels = [["weak", "off"], ["strong", "off"], ["strong", "on"]];
+        for (mode, [force, noise]) in study.modes.iter_mut().zip(levels) {
+            mode.factors.insert("force".parse().unwrap(), force.parse().unwrap());
+            mode.factors.insert("noise".parse().unwrap(), noise.parse().unwrap());
+        }
+        study
+    }
+
+    fn effect(term: &str, difference: Option<f64>) -> EffectDifference {
+        EffectDifference {
+            metric: "loop_area_j".parse().unwrap(),
+            unit: "J".into(),
+            environment: Some("spring".parse().unwrap()),
+            effect: term.parse().unwrap(),
+            levels: Some("strong − weak".parse().unwrap()),
+            n: 4,
+            difference,
+            difference_std_error: difference.map(|_| 0.1),
+            difference_ci_low: difference.map(|d| d - 0.25),
+            difference_ci_high: difference.map(|d| d + 0.25),
+            statistic: None,
+            df: None,
+            p_value: None,
+            p_adjusted: difference.map(|_| 0.04),
+            g_av: None,
+            d_av: None,
+            g_z: None,
+            d_z: None,
+            p_sign_flip: None,
+            jnd: None,
+            difference_jnd: None,
+            difference_jnd_ci_low: None,
+            difference_jnd_ci_high: None,
+            size: None,
+            bound: None,
+            p_not_equivalent: None,
+            verdict: if difference.is_some() { Verdict::Different } else { Verdict::NotTested },
+            remark: None,
+        }
+    }
+
+    fn found(study: &Study) -> MetricResults {
+        let modes = study.modes.iter();
+        let cells = modes.clone().zip([1.0, 2.0, 4.0]).map(|(mode, mean)| Found {
+            metric: "loop_area_j".parse().unwrap(),
+            unit: "J".into(),
+            participant: "P01".parse().unwrap(),
+            session: "S01".parse().unwrap(),
+            environment: "spring".parse().unwrap(),
+            mode: mode.id.clone(),
+            trials: 1,
+            n: 1,
+            mean: Some(mean),
+            sd: None,
+        });
+        let means = modes.zip([1.5, 2.5, 4.5]).map(|(mode, mean)| Mean {
+            metric: "loop_area_j".parse().unwrap(),
+            unit: "J".into(),
+            environment: "spring".parse().unwrap(),
+            mode: mode.id.clone(),
+            unit_of_analysis: UnitOfAnalysis::Participants,
+            n: 4,
+            trials: 4,
+            trials_with_value: 4,
+            mean,
+            sd: None,
+            ci_low: None,
+            ci_high: None,
+        });
+        MetricResults {
+            metric: Compared {
+                metric: "loop_area_j".parse().unwrap(),
+                unit: "J".into(),
+                words: "area".to_owned(),
+                role: Role::Primary,
+                better: Better::Neither,
+                unit_of_analysis: UnitOfAnalysis::Participants,
+            },
+            cells: cells.collect(),
+            means: means.collect(),
+            contrasts: Vec::new(),
+            participants: Vec::new(),
+            groups: Vec::new(),
+            effects: vec![effect("force", Some(0.5)), effect("force:noise", None)],
+            group_means: Vec::new(),
+            group_members: Vec::new(),
+            sessions: Vec::new(),
+            repeats: Vec::new(),
+            redrawn: Vec::new(),
+            notes: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn means_stand_by_their_levels_and_effects_beside_them() {
+        let study = study();
+        let (about, found) = (About::of(&study), found(&study));
+        let figure = effects_compared(&about, &study.environments, &[], &found);
+        assert_eq!(figure.panels.len(), 2, "nothing is compared in the other environment");
+        let lines = figure.panels[0].layers.iter().filter_map(|layer| match layer {
+            Layer::Line(line) => Some(line.y.clone()),
+            _ => None,
+        });
+        // Without noise and with it: everybody's line, then that of the means.
+        let lines: Vec<Vec<f64>> = lines.collect();
+        assert_eq!(lines, [vec![1.0, 2.0], vec![4.0], vec![1.5, 2.5], vec![4.5]]);
+        let note = &figure.footnotes[0];
+        assert!(note.contains("force: strong − weak: different, p\u{a0}=\u{a0}0.04"), "{note}");
+        assert!(note.contains("force × noise"), "{note}");
+        // What was not estimated has no row among the verdicts; the other is in SDs of people's effects.
+        let rows = verdict_rows(&about, &study.environments, std::slice::from_ref(&found));
+        let [row] = rows.as_slice() else { panic!("{rows:?}") };
+        assert!((row.estimate - 0.5 / 0.2).abs() < 1e-12);
+        assert!(row.place.ends_with(": force: strong − weak"), "{}", row.place);
+    }
+}

@@ -1,0 +1,85 @@
+//! What the comparison of factors says, in sentences.
+
+use crate::compared::{ComparedMetric, environment_label};
+use crate::findings::Finding;
+use crate::gallery::Shown;
+use zwidth_results::{EffectDifference, FactorTest, Role, Verdict};
+use zwidth_study::Setup;
+use zwidth_tables::{number, p_value, shown_unit, with_unit};
+
+/// Every effect in a sentence, with interval and test; of factors with several levels, and their interactions,
+/// the line of the analysis of variance too.
+pub fn factor_effects(study: &Setup, metric: &ComparedMetric) -> Vec<Finding> {
+    let words = metric.words(study.coordinate);
+    let shown = || Shown::Effects(metric.metric.metric.to_string());
+    let is_answer = metric.contrasts.is_empty() && metric.metric.role == Role::Primary;
+    let effects = metric.effects.iter().map(|row| sentence(study, metric, row, &words));
+    let lines = metric.factor_tests.iter().filter(|line| line.df_effect > 1.0);
+    let lines = lines.map(|line| analysed(study, line, &words));
+    let effects = effects.map(|text| Finding { is_answer, ..Finding::new(text, shown()) });
+    effects.chain(lines.map(|text| Finding::new(text, shown()))).collect()
+}
+
+/// `Spring, motor: yes − no: the force is 0.45 N higher (…)`.
+fn sentence(study: &Setup, metric: &ComparedMetric, row: &EffectDifference, words: &str) -> String {
+    let (unit, factor) = shown_unit(&metric.metric.unit, study.coordinate);
+    let error = row.difference_std_error.map(|error| error * factor);
+    let shown = |value: f64| number(value * factor, error);
+    let environment = row.environment.as_ref().map(|id| environment_label(study, id) + ", ");
+    let factors = row.effect.to_string().replace(':', " × ");
+    let levels = row.levels.as_ref().map(|levels| format!(" ({levels})")).unwrap_or_default();
+    let place = format!("{}effect of {factors}{levels}", environment.unwrap_or_default());
+    let why = match &row.remark {
+        Some(remark) => format!("; {remark}"),
+        None if row.verdict == Verdict::Undecided => {
+            ", neither an effect nor its absence was shown".to_owned()
+        }
+        None => String::new(),
+    };
+    let Some(difference) = row.difference else {
+        return format!("{place} on {words}: {}{why}.", row.verdict.as_str());
+    };
+    let interval = row.difference_ci_low.zip(row.difference_ci_high);
+    let interval =
+        interval.map(|(low, high)| format!("interval {} to {}, ", shown(low), shown(high)));
+    let test = row
+        .statistic
+        .zip(row.df)
+        .map(|(t, df)| format!(", t({}) = {}", number(df, None), number(t, None)));
+    let p = row.p_adjusted.map(|p| format!(", adjusted p {}", p_value(p)));
+    let sizes = [("g_av", row.g_av), ("g_z", row.g_z), ("d_av", row.d_av), ("d_z", row.d_z)];
+    let mut sizes = sizes
+        .into_iter()
+        .filter_map(|(name, value)| Some(format!(", {name} = {}", number(value?, None))));
+    let more: String = [test, p, sizes.next()].into_iter().flatten().collect();
+    let size = row.size.map(|size| {
+        let jnds = row.difference_jnd.map(|jnds| format!(": {} JND", number(jnds, None)));
+        format!("; {}{}", size.as_str(), jnds.unwrap_or_default())
+    });
+    format!(
+        "{place} on {words}: {} ({}{} people{more}): {}{why}{}.",
+        with_unit(&shown(difference), &unit),
+        interval.unwrap_or_default(),
+        row.n,
+        row.verdict.as_str(),
+        size.unwrap_or_default(),
+    )
+}
+
+/// `Over all levels of visual × haptic: F(4, 116) = 84.66, ε = 0.80, p < 0.001, partial η² = 0.74`.
+fn analysed(study: &Setup, line: &FactorTest, words: &str) -> String {
+    let environment = line.environment.as_ref().map(|id| environment_label(study, id) + ", ");
+    format!(
+        "{}all levels of {} in {words}: F({}, {}) = {}, Greenhouse and Geisser's ε = {}, p {}, partial η² = {} \
+         ({} people; a description, no claim).",
+        environment.unwrap_or_default(),
+        line.effect.to_string().replace(':', " × "),
+        number(line.df_effect, None),
+        number(line.df_error, None),
+        number(line.f, None),
+        number(line.epsilon_gg, None),
+        p_value(line.p_gg),
+        number(line.eta_squared_partial, None),
+        line.n,
+    )
+}
