@@ -209,6 +209,14 @@ pub fn spreads(
     Ok((tables.table().read_of(metric)?, tables.table().read_of(metric)?))
 }
 
+/// How participants differ in the effects of factors on a metric.
+///
+/// # Errors
+/// Tables that do not exist.
+pub fn effects(data: &StudyData, metric: &MetricId) -> Result<Vec<EffectDifference>, TableError> {
+    Comparison::of(data).table().read_of(metric)
+}
+
 /// The metrics that are compared: those that trials of this study can have, the primary ones first.
 /// Empty in a study with one mode, unless groups of people are compared.
 pub fn compared(data: &StudyData) -> Vec<String> {
@@ -301,7 +309,8 @@ pub fn claims(study: &Study, metric: &str) -> usize {
     let of_environments = study.environments.iter().map(|environment| {
         in_one.iter().filter(|effect| effect.environment.as_ref() == Some(&environment.id)).count()
     });
-    each * (compare.contrasts.len() + of_groups * in_groups + of_environments.max().unwrap_or(0))
+    let in_one = of_environments.max().unwrap_or(0);
+    each * (compare.contrasts.len() + in_one + of_groups * (in_groups + in_one))
         + over_all * in_several.len()
 }
 

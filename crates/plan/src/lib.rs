@@ -28,7 +28,9 @@ mod tables;
 mod tests;
 mod trade;
 
-pub use compare::{By, answers, asked_in_vain, claims, compared, comparison, spreads, verdicts};
+pub use compare::{
+    By, answers, asked_in_vain, claims, compared, comparison, effects, spreads, verdicts,
+};
 pub use figures::font::font;
 pub use figures::{captions, chosen_in_vain, describe, on_demand};
 pub use ladder::ladders;

@@ -44,6 +44,39 @@ impl FromStr for EffectLevels {
 
 texts!(Term, EffectLevels);
 
+/// An effect by its factors and their levels.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FactorEffect {
+    /// Of which factor, or of which several; or the name of a weighted contrast.
+    pub term: Term,
+    /// The levels compared; none of a weighted contrast.
+    pub levels: Option<EffectLevels>,
+}
+
+impl FactorEffect {
+    /// Between the factors and their levels. No id has such a character.
+    pub(crate) const OF: &str = ": ";
+}
+
+impl fmt::Display for FactorEffect {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let factors = self.term.to_string().replace(':', TIMES);
+        let levels = self.levels.as_ref().map(ToString::to_string).unwrap_or_default();
+        f.pad(&format!("{factors}{}{levels}", Self::OF))
+    }
+}
+
+impl FromStr for FactorEffect {
+    type Err = IdError;
+
+    fn from_str(text: &str) -> Result<Self, IdError> {
+        let (factors, levels) = text.split_once(Self::OF).unwrap_or((text, ""));
+        let term = factors.replace(TIMES, ":").parse()?;
+        let levels = (!levels.is_empty()).then(|| levels.parse()).transpose()?;
+        Ok(Self { term, levels })
+    }
+}
+
 rows! {
     /// The effect of a factor, of an interaction or of a weighted contrast, tested.
     EffectDifference = "effects", "Effects of factors" {
@@ -145,5 +178,11 @@ mod tests {
             assert_eq!(levels.to_string(), text);
         }
         assert!("yes".parse::<EffectLevels>().is_err());
+        for text in
+            ["motor: yes − no", "motor × brake: (yes − no) × (soft − stiff)", "wall_costs: "]
+        {
+            let effect: FactorEffect = text.parse().unwrap();
+            assert_eq!(effect.to_string(), text);
+        }
     }
 }

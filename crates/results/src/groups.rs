@@ -3,6 +3,7 @@
 
 use crate::column::UNIT_OF_ROW;
 use crate::comparison::{Size, Verdict};
+use crate::effects::FactorEffect;
 use crate::row::{of_metric, rows};
 use crate::sentence::Sentence;
 use crate::value::texts;
@@ -21,6 +22,8 @@ pub enum GroupEffect {
     In(ModeId),
     /// Their difference between two modes: whether groups differ in it.
     Of(Contrast),
+    /// Their effect of factors: whether groups differ in it.
+    OfFactors(FactorEffect),
 }
 
 /// How the mean over modes is called. No id has a space.
@@ -32,6 +35,7 @@ impl fmt::Display for GroupEffect {
             Self::OverModes => f.pad(OVER_MODES),
             Self::In(mode) => mode.fmt(f),
             Self::Of(contrast) => contrast.fmt(f),
+            Self::OfFactors(effect) => effect.fmt(f),
         }
     }
 }
@@ -42,6 +46,7 @@ impl FromStr for GroupEffect {
     fn from_str(text: &str) -> Result<Self, IdError> {
         match text {
             OVER_MODES => Ok(Self::OverModes),
+            _ if text.contains(FactorEffect::OF) => text.parse().map(Self::OfFactors),
             _ if text.contains(Contrast::MINUS) => text.parse().map(Self::Of),
             _ => text.parse().map(Self::In),
         }
@@ -120,7 +125,7 @@ rows! {
     /// The difference of two groups in one environment, tested.
     GroupDifference = "groups", "Groups compared" {
         ..of_metric,
-        /// what of people: in a mode, over all modes, or their difference between two
+        /// what of people: in a mode, over all modes, their difference between two, or an effect of factors
         effect: GroupEffect,
         /// the groups compared: the one minus the other
         groups: GroupContrast,

@@ -115,7 +115,7 @@ pub use characteristic::*;
 pub use claims::*;
 pub use column::{Column, Field, Scalar, Type, UNIT_OF_ROW, Values};
 pub use comparison::*;
-pub use effects::{EffectDifference, EffectLevels, FactorTest};
+pub use effects::{EffectDifference, EffectLevels, FactorEffect, FactorTest};
 pub use figure::*;
 pub use free_motion::*;
 pub use groups::*;

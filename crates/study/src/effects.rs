@@ -21,9 +21,17 @@ pub struct Effect {
 
 /// A condition with the level of every factor that it has.
 struct Crossed<'a> {
+    session: Option<&'a LevelId>,
     environment: &'a EnvironmentId,
     mode: &'a ModeId,
     levels: BTreeMap<&'a FactorId, &'a LevelId>,
+}
+
+impl Effect {
+    /// Whether each of its weights is of one session; else everybody's sessions are averaged.
+    pub fn is_by_session(&self) -> bool {
+        self.weights.iter().any(|weight| weight.session.is_some())
+    }
 }
 
 impl Study {
@@ -56,14 +64,34 @@ impl Study {
 
     /// The conditions in an environment, or in all, with the levels of their modes and environments.
     fn crossed(&self, place: Option<&EnvironmentId>) -> Vec<Crossed<'_>> {
-        let here = self.environments.iter().filter(|e| place.is_none_or(|place| e.id == *place));
-        let pairs = here.flat_map(|e| self.modes.iter().map(move |mode| (e, mode)));
-        let crossed = pairs.map(|(environment, mode)| Crossed {
-            environment: &environment.id,
-            mode: &mode.id,
-            levels: environment.factors.iter().chain(&mode.factors).collect(),
-        });
-        crossed.collect()
+        let of_sessions = self.factors.iter().find(|factor| factor.of == FactorOf::Sessions);
+        let sessions: Vec<Option<&LevelId>> = match of_sessions {
+            Some(factor) => factor.levels.iter().map(Some).collect(),
+            None => vec![None],
+        };
+        let mut crossed = Vec::new();
+        for environment in &self.environments {
+            if place.is_some_and(|place| environment.id != *place) {
+                continue;
+            }
+            for mode in &self.modes {
+                for session in &sessions {
+                    let own = of_sessions.map(|factor| &factor.id).zip(*session);
+                    crossed.push(Crossed {
+                        session: *session,
+                        environment: &environment.id,
+                        mode: &mode.id,
+                        levels: environment
+                            .factors
+                            .iter()
+                            .chain(&mode.factors)
+                            .chain(own)
+                            .collect(),
+                    });
+                }
+            }
+        }
+        crossed
     }
 
     /// The effects of a term: one for each choice of a later level of its factors.
@@ -114,6 +142,8 @@ impl Study {
                     Ok(cells) => {
                         within.push(in_words(&same));
                         weights.extend(cells.into_iter().map(|(cell, is_negative)| Weight {
+                            // A level of a factor of sessions is one's id.
+                            session: cell.session.and_then(|id| id.as_str().parse().ok()),
                             environment: cell.environment.clone(),
                             mode: cell.mode.clone(),
                             weight: if is_negative { -1.0 } else { 1.0 },
@@ -243,5 +273,44 @@ mod tests {
         let [wall] = &study.effects()[..] else { panic!("{:?}", study.effects()) };
         assert_eq!((wall.environment.as_ref(), wall.weights.len()), (None, 6));
         assert_eq!(wall.lacks, None);
+    }
+
+    #[test]
+    fn a_factor_of_sessions_crosses_every_other_and_each_weight_names_its_session() {
+        let text =
+            text().replacen("id = \"active\"", "id = \"active\"\nfactors = { strong = \"no\" }", 1);
+        let text = text.replacen(
+            "id = \"passive\"",
+            "id = \"passive\"\nfactors = { strong = \"some\" }",
+            1,
+        );
+        let text =
+            text.replacen("id = \"hybrid\"", "id = \"hybrid\"\nfactors = { strong = \"yes\" }", 1);
+        let study = Study::from_toml(&format!(
+            "{text}\n[[factors]]\nid = \"strong\"\nlevels = [\"no\", \"some\", \"yes\"]\n\
+             [[factors]]\nid = \"time\"\nlevels = [\"pre\", \"post\"]\nof = \"sessions\"\n\
+             [compare]\neffects = [\"time\", \"strong:time\"]\n"
+        ));
+        let study = study.unwrap();
+        let effects = study.effects();
+        let of = |k: usize| {
+            let weights = effects[k].weights.iter();
+            let named = weights
+                .map(|w| (w.session.as_ref().unwrap().as_str(), w.mode.as_str(), 3.0 * w.weight));
+            named.collect::<Vec<_>>()
+        };
+        let time = ["active", "passive", "hybrid"]
+            .into_iter()
+            .flat_map(|mode| [("post", mode, 1.0), ("pre", mode, -1.0)]);
+        assert_eq!(of(0), time.collect::<Vec<_>>());
+        let crossed = [
+            ("post", "passive", 3.0),
+            ("pre", "passive", -3.0),
+            ("post", "active", -3.0),
+            ("pre", "active", 3.0),
+        ];
+        assert_eq!(of(1), crossed);
+        // In each of the two environments time, and two later levels with it.
+        assert_eq!(effects.len(), 2 * 3);
     }
 }

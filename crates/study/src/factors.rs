@@ -1,13 +1,13 @@
-//! Factors: what several modes or environments of a study have in common.
+//! Factors: what several modes, environments or sessions of a study have in common.
 
-use crate::{EnvironmentId, FactorId, IdError, LevelId, ModeId};
+use crate::{EnvironmentId, FactorId, IdError, LevelId, ModeId, SessionId};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt;
 use std::str::FromStr;
 
-/// A factor, an entry of `[[factors]]` of `study.toml`: every mode, or every environment, has one of its
-/// levels.
+/// A factor, an entry of `[[factors]]` of `study.toml`: every mode, every environment, or every session, has
+/// one of its levels.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 // What was expected is told in the same words as for [`crate::Design`].
 #[serde(deny_unknown_fields, expecting = "struct FactorTable")]
@@ -30,6 +30,8 @@ pub enum FactorOf {
     Modes,
     /// Environments.
     Environments,
+    /// Sessions: the levels are their ids.
+    Sessions,
 }
 
 /// The level of each factor that a mode or an environment has.
@@ -85,6 +87,9 @@ pub struct Weighted {
 /// What a condition's mean counts.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Weight {
+    /// The session in which the condition counts; `None` where everybody's sessions are averaged.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub session: Option<SessionId>,
     /// The condition's environment.
     pub environment: EnvironmentId,
     /// Its mode.

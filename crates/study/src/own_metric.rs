@@ -16,7 +16,7 @@ pub struct OwnMetric {
     /// What is computed of it.
     pub statistic: Statistic,
     /// Over which part of the trial.
-    #[serde(default)]
+    #[serde(default = "recording")]
     pub over: TrialPart,
     /// What people call it.
     pub label: String,
@@ -25,6 +25,10 @@ pub struct OwnMetric {
     /// Which values are better.
     #[serde(default = "neither")]
     pub better: Better,
+}
+
+fn recording() -> TrialPart {
+    TrialPart::Recording
 }
 
 fn neither() -> Better {
@@ -68,12 +72,6 @@ words! {
         Decompression = "decompression",
         /// Where the angle lies past the wall.
         PastWall = "past_wall",
-    }
-}
-
-impl Default for TrialPart {
-    fn default() -> Self {
-        Self::Recording
     }
 }
 

@@ -7,7 +7,7 @@ use crate::measure::Measure;
 use crate::split::{Split, TooFew};
 use crate::{CompareError, Parameters};
 use std::collections::BTreeMap;
-use zwidth_results::{EffectDifference, EffectLevels, FactorTest, UnitOfAnalysis};
+use zwidth_results::{EffectDifference, EffectLevels, FactorEffect, FactorTest, UnitOfAnalysis};
 use zwidth_stats::null::Sampling;
 use zwidth_stats::{Tested, Unestimable, effect, groups, paired, rm_anova, sign_flip};
 use zwidth_study::{Effect, EffectSize};
@@ -30,53 +30,80 @@ pub(crate) struct Row<'a> {
 }
 
 impl Row<'_> {
+    /// Its name in tables.
+    pub(crate) fn name(&self) -> FactorEffect {
+        let Effect { term, levels, .. } = self.effect;
+        let levels = (!levels.is_empty()).then(|| EffectLevels(levels.clone()));
+        FactorEffect { term: term.clone(), levels }
+    }
+
+    /// Everybody's effect, by the place of the participant.
+    pub(crate) fn of_everybody(&self) -> BTreeMap<usize, f64> {
+        let sides: Vec<[f64; 2]> = self.values.values().copied().collect();
+        self.values.keys().copied().zip(paired::differences(&sides)).collect()
+    }
+
+    /// The mean over people of what is subtracted; none without people.
+    pub(crate) fn against(&self) -> Option<f64> {
+        let sum: f64 = self.values.values().map(|sides| sides[1]).sum();
+        let size: f64 = self.effect.weights.iter().map(|weight| weight.weight.abs() / 2.0).sum();
+        (!self.values.is_empty()).then(|| sum / self.values.len() as f64 / size)
+    }
+
     /// Whether it is known from which difference on it is felt.
     pub(crate) fn has_jnd(&self) -> bool {
         self.jnd.is_some()
     }
 }
 
-/// A weight by the places of its environment and its mode.
-type Placed = ([usize; 2], f64);
+/// A condition by the places of its environment and its mode, and of its session where that is one of its
+/// levels.
+type Condition = (Option<usize>, [usize; 2]);
 
-fn placed(effect: &Effect, parameters: &Parameters) -> Option<Vec<Placed>> {
+/// A condition with its weight.
+type Placed = (Condition, f64);
+
+/// The weights of an effect; `None` if the study has no such condition.
+fn placed(effect: &Effect, cells: &Cells, parameters: &Parameters) -> Option<Vec<Placed>> {
     let places = effect.weights.iter().map(|weight| {
-        Some((parameters.condition(&weight.environment, &weight.mode)?, weight.weight))
+        let condition = parameters.condition(&weight.environment, &weight.mode)?;
+        // Nobody has a session that is not among those there are.
+        let place = |id| cells.sessions.iter().position(|own| own == id).unwrap_or(usize::MAX);
+        Some(((weight.session.as_ref().map(place), condition), weight.weight))
     });
     places.collect()
 }
 
-/// Everybody's values in conditions, session by session: by participant and session.
-type Sessions = BTreeMap<[usize; 2], BTreeMap<[usize; 2], f64>>;
+/// What a participant has of conditions at a time.
+type Own = BTreeMap<Condition, f64>;
 
-fn by_session(cells: &Cells) -> Sessions {
-    let mut sessions = Sessions::new();
+/// Everybody's means by condition: session by session, or, where sessions are levels, all of them together.
+fn of_people(cells: &Cells, are_levels: bool) -> BTreeMap<usize, Vec<Own>> {
+    let mut people: BTreeMap<usize, BTreeMap<Option<usize>, Own>> = BTreeMap::new();
     for cell in &cells.cells {
-        if let Some(mean) = cell.mean {
-            let own = sessions.entry([cell.participant, cell.session]).or_default();
-            own.insert([cell.environment, cell.mode], mean);
-        }
+        let Some(mean) = cell.mean else { continue };
+        let session = Some(cell.session);
+        let (apart, level) = if are_levels { (None, session) } else { (session, None) };
+        let own = people.entry(cell.participant).or_default().entry(apart).or_default();
+        own.insert((level, [cell.environment, cell.mode]), mean);
     }
-    sessions
+    people.into_iter().map(|(who, sessions)| (who, sessions.into_values().collect())).collect()
 }
 
 /// Everybody's mean over those of their sessions that have all of what `of` needs, by participant.
-fn of_people<const N: usize>(
-    sessions: &Sessions,
-    of: impl Fn(&BTreeMap<[usize; 2], f64>) -> Option<[f64; N]>,
-) -> BTreeMap<usize, [f64; N]> {
-    let mut people: BTreeMap<usize, Vec<[f64; N]>> = BTreeMap::new();
-    for ([participant, _], values) in sessions {
-        if let Some(value) = of(values) {
-            people.entry(*participant).or_default().push(value);
-        }
+fn averaged(
+    people: &BTreeMap<usize, Vec<Own>>,
+    of: impl Fn(&Own) -> Option<Vec<f64>>,
+) -> BTreeMap<usize, Vec<f64>> {
+    let mut values = BTreeMap::new();
+    for (participant, sessions) in people {
+        let sessions: Vec<Vec<f64>> = sessions.iter().filter_map(&of).collect();
+        let Some(first) = sessions.first() else { continue };
+        let sum = |k: usize| sessions.iter().map(|values| values[k]).sum::<f64>();
+        let means = (0..first.len()).map(|k| sum(k) / sessions.len() as f64);
+        values.insert(*participant, means.collect());
     }
-    let mean = |sessions: Vec<[f64; N]>| {
-        std::array::from_fn(|k| {
-            sessions.iter().map(|values| values[k]).sum::<f64>() / sessions.len() as f64
-        })
-    };
-    people.into_iter().map(|(who, sessions)| (who, mean(sessions))).collect()
+    values
 }
 
 /// The effects, tested, without a verdict.
@@ -86,24 +113,25 @@ pub(crate) fn rows<'a>(
     measure: &Measure,
     parameters: &'a Parameters,
 ) -> Result<Vec<Row<'a>>, CompareError> {
-    let sessions = by_session(cells);
+    let [apart, together] = [false, true].map(|are_levels| of_people(cells, are_levels));
     let mut rows = Vec::new();
     for effect in &parameters.effects {
-        let Some(weights) = placed(effect, parameters) else { continue };
+        let Some(weights) = placed(effect, cells, parameters) else { continue };
+        let people = if effect.is_by_session() { &together } else { &apart };
         // Where nobody has any of its conditions the environment has no such metric.
-        let is_there =
-            |(condition, _): &Placed| sessions.values().any(|s| s.contains_key(condition));
-        if !weights.is_empty() && !weights.iter().any(is_there) {
+        let is_there = |own: &Own| weights.iter().any(|(condition, _)| own.contains_key(condition));
+        if !weights.is_empty() && !people.values().flatten().any(is_there) {
             continue;
         }
-        let mut values = of_people(&sessions, |own| {
-            let mut sides = [0.0, 0.0];
+        let values = averaged(people, |own| {
+            let mut sides = vec![0.0, 0.0];
             for (condition, weight) in &weights {
-                let side = usize::from(*weight < 0.0);
-                sides[side] += weight.abs() * own.get(condition)?;
+                sides[usize::from(*weight < 0.0)] += weight.abs() * own.get(condition)?;
             }
             (!weights.is_empty()).then_some(sides)
         });
+        let mut values: BTreeMap<usize, [f64; 2]> =
+            values.into_iter().map(|(who, sides)| (who, [sides[0], sides[1]])).collect();
         // Of groups nobody speaks who has none.
         values.retain(|who, _| split.is_none_or(|split| split.level(*who).is_some()));
         let sides: Vec<[f64; 2]> = values.values().copied().collect();
@@ -135,17 +163,9 @@ pub(crate) fn rows<'a>(
             .map(|(tested, bound)| paired::equivalence(tested, bound, parameters.alpha))
             .transpose()?;
         let p = tested.as_ref().ok().filter(|_| refused.is_none()).map(|tested| tested.p_value);
-        let noticed = measure.parameters.noticed.as_ref().filter(|noticed| {
-            !sides.is_empty()
-                && (environment.is_some() || noticed.commanded.iter().all(Option::is_none))
-        });
-        let against = sides.iter().map(|sides| sides[1]).sum::<f64>() / sides.len() as f64;
-        let size: f64 = weights.iter().map(|(_, weight)| weight.abs() / 2.0).sum();
-        rows.push(Row {
+        let mut row = Row {
             effect,
-            jnd: noticed.and_then(|n| {
-                n.jnd(environment.unwrap_or_default(), against / size, &measure.unit)
-            }),
+            jnd: None,
             bound,
             values,
             tested,
@@ -157,7 +177,14 @@ pub(crate) fn rows<'a>(
                 None,
                 equivalence.map(|e| e.p_value()),
             ),
+        };
+        let noticed = measure.parameters.noticed.as_ref().filter(|noticed| {
+            environment.is_some() || noticed.commanded.iter().all(Option::is_none)
         });
+        row.jnd = noticed.zip(row.against()).and_then(|(noticed, against)| {
+            noticed.jnd(environment.unwrap_or_default(), against, &measure.unit)
+        });
+        rows.push(row);
     }
     Ok(rows)
 }
@@ -198,7 +225,7 @@ pub(crate) fn named(
             unit: measure.unit.clone(),
             environment: row.effect.environment.clone(),
             effect: term.clone(),
-            levels: (!levels.is_empty()).then(|| EffectLevels(levels.clone())),
+            levels: row.name().levels,
             n: sides.len(),
             difference,
             difference_std_error: tested.map(|t| t.std_error),
@@ -233,36 +260,29 @@ pub(crate) fn named(
 /// The analysis of variance: a line for each factor and interaction, over the participants who have every
 /// condition of it, each the mean of their complete sessions.
 pub(crate) fn tests(cells: &Cells, measure: &Measure, parameters: &Parameters) -> Vec<FactorTest> {
-    let sessions = by_session(cells);
     let mut lines = Vec::new();
     let same = |a: &Effect, b: &Effect| (&a.term, &a.environment) == (&b.term, &b.environment);
     for effects in parameters.effects.chunk_by(same) {
         let first = &effects[0];
         let weights: Option<Vec<Vec<Placed>>> =
-            effects.iter().map(|effect| placed(effect, parameters)).collect();
-        let Some(weights) = weights.filter(|_| !first.levels.is_empty()) else { continue };
-        let mut conditions: Vec<[usize; 2]> = weights.iter().flatten().map(|w| w.0).collect();
+            effects.iter().map(|effect| placed(effect, cells, parameters)).collect();
+        // Where the design lacks a condition, the rest is no analysis of that effect.
+        let is_whole = effects.iter().all(|e| e.lacks.is_none() && !e.levels.is_empty());
+        let Some(weights) = weights.filter(|_| is_whole) else { continue };
+        let mut conditions: Vec<Condition> = weights.iter().flatten().map(|w| w.0).collect();
         conditions.sort_unstable();
         conditions.dedup();
         let contrasts: Vec<Vec<f64>> = weights
             .iter()
             .map(|weights| {
-                let of = |condition: &[usize; 2]| weights.iter().find(|w| w.0 == *condition);
+                let of = |condition: &Condition| weights.iter().find(|w| w.0 == *condition);
                 conditions.iter().map(|condition| of(condition).map_or(0.0, |w| w.1)).collect()
             })
             .collect();
-        let mut people: BTreeMap<usize, Vec<Vec<f64>>> = BTreeMap::new();
-        for ([participant, _], own) in &sessions {
-            let row: Option<Vec<f64>> =
-                conditions.iter().map(|condition| own.get(condition).copied()).collect();
-            people.entry(*participant).or_default().extend(row);
-        }
-        people.retain(|_, sessions| !sessions.is_empty());
-        let mean = |sessions: &Vec<Vec<f64>>| -> Vec<f64> {
-            let sum = |k: usize| sessions.iter().map(|session| session[k]).sum::<f64>();
-            (0..conditions.len()).map(|k| sum(k) / sessions.len() as f64).collect()
-        };
-        let table: Vec<Vec<f64>> = people.values().map(mean).collect();
+        let people = averaged(&of_people(cells, first.is_by_session()), |own| {
+            conditions.iter().map(|condition| own.get(condition).copied()).collect()
+        });
+        let table: Vec<Vec<f64>> = people.into_values().collect();
         let Ok(found) = rm_anova::effect(&table, &contrasts) else { continue };
         let explained = found.test.statistic * found.test.df_num;
         lines.push(FactorTest {
@@ -286,10 +306,10 @@ pub(crate) fn tests(cells: &Cells, measure: &Measure, parameters: &Parameters) -
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::compare;
     use crate::tests::{measured, parameters};
-    use zwidth_results::{TrialKey, Verdict};
-    use zwidth_study::{Source, Term, Weight};
+    use crate::{Groups, compare};
+    use zwidth_results::{GroupEffect, TrialKey, Verdict};
+    use zwidth_study::{GroupsCompared, Source, Term, Weight};
 
     /// A number between −½ and ½: (h³ mod 9941)/9941 − ½.
     fn u(of: [u64; 4]) -> f64 {
@@ -356,6 +376,7 @@ mod tests {
             weights: weights
                 .iter()
                 .map(|(environment, mode, weight)| Weight {
+                    session: None,
                     environment: environment.parse().unwrap(),
                     mode: mode.parse().unwrap(),
                     weight: *weight,
@@ -467,6 +488,79 @@ mod tests {
         near(row.p_value, 0.268716871);
         assert_eq!((row.verdict, row.levels.as_ref()), (Verdict::Undecided, None));
         assert!(found.factor_tests.is_empty());
+    }
+
+    /// SciPy's `ttest_ind(equal_var=False)` of everybody's effects of the motor.
+    #[test]
+    fn groups_differ_in_an_effect_by_welchs_t_and_it_has_the_same_weight_for_each() {
+        let (keys, values) = eight();
+        let mut parameters = of_eight();
+        let levels = ["few", "many"].map(|id| id.parse().unwrap()).to_vec();
+        let compared = GroupsCompared {
+            column: "group".parse().unwrap(),
+            contrasts: vec!["many − few".parse().unwrap()],
+            levels,
+            assigned: false,
+        };
+        let of =
+            |person: usize| (format!("P{person:02}").parse().unwrap(), usize::from(person > 4));
+        parameters.groups = Some(Groups { compared, levels_of: (1..=8).map(of).collect() });
+        let found = compare(&measured(&keys, values.into_iter()), &parameters).unwrap();
+        let of_motor: GroupEffect = "motor: yes − no".parse().unwrap();
+        let row = found.groups.iter().find(|row| row.effect == of_motor).unwrap();
+        near(row.difference, 0.0230833333);
+        near(row.statistic, 0.221419796);
+        near(row.df, 5.52181562);
+        near(row.p_value, 0.832724144);
+        assert_eq!((row.n_first, row.n_second, row.verdict), (4, 4, Some(Verdict::Undecided)));
+        // As many in each group: the same mean, over which Satterthwaite's degrees of freedom are fewer.
+        let effect = &found.effects[0];
+        near(effect.difference, 0.449375);
+        assert!(effect.df < Some(7.0) && effect.g_av.is_none(), "{effect:?}");
+    }
+
+    /// In a second session, which P08 lacks, everybody has a tenth of their number more, and half as much again
+    /// with the motor.
+    #[test]
+    fn sessions_that_are_levels_are_compared_within_everybody() {
+        let (mut keys, mut values) = eight();
+        for k in 0..keys.len() {
+            let mut key = keys[k].clone();
+            let person: f64 = key.participant.as_str()[1..].parse().unwrap();
+            if person > 7.0 {
+                continue;
+            }
+            let motor = if ["motor", "both"].contains(&key.mode.as_str()) { 1.5 } else { 1.0 };
+            key.session = "S02".parse().unwrap();
+            keys.push(key);
+            values.push(values[k].map(|value| value + 0.1 * person * motor));
+        }
+        let mut parameters = of_eight();
+        let of_session = |term: &str, sign: [f64; 2]| {
+            let mut all = effect(term, Some("spring"), &[]);
+            for (session, by) in [("S02", 1.0), ("S01", -1.0)] {
+                for ((mode, motor, _), weight) in MODES.iter().zip([0.25; 4]) {
+                    all.weights.push(Weight {
+                        session: Some(session.parse().unwrap()),
+                        environment: "spring".parse().unwrap(),
+                        mode: mode.parse().unwrap(),
+                        weight: by * weight * sign[usize::from(*motor > 0)],
+                    });
+                }
+            }
+            all
+        };
+        parameters.effects =
+            vec![of_session("time", [1.0, 1.0]), of_session("motor:time", [-2.0, 2.0])];
+        let found = compare(&measured(&keys, values.into_iter()), &parameters).unwrap();
+        let [time, crossed] = &found.effects[..] else { panic!("{:?}", found.effects) };
+        // Over P01 to P07: 1.25 · 0.1 · 4, and 0.5 · 0.1 · 4.
+        near(time.difference, 0.5);
+        near(crossed.difference, 0.2);
+        assert_eq!((time.n, crossed.n), (7, 7));
+        // Everybody's are multiples of their number: t = 4 √7 / 2.160246899.
+        near(time.statistic, 4.898979486);
+        near(Some(found.factor_tests[0].f), 24.0);
     }
 
     #[test]

@@ -5,7 +5,7 @@ use crate::claim::Claim;
 use crate::contrasts::{self, size};
 use crate::measure::Measure;
 use crate::split::{Split, TooFew};
-use crate::{CompareError, Parameters};
+use crate::{CompareError, Parameters, effects};
 use std::collections::{BTreeMap, BTreeSet};
 use zwidth_results::{AnyGroup, GroupDifference, GroupEffect, GroupMean, GroupModeDifference};
 use zwidth_stats::groups::{self, Permuted, group};
@@ -48,10 +48,11 @@ struct Compared {
 }
 
 /// What is compared between groups in an environment, with everybody's values.
-fn effects(
+fn compared(
     environment: usize,
     cells: &Cells,
     contrasts: &[contrasts::Row],
+    of_factors: &[effects::Row],
     parameters: &Parameters,
 ) -> Vec<Compared> {
     let in_modes: Vec<(usize, Values)> = (0..parameters.modes.len())
@@ -76,6 +77,13 @@ fn effects(
         let noticed_from = Some(row.mean(1));
         effects.push(Compared { effect, values, is_claimed: true, noticed_from });
     }
+    for row in of_factors.iter().filter(|row| row.claim.environment == environment) {
+        let values = row.of_everybody();
+        if !values.is_empty() {
+            let (effect, noticed_from) = (GroupEffect::OfFactors(row.name()), row.against());
+            effects.push(Compared { effect, values, is_claimed: true, noticed_from });
+        }
+    }
     let is_claimed = in_modes.len() == 1;
     for (mode, values) in in_modes {
         let effect = GroupEffect::In(parameters.modes[mode].clone());
@@ -89,13 +97,14 @@ pub(crate) fn rows<'a>(
     split: &Split<'a>,
     cells: &Cells,
     contrasts: &[contrasts::Row],
+    of_factors: &[effects::Row],
     measure: &Measure,
     parameters: &Parameters,
 ) -> Result<Vec<Row<'a>>, CompareError> {
     let levels = &split.groups.compared.levels;
     let mut rows = Vec::new();
     for environment in 0..parameters.environments.len() {
-        for compared in effects(environment, cells, contrasts, parameters) {
+        for compared in compared(environment, cells, contrasts, of_factors, parameters) {
             let Compared { effect, values, is_claimed, noticed_from } = compared;
             let by_level = split.by_level(values.into_iter());
             for contrast in &split.groups.compared.contrasts {
@@ -197,13 +206,16 @@ pub(crate) fn any(
     split: &Split,
     cells: &Cells,
     contrasts: &[contrasts::Row],
+    of_factors: &[effects::Row],
     measure: &Measure,
     parameters: &Parameters,
 ) -> Vec<AnyGroup> {
     let mut rows = Vec::new();
     let environments = 0..parameters.environments.len();
     for environment in environments.filter(|_| split.groups.compared.levels.len() > 2) {
-        for Compared { effect, values, .. } in effects(environment, cells, contrasts, parameters) {
+        for Compared { effect, values, .. } in
+            compared(environment, cells, contrasts, of_factors, parameters)
+        {
             let groups: Vec<Group> =
                 split.by_level(values.into_iter()).iter().map(|values| group(values)).collect();
             let f = groups::any_difference(&groups);

@@ -16,6 +16,8 @@
 //! Satterthwaite's degrees of freedom, and groups differ by Welch's test: in people's mean over modes, and in
 //! their differences between modes. A claim takes four people in each group.
 //!
+//! Where modes are combinations of factors, an effect is a weighted sum of everybody's means, tested likewise.
+//!
 //! # Families
 //! The contrasts of the primary metric over all environments are one family of claims, adjusted
 //! after Holm; so are those of several primary metrics together. Every other metric is a family of its
@@ -202,11 +204,11 @@ impl<'a> Tested<'a> {
         let orders = orders::sharp_nulls(&trials, parameters, orders::SAMPLING);
         let split = Split::of(&cells, parameters);
         let contrasts = contrasts::rows(&cells, &orders, split.as_ref(), &measure, parameters)?;
+        let effects = effects::rows(&cells, split.as_ref(), &measure, parameters)?;
         let groups = match &split {
-            Some(split) => groups::rows(split, &cells, &contrasts, &measure, parameters)?,
+            Some(split) => groups::rows(split, &cells, &contrasts, &effects, &measure, parameters)?,
             None => Vec::new(),
         };
-        let effects = effects::rows(&cells, split.as_ref(), &measure, parameters)?;
         Ok(Self { measure, cells, trials, unit, orders, contrasts, split, groups, effects })
     }
 
@@ -263,7 +265,7 @@ impl<'a> Tested<'a> {
                 .unwrap_or_default(),
             groups: groups::named(groups, measure, parameters),
             any_group: split
-                .map(|split| groups::any(split, cells, contrasts, measure, parameters))
+                .map(|split| groups::any(split, cells, contrasts, effects, measure, parameters))
                 .unwrap_or_default(),
             effects: effects::named(effects, unit, split, measure, parameters),
             factor_tests: effects::tests(cells, measure, parameters),

@@ -321,7 +321,7 @@ pub(crate) fn effects(
             .flatten(),
     );
     let of_variance = "Within participants, each effect with its own error (effect × participant), over those \
-                       who have all of its conditions. With more than one degree of freedom p is that after \
+                       who have all of its conditions, where the design has all. With more than one degree of freedom p is that after \
                        Greenhouse and Geisser. A description: claims rest on the effects alone.";
     let notes = below::<EffectDifference>(measure, notes);
     notes.into_iter().chain(below::<FactorTest>(measure, vec![general(of_variance)])).collect()

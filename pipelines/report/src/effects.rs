@@ -4,20 +4,74 @@ use crate::compared::{ComparedMetric, environment_label};
 use crate::findings::Finding;
 use crate::gallery::Shown;
 use zwidth_results::{EffectDifference, FactorTest, Role, Verdict};
-use zwidth_study::Setup;
+use zwidth_study::{Setup, counted};
 use zwidth_tables::{number, p_value, shown_unit, with_unit};
 
-/// Every effect in a sentence, with interval and test; of factors with several levels, and their interactions,
-/// the line of the analysis of variance too.
+/// First, of a primary metric without contrasts of modes, which effects were shown; then every effect in a
+/// sentence, with interval and test; of factors with several levels, and their interactions, the line of the
+/// analysis of variance too.
 pub fn factor_effects(study: &Setup, metric: &ComparedMetric) -> Vec<Finding> {
     let words = metric.words(study.coordinate);
     let shown = || Shown::Effects(metric.metric.metric.to_string());
-    let is_answer = metric.contrasts.is_empty() && metric.metric.role == Role::Primary;
+    let mut findings = Vec::new();
+    if metric.contrasts.is_empty() && metric.metric.role == Role::Primary {
+        let answers = metric.effects.chunk_by(|a, b| a.environment == b.environment);
+        let answers = answers.map(|effects| answer(study, metric, effects, &words));
+        findings
+            .extend(answers.map(|text| Finding { is_answer: true, ..Finding::new(text, shown()) }));
+    }
     let effects = metric.effects.iter().map(|row| sentence(study, metric, row, &words));
     let lines = metric.factor_tests.iter().filter(|line| line.df_effect > 1.0);
     let lines = lines.map(|line| analysed(study, line, &words));
-    let effects = effects.map(|text| Finding { is_answer, ..Finding::new(text, shown()) });
-    effects.chain(lines.map(|text| Finding::new(text, shown()))).collect()
+    findings.extend(effects.chain(lines).map(|text| Finding::new(text, shown())));
+    findings
+}
+
+/// `Spring, effects of factors on the force that were shown: motor (yes − no: 0.45 N); not shown: brake.`
+fn answer(
+    study: &Setup,
+    metric: &ComparedMetric,
+    effects: &[EffectDifference],
+    words: &str,
+) -> String {
+    let (unit, factor) = shown_unit(&metric.metric.unit, study.coordinate);
+    let listed = |is_shown: bool| -> String {
+        let is_it = |row: &&EffectDifference| {
+            let verdicts = [Verdict::Different, Verdict::DifferentBelowBound];
+            verdicts.contains(&row.verdict) == is_shown
+        };
+        let rows: Vec<&EffectDifference> = effects.iter().filter(is_it).collect();
+        let terms = rows.chunk_by(|a, b| a.effect == b.effect).map(|rows| {
+            let each = rows.iter().filter_map(|row| {
+                let error = row.difference_std_error.map(|error| error * factor);
+                let value = with_unit(&number(row.difference? * factor, error), &unit);
+                let levels = row.levels.as_ref().map(|levels| format!("{levels}: "));
+                Some(levels.unwrap_or_default() + &value)
+            });
+            let each: Vec<String> = each.collect();
+            let values =
+                if each.is_empty() { String::new() } else { format!(" ({})", each.join("; ")) };
+            rows[0].effect.to_string().replace(':', " × ") + &values
+        });
+        terms.collect::<Vec<_>>().join(", ")
+    };
+    let environment = effects[0].environment.as_ref().map(|id| environment_label(study, id) + ": ");
+    let environment = environment.unwrap_or_default();
+    let n = effects.iter().map(|row| row.n).max().unwrap_or_default();
+    let people = counted(n, "participants");
+    match (listed(true), listed(false)) {
+        (shown, rest) if rest.is_empty() => {
+            format!(
+                "{environment}every effect of factors on {words} was shown, of {people}: {shown}."
+            )
+        }
+        (shown, rest) if shown.is_empty() => {
+            format!("{environment}no effect of factors on {words} was shown, of {people}: {rest}.")
+        }
+        (shown, rest) => format!(
+            "{environment}effects of factors on {words} that were shown, of {people}: {shown}; not shown: {rest}."
+        ),
+    }
 }
 
 /// `Spring, motor: yes − no: the force is 0.45 N higher (…)`.

@@ -34,6 +34,7 @@ fn sentence(
             let mode = study.modes.iter().find(|mode| mode.id == *id);
             mode.map_or_else(|| id.to_string(), |mode| in_a_sentence(&mode.label))
         }
+        GroupEffect::OfFactors(effect) => format!("the effect {effect}"),
         GroupEffect::Of(contrast) => {
             format!("the difference {}", contrast_label(&study.modes, contrast))
         }

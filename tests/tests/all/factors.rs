@@ -1,5 +1,6 @@
 //! Factors of a design, from recordings by formula to the effects, their figure and the methods text.
 
+use crate::binary::zwidth_line;
 use crate::formulas::{import, ran, record, u};
 use serde_json::Value;
 use std::fmt::Write as _;
@@ -112,6 +113,8 @@ fn an_interaction_of_two_factors_is_found_drawn_and_told() {
     assert_eq!((last["verdict"].as_str(), last["df"].as_f64()), (Some("different"), Some(29.0)));
     let summary = fs::read_to_string(root.join("reports/weights/summary.md")).unwrap();
     for sentence in [
+        "Task: every effect of factors on the user's force, mean over the recording was shown, of 30 participants: visual \
+         (medium − light: 0.825 N; heavy − light: 1.692 N), haptic",
         "Task, effect of haptic (heavy − light) on the user's force, mean over the recording: 2.277 N",
         "all levels of visual × haptic in the user's force, mean over the recording: F(4, 116) = 84.66",
     ] {
@@ -125,6 +128,22 @@ fn an_interaction_of_two_factors_is_found_drawn_and_told() {
         "Psychometrika 24:95",
     ]);
     ran(root, "compare weights").prints(&["Task: visual: medium − light"]);
+
+    // Eight effects share alpha; everybody's effects scatter by their standard error times √n.
+    let power = "power weights --effect visual:haptic --difference 0.5 --studies 200";
+    let planned = ran(root, &format!("{power} --json")).json();
+    near(&planned, "alpha", 0.05 / 8.0);
+    let widest = effects[4..].iter().map(|row| row["difference_std_error_n"].as_f64().unwrap());
+    let deviation = widest.fold(0.0, f64::max) * 30_f64.sqrt();
+    near(&planned, "participant_mode_sd", deviation / 2_f64.sqrt());
+    let assumed =
+        ran(root, &format!("{power} --participant-mode-sd 0.3 --residual-sd 0.2 --json")).json();
+    // Four weights of 1: √(4 / 2).
+    near(&assumed, "participant_mode_sd", 0.3 * 2_f64.sqrt());
+    ran(root, power).prints(&["if the effect of visual × haptic is 0.5, a study of"]);
+    zwidth_line(root, "power weights --effect taste --difference 1")
+        .exits(1)
+        .says(&["--effect taste: weights compares visual, haptic, visual:haptic"]);
 }
 
 /// A mode fewer: the other effects are of the cells that there are, and what cannot be told says why.

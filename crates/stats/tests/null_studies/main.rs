@@ -11,6 +11,7 @@
 
 mod answers;
 mod drawn;
+mod effects;
 mod groups;
 mod judged;
 mod metric;
@@ -74,6 +75,14 @@ fn named(kinds: Vec<Kind>) -> Vec<(String, Kind)> {
 fn tests_of_groups_find_nothing_more_often_than_they_promise() {
     let kinds = groups::kinds().into_iter().map(|kind| (kind.name(), kind)).collect();
     hold(7, "Groups of people", kinds, |kind| groups::tests(kind, studies()));
+}
+
+#[test]
+fn tests_of_factors_find_nothing_more_often_than_they_promise() {
+    let kinds = effects::kinds().into_iter().map(|kind| (kind.name(), kind)).collect();
+    hold(8, "Factors: an interaction of 3 × 3 levels", kinds, |kind| {
+        effects::tests(kind, studies())
+    });
 }
 
 #[test]

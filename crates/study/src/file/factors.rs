@@ -4,7 +4,8 @@ use super::check::Check;
 use super::environment::EnvironmentTable;
 use super::shape::WeightedTable;
 use crate::{
-    EnvironmentId, Factor, FactorId, FactorOf, Levels, Mode, ModeId, Term, Weight, Weighted,
+    EnvironmentId, Factor, FactorId, FactorOf, Levels, Mode, ModeId, SessionId, Term, Weight,
+    Weighted,
 };
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -17,10 +18,11 @@ const ROUNDING: f64 = 1e-9;
 
 impl WeightedTable {
     pub(super) fn of(weighted: &Weighted) -> Self {
-        let weights = weighted
-            .weights
-            .iter()
-            .map(|Weight { environment, mode, weight }| (format!("{environment}/{mode}"), *weight));
+        let weights =
+            weighted.weights.iter().map(|Weight { session, environment, mode, weight }| {
+                let session = session.as_ref().map(|id| format!("{id}/")).unwrap_or_default();
+                (format!("{session}{environment}/{mode}"), *weight)
+            });
         Self { id: weighted.id.clone(), weights: weights.collect() }
     }
 }
@@ -41,6 +43,18 @@ impl Check<'_> {
         }
         for (i, factor) in factors.iter().enumerate() {
             self.levels(&format!("factors[{i}].levels"), &factor.levels);
+            if factor.of != FactorOf::Sessions {
+                continue;
+            }
+            if factors[..i].iter().any(|other| other.of == FactorOf::Sessions) {
+                let problem = "is the second factor of sessions; a session is a level of one alone";
+                self.error(&format!("factors[{i}].of"), problem);
+            }
+            for (k, level) in factor.levels.iter().enumerate() {
+                if let Err(error) = SessionId::new(level.as_str()) {
+                    self.error(&format!("factors[{i}].levels[{k}]"), error.to_string());
+                }
+            }
         }
         let of_modes = modes.iter().map(|mode| (mode.id.as_str(), &mode.factors));
         self.levels_of("mode", FactorOf::Modes, of_modes.collect(), factors);
@@ -149,17 +163,12 @@ impl Check<'_> {
             let mut weights = Vec::new();
             for (name, weight) in table {
                 let key = format!("{key}.weights");
-                let condition = name.split_once('/').and_then(|(environment, mode)| {
-                    let environment = EnvironmentId::new(environment).ok()?;
-                    let mode = ModeId::new(mode).ok()?;
-                    let is_known = environments.iter().any(|own| own.id == environment)
-                        && modes.iter().any(|own| own.id == mode);
-                    is_known.then_some((environment, mode))
-                });
+                let condition = condition(&name, modes, environments);
                 match condition {
                     None => {
                         let problem = format!(
-                            "there is no condition '{name}'; write the environment's id, '/' and the mode's"
+                            "there is no condition '{name}'; write the environment's id, '/' and the mode's, \
+                             and before both a session's and '/' if it is to count there alone"
                         );
                         self.error(&key, problem);
                     }
@@ -169,7 +178,9 @@ impl Check<'_> {
                         );
                         self.error(&key, problem);
                     }
-                    Some((environment, mode)) => weights.push(Weight { environment, mode, weight }),
+                    Some((session, environment, mode)) => {
+                        weights.push(Weight { session, environment, mode, weight });
+                    }
                 }
             }
             let sum: f64 = weights.iter().map(|weight| weight.weight).sum();
@@ -180,10 +191,32 @@ impl Check<'_> {
                 );
                 self.error(&key, problem);
             }
+            if weights.iter().any(|weight| weight.session.is_some() != weights[0].session.is_some())
+            {
+                let problem =
+                    "some conditions name a session and others none; name it of all or of none";
+                self.error(&key, problem);
+            }
             all.push(Weighted { id, weights });
         }
         all
     }
+}
+
+/// What a weight is of: `spring/hybrid`, or `S01/spring/hybrid`; `None` if the study has no such condition.
+fn condition(
+    name: &str,
+    modes: &[Mode],
+    environments: &[EnvironmentTable],
+) -> Option<(Option<SessionId>, EnvironmentId, ModeId)> {
+    let mut parts = name.rsplit('/');
+    let mode = ModeId::new(parts.next()?).ok()?;
+    let environment = EnvironmentId::new(parts.next()?).ok()?;
+    let session = parts.next().map(SessionId::new).transpose().ok()?;
+    let is_known = parts.next().is_none()
+        && environments.iter().any(|own| own.id == environment)
+        && modes.iter().any(|own| own.id == mode);
+    is_known.then_some((session, environment, mode))
 }
 
 /// Every factor, then every interaction of two.
@@ -224,6 +257,9 @@ mod tests {
         assert!(study.compare.contrasts.is_empty(), "effects are compared in their place");
         let names: Vec<String> = study.effects().iter().map(|e| e.term.to_string()).collect();
         assert_eq!(names, ["strong", "strong", "strong", "strong", "wall_costs"]);
+        let grown = weighted.replace("\"spring", "\"S02/spring");
+        let study = with(["no", "some", "yes"], FACTOR, &grown).unwrap();
+        check_round_trip(&study);
         let study = with(["no", "some", "yes"], FACTOR, "[compare]\neffects = []\n").unwrap();
         assert!(study.effects().is_empty());
         check_round_trip(&study);

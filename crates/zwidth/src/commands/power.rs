@@ -15,16 +15,20 @@ use zwidth_plan as plan;
 use zwidth_results::{ModeDifference, Model, UnitOfAnalysis};
 use zwidth_stats::power::{self, HALVINGS, Plan, PlannedTest, Searched, Simulation};
 use zwidth_store::{Raw, RealFiles, StudyData, hex_blake3, write_new};
-use zwidth_study::{Study, StudyId, contrast_label};
+use zwidth_study::{Study, StudyId, Term, contrast_label};
 use zwidth_tables::number;
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct PowerArgs {
     /// The study: its repeats, modes, alpha and contrasts are planned with
     pub(crate) study: StudyId,
-    /// The true difference between two modes, in the metric's SI unit
+    /// The true difference between two modes, or the true effect, in the metric's SI unit
     #[arg(long, value_name = "D", value_parser = positive)]
     pub(crate) difference: f64,
+    /// The effect of a factor, an interaction (`motor:brake`) or a weighted contrast in place of a difference
+    /// between two modes
+    #[arg(long, value_name = "EFFECT")]
+    pub(crate) effect: Option<Term>,
     /// Number of participants
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=MOST_PARTICIPANTS))]
     pub(crate) participants: Option<u32>,
@@ -69,6 +73,9 @@ struct Planned {
     /// Trials that were there already.
     trials_before: usize,
     metric: String,
+    /// What of factors is planned for; none of a difference between two modes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    effect: Option<Term>,
     /// In the metric's SI unit, as the SDs.
     difference: f64,
     participant_sd: f64,
@@ -106,7 +113,10 @@ pub(crate) fn power(root: &Path, command: &PowerArgs, screen: &Screen) -> anyhow
         Some(metric) => metric.clone(),
         None => compare.primary.metrics().first().context("no metric is primary")?.to_string(),
     };
-    let spread = spread(&data, command, &metric, screen)?;
+    let spread = match &command.effect {
+        None => spread(&data, command, &metric, screen)?,
+        Some(effect) => spread_of_effect(&data, command, &metric, effect, screen)?,
+    };
     let repeats = usize::try_from(data.study.design.repeats)?;
     let planned = Plan {
         participant_sd: spread.participant,
@@ -145,6 +155,7 @@ pub(crate) fn power(root: &Path, command: &PowerArgs, screen: &Screen) -> anyhow
         analysis: plan::analysis(&data.study),
         trials_before: data.counting().count(),
         metric,
+        effect: command.effect.clone(),
         difference: planned.difference,
         participant_sd: planned.participant_sd,
         participant_mode_sd: planned.interaction_sd,
@@ -224,6 +235,63 @@ fn spread(
     Ok(Spread { source: format!("from the study's own trials, {}{mark}", widest.source), ..widest })
 }
 
+/// The SDs of an effect, as those of a difference between two modes that scatters as much: those of the command
+/// times √(Σw² / 2), w the effect's weights, or that of everybody's effects in the study's own trials.
+fn spread_of_effect(
+    data: &StudyData,
+    command: &PowerArgs,
+    metric: &str,
+    effect: &Term,
+    screen: &Screen,
+) -> anyhow::Result<Spread> {
+    let effects = data.study.effects();
+    let known = effects.iter().find(|own| own.term == *effect && !own.weights.is_empty());
+    let Some(known) = known else {
+        let mut names: Vec<String> = effects.iter().map(|own| own.term.to_string()).collect();
+        names.dedup();
+        let names = if names.is_empty() { "no effects".to_owned() } else { names.join(", ") };
+        bail!("--effect {effect}: {} compares {names}", data.layout.study());
+    };
+    if command.participant_mode_sd.is_some() && command.residual_sd.is_some() {
+        let squares: f64 = known.weights.iter().map(|weight| weight.weight * weight.weight).sum();
+        let scale = (squares / 2.0).sqrt();
+        let Spread { participant, participant_mode, residual, source } =
+            spread(data, command, metric, screen)?;
+        let source = format!("{source}, times √(Σw² / 2) = {} of {effect}", number(scale, None));
+        let (participant_mode, residual) = (scale * participant_mode, scale * residual);
+        return Ok(Spread { participant, participant_mode, residual, source });
+    }
+    super::compare::make(data, screen)?;
+    let found = match plan::compared(data).iter().any(|compared| compared == metric) {
+        true => plan::effects(data, &metric.parse()?)?,
+        false => Vec::new(),
+    };
+    let widest = found.into_iter().filter(|row| row.effect == *effect).filter_map(|row| {
+        let variance = row.difference_std_error?.powi(2) * row.n as f64;
+        let of = row.levels.map(|levels| format!(" ({levels})")).unwrap_or_default();
+        Some((variance, of))
+    });
+    let widest = widest.max_by(|(a, _), (b, _)| a.total_cmp(b));
+    let (variance, of) = widest.with_context(|| {
+        format!(
+            "the trials of {} do not tell the spread of {effect} on {metric}: \
+             give --participant-mode-sd and --residual-sd",
+            data.layout.study()
+        )
+    })?;
+    let simulated = data.counting().any(|trial| trial.meta.source.is_simulated());
+    let mark = if simulated { "; SYNTHETIC: simulated data" } else { "" };
+    let source = format!(
+        "from the study's own trials, {effect}{of}, in which participants differ most, with what their repeats add{mark}"
+    );
+    Ok(Spread {
+        participant: 0.0,
+        participant_mode: (variance / 2.0).sqrt(),
+        residual: 0.0,
+        source,
+    })
+}
+
 /// The spread of the contrast in which participants differ most. Their differences scatter with
 /// 2 (σ² of their own mode effects + σ² of repeats / repeats): each contrast has its own, where a
 /// model of all modes would pool those in which people differ little with those in which they
@@ -258,11 +326,15 @@ fn widest(
 fn sentences(study: &Study, result: &Planned) -> [String; 4] {
     let Planned { metric, difference, participants, studies, alpha, source, .. } = result;
     let named = plan::metric_in_words(study, metric).map(|words| format!("{words} ({metric})"));
+    let what = match &result.effect {
+        None => "two modes differ by".to_owned(),
+        Some(effect) => format!("the effect of {} is", effect.to_string().replace(':', " × ")),
+    };
     let [power, low, high] =
         [result.power, result.power_ci_low, result.power_ci_high].map(|share| 100.0 * share);
     [
         format!(
-            "{}: if two modes differ by {difference}, a study of {participants} participants finds it with a \
+            "{}: if {what} {difference}, a study of {participants} participants finds it with a \
              probability (power) of {power:.1} % ({low:.1} to {high:.1} %, from {studies} simulated studies).",
             named.unwrap_or_else(|| metric.clone())
         ),

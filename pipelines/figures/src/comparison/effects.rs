@@ -110,6 +110,8 @@ fn said(row: &EffectDifference) -> String {
 
 /// A condition by the places of its levels of the first two factors.
 struct Crossed<'a> {
+    /// Its session, where that is a level.
+    session: Option<&'a LevelId>,
     environment: &'a EnvironmentId,
     mode: &'a ModeId,
     at: [usize; 2],
@@ -122,26 +124,31 @@ fn conditions<'a>(
     place: Option<&Environment>,
 ) -> BTreeMap<Option<String>, Vec<Crossed<'a>>> {
     let mut by_rest: BTreeMap<Option<String>, Vec<Crossed>> = BTreeMap::new();
-    for environment in environments {
-        if place.is_some_and(|place| place.id != environment.id) {
-            continue;
-        }
-        for mode in &about.modes {
-            let level = |factor: &Factor| -> Option<&LevelId> {
-                mode.factors.get(&factor.id).or_else(|| environment.factors.get(&factor.id))
+    let of_sessions = about.factors.iter().find(|factor| factor.of == FactorOf::Sessions);
+    let sessions: Vec<Option<&LevelId>> = match of_sessions {
+        Some(factor) => factor.levels.iter().map(Some).collect(),
+        None => vec![None],
+    };
+    let here = environments.iter().filter(|e| place.is_none_or(|place| place.id == e.id));
+    let pairs = here.flat_map(|e| about.modes.iter().map(move |mode| (e, mode)));
+    for (environment, mode) in pairs {
+        for session in &sessions {
+            let level = |factor: &Factor| match factor.of {
+                FactorOf::Sessions => *session,
+                FactorOf::Modes => mode.factors.get(&factor.id),
+                FactorOf::Environments => environment.factors.get(&factor.id),
             };
             let at = |index: usize| -> Option<usize> {
                 let Some(factor) = about.factors.get(index) else { return Some(0) };
                 factor.levels.iter().position(|own| Some(own) == level(factor))
             };
             let (Some(first), Some(second)) = (at(0), at(1)) else { continue };
-            let rest = about
-                .factors
-                .iter()
-                .skip(2)
-                .filter_map(|factor| Some(format!("{} = {}", factor.id, level(factor)?)));
+            let rest = about.factors.iter().skip(2);
+            let rest =
+                rest.filter_map(|factor| Some(format!("{} = {}", factor.id, level(factor)?)));
             let rest: Vec<String> = rest.collect();
             by_rest.entry((!rest.is_empty()).then(|| rest.join(", "))).or_default().push(Crossed {
+                session: *session,
                 environment: &environment.id,
                 mode: &mode.id,
                 at: [first, second],
@@ -167,18 +174,31 @@ fn lines(
         let mut own: BTreeMap<&ParticipantId, BTreeMap<usize, Vec<f64>>> = BTreeMap::new();
         let mut line: BTreeMap<usize, [Option<f64>; 3]> = BTreeMap::new();
         for condition in conditions.iter().filter(|condition| condition.at[1] == index) {
-            let key = (condition.environment, condition.mode);
-            for cell in compared.cells.iter().filter(|cell| (&cell.environment, &cell.mode) == key)
-            {
+            let Crossed { session, environment, mode, at: [at, _] } = condition;
+            let cells = compared.cells.iter().filter(|cell| {
+                (&cell.environment, &cell.mode) == (*environment, *mode)
+                    && session.is_none_or(|id| cell.session.as_str() == id.as_str())
+            });
+            for cell in cells {
                 // A person's sessions come together: the mean is over all of them.
-                let values = own.entry(&cell.participant).or_default();
-                let values = values.entry(condition.at[0]).or_default();
+                let values = own.entry(&cell.participant).or_default().entry(*at).or_default();
                 values.extend(cell.mean.map(|mean| mean * shown.factor));
             }
-            let found = compared.means.iter().find(|row| (&row.environment, &row.mode) == key);
-            line.extend(
-                found.map(|row| (condition.at[0], [Some(row.mean), row.ci_low, row.ci_high])),
-            );
+            let mut means = compared.means.iter();
+            let found = means.find(|row| (&row.environment, &row.mode) == (*environment, *mode));
+            let found = found.map(|row| [Some(row.mean), row.ci_low, row.ci_high]);
+            line.extend(found.filter(|_| session.is_none()).map(|row| (*at, row)));
+        }
+        // Several conditions share a place where no factor tells them apart, and so do those of one session:
+        // the mean is that of the people.
+        for at in 0..about.factors.first().map_or(1, |factor| factor.levels.len()) {
+            let here = conditions.iter().filter(|condition| condition.at == [at, index]).count();
+            let people: Vec<f64> =
+                own.values().filter_map(|own| own.get(&at)).map(|values| mean(values)).collect();
+            let is_of_people = here > 1 || conditions.iter().any(|c| c.session.is_some());
+            if is_of_people && !people.is_empty() {
+                line.insert(at, [Some(mean(&people) / shown.factor), None, None]);
+            }
         }
         let place = |at: usize| at as f64 + dodge(index, number);
         for values in own.values() {

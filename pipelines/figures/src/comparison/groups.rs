@@ -89,7 +89,7 @@ pub fn groups_compared(
 /// What of people is compared, by the modes' labels.
 pub(super) fn effect_label(modes: &[Mode], effect: &GroupEffect) -> String {
     match effect {
-        GroupEffect::OverModes => effect.to_string(),
+        GroupEffect::OverModes | GroupEffect::OfFactors(_) => effect.to_string(),
         GroupEffect::In(id) => {
             let mode = modes.iter().find(|mode| mode.id == *id);
             mode.map_or_else(|| id.to_string(), |mode| mode.label.clone())

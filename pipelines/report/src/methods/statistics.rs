@@ -92,6 +92,7 @@ fn factors(study: &Study) -> String {
             let of = match factor.of {
                 FactorOf::Modes => "of modes",
                 FactorOf::Environments => "of environments",
+                FactorOf::Sessions => "of sessions",
             };
             format!("{} ({of}; {})", factor.id, levels.join(", "))
         });
@@ -108,7 +109,8 @@ fn factors(study: &Study) -> String {
     }
     for weighted in &study.compare.weighted {
         let weights = weighted.weights.iter().map(|weight| {
-            format!("{} × {}/{}", plain(weight.weight), weight.environment, weight.mode)
+            let session = weight.session.as_ref().map(|id| format!("{id}/")).unwrap_or_default();
+            format!("{} × {session}{}/{}", plain(weight.weight), weight.environment, weight.mode)
         });
         text += &format!(
             " The contrast {} weighed the conditions {}.",
