@@ -31,8 +31,8 @@ use zwidth_runner::{Inputs, Job, JobError, Made, Making, Stage};
 use zwidth_store::{Layout, SessionLog, Signal, StudyData};
 use zwidth_study::order::Rules;
 use zwidth_study::{
-    Bound, Coordinate, Environment, Event, Families, GroupsCompared, IdError, Known, MetricId,
-    PersonColumnId, Source, Study,
+    Bound, Coordinate, Effect, Environment, Event, Families, GroupsCompared, IdError, Known,
+    MetricId, PersonColumnId, Source, Study,
 };
 use zwidth_tables::{Measured, Table, TableError};
 
@@ -218,9 +218,10 @@ pub fn effects(data: &StudyData, metric: &MetricId) -> Result<Vec<EffectDifferen
 }
 
 /// The metrics that are compared: those that trials of this study can have, the primary ones first.
-/// Empty in a study with one mode, unless groups of people are compared.
+/// Empty in a study with one mode, unless groups of people or factors are compared.
 pub fn compared(data: &StudyData) -> Vec<String> {
-    if !are_several(data.counting().map(|trial| &trial.meta.mode)) && !has_group_differences(data) {
+    let has_modes = are_several(data.counting().map(|trial| &trial.meta.mode));
+    if !has_modes && !has_group_differences(data) && data.study.effects().is_empty() {
         return Vec::new();
     }
     let mut metrics = requested_metrics(&data.study);
@@ -281,37 +282,36 @@ fn requested_metrics(study: &Study) -> Vec<String> {
 pub fn claims(study: &Study, metric: &str) -> usize {
     let compare = &study.compare;
     let signals: Vec<Signal> = Signal::all().collect();
-    let environments = |metric: &str| {
-        let is_possible = |environment: &&Environment| {
-            zwidth_metrics::is_possible(study, metric, &environment.scene, &signals)
-        };
-        study.environments.iter().filter(is_possible).count()
-    };
-    // How often something in one environment is claimed, and something over several.
-    let [each, over_all] = match compare.families {
-        Families::Environment => [1, 1],
-        Families::Study if compare.primary.has(metric) => {
-            let metrics = compare.primary.metrics();
-            let each = metrics.iter().map(|metric| environments(metric.as_str())).sum();
-            [each, metrics.len()]
-        }
-        Families::Metric | Families::Study => [environments(metric), 1],
-    };
+    let is_claimed = |effect: &Effect| effect.is_claimed && !effect.weights.is_empty();
+    let effects: Vec<Effect> = study.effects().into_iter().filter(is_claimed).collect();
     // Of groups in the mean over modes and in each contrast; in the mode, if there is one.
     let of_groups = compare.groups.as_ref().map_or(0, |groups| groups.contrasts.len());
     let in_groups = if study.modes.len() > 1 { compare.contrasts.len() + 1 } else { 1 };
-    let effects = study.effects().into_iter().filter(|effect| !effect.weights.is_empty());
-    let [in_one, in_several]: [Vec<_>; 2] = {
-        let (one, several) = effects.partition(|effect| effect.environment.is_some());
-        [one, several]
+    // The claims of a metric: of each environment that can have it, then those over several.
+    let families = |metric: &str| -> Vec<usize> {
+        let can_have = |environment: &Environment| {
+            zwidth_metrics::is_possible(study, metric, &environment.scene, &signals)
+        };
+        let in_each = study.environments.iter().filter(|own| can_have(own)).map(|environment| {
+            let id = Some(&environment.id);
+            let own = effects.iter().filter(|effect| effect.environment.as_ref() == id).count();
+            compare.contrasts.len() + own + of_groups * (in_groups + own)
+        });
+        let over_several = effects.iter().filter(|effect| effect.environment.is_none());
+        let over_several = over_several.filter(|effect| {
+            let mut all = effect.weights.iter();
+            all.all(|weight| study.environment(&weight.environment).is_some_and(can_have))
+        });
+        in_each.chain([over_several.count()]).collect()
     };
-    // The same effects in every environment, and weighted contrasts in one of them.
-    let of_environments = study.environments.iter().map(|environment| {
-        in_one.iter().filter(|effect| effect.environment.as_ref() == Some(&environment.id)).count()
-    });
-    let in_one = of_environments.max().unwrap_or(0);
-    each * (compare.contrasts.len() + in_one + of_groups * (in_groups + in_one))
-        + over_all * in_several.len()
+    let whole = |metric: &str| families(metric).into_iter().sum::<usize>();
+    match compare.families {
+        Families::Environment => families(metric).into_iter().max().unwrap_or(0),
+        Families::Study if compare.primary.has(metric) => {
+            compare.primary.metrics().iter().map(|metric| whole(metric.as_str())).sum()
+        }
+        Families::Metric | Families::Study => whole(metric),
+    }
 }
 
 /// Remarks on metrics in study.toml that do not exist, and on bounds that have no effect.
@@ -404,7 +404,7 @@ pub(crate) fn tables(data: &StudyData) -> Vec<Printed> {
             (true, Mean::NAME),
             (of_contrasts, ModeDifference::NAME),
             (of_factors, EffectDifference::NAME),
-            (of_factors && several, FactorTest::NAME),
+            (of_factors && several && !data.study.compare.effects.is_empty(), FactorTest::NAME),
             (several, Omnibus::NAME),
             (several && of_contrasts, Model::NAME),
             (several && of_contrasts, PersonDifference::NAME),
@@ -789,7 +789,10 @@ fn draw(drawn: &Drawn, tables: &Comparison) -> Figured {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use zwidth_study::{Better, OwnMetric, Primary, Statistic, TrialPart};
+    use zwidth_study::{
+        Better, Factor, FactorId, FactorOf, LevelId, OwnMetric, Primary, Statistic, Term,
+        TrialPart, Weight, Weighted,
+    };
 
     #[test]
     fn a_trial_that_was_done_again_twice_has_the_place_of_the_first() {
@@ -849,5 +852,39 @@ mod tests {
         assert_eq!(claims(&study, "loop_area_j"), environments * contrasts);
         study.compare.families = Families::Environment;
         assert_eq!(claims(&study, "duration_s"), contrasts);
+    }
+
+    #[test]
+    fn effects_are_claims_of_their_environment_and_a_weighted_contrast_of_its_own() {
+        let mut study = crate::tests::data().study;
+        let levels = ["low", "mid", "high"].map(|level| level.parse::<LevelId>().unwrap());
+        let id: FactorId = "force".parse().unwrap();
+        for (mode, level) in study.modes.iter_mut().zip(&levels) {
+            mode.factors.insert(id.clone(), level.clone());
+        }
+        let of = FactorOf::Modes;
+        study.factors = vec![Factor { id: id.clone(), levels: levels.to_vec(), unit: None, of }];
+        study.compare.effects = vec![Term(vec![id])];
+        study.compare.contrasts = Vec::new();
+        assert_eq!((study.environments.len(), study.modes.len()), (2, 3));
+        assert_eq!(claims(&study, "duration_s"), 2 * 2);
+        // Of the wall alone.
+        assert_eq!(claims(&study, "wall_dwell_s"), 2);
+        let weight = |environment: usize, mode: usize, weight: f64| Weight {
+            session: None,
+            environment: study.environments[environment].id.clone(),
+            mode: study.modes[mode].id.clone(),
+            weight,
+        };
+        let within = vec![weight(0, 0, 1.0), weight(0, 1, -1.0)];
+        let across = vec![weight(0, 0, 1.0), weight(1, 0, -1.0)];
+        study.compare.weighted = [("within", within), ("across", across)]
+            .map(|(id, weights)| Weighted { id: id.parse().unwrap(), weights })
+            .to_vec();
+        assert_eq!(claims(&study, "duration_s"), 2 * 2 + 1 + 1);
+        // A metric of one environment has no contrast across both.
+        assert_eq!(claims(&study, "wall_dwell_s"), 2);
+        study.compare.families = Families::Environment;
+        assert_eq!(claims(&study, "duration_s"), 3);
     }
 }

@@ -11,7 +11,7 @@ use zwidth_metrics::{Parameters, TrialMetrics};
 use zwidth_results::{MetricShift, SetupSummary};
 use zwidth_runner::JobError;
 use zwidth_store::{StudyData, Trial};
-use zwidth_study::{OwnMetric, ParticipantId, SessionId, Source, TrialMeta};
+use zwidth_study::{ParticipantId, SessionId, Source, TrialMeta};
 use zwidth_trade::{Bounds, Rehearsed, Setup, Stops, rehearse, setup_shifts, twin_summary};
 
 /// At most this many trials are simulated again, each a dozen times.
@@ -93,7 +93,7 @@ pub fn rehearsed(
     let mut shifts = Vec::new();
     let mut stops = Vec::new();
     let conditions = conditions(data);
-    let defined: Vec<OwnMetric> = zwidth_metrics::own_metrics(&data.study).cloned().collect();
+    let defined = &data.study.metrics;
     for repeats in &conditions {
         let Some(first) = repeats.trials.first() else {
             return Err("a condition has trials".into());
@@ -137,8 +137,8 @@ pub fn rehearsed(
             }
             rehearsals.push(Rehearsed {
                 setup,
-                own: zwidth_metrics::table(&own, &defined)?,
-                changed: zwidth_metrics::table(&changed_rows, &defined)?,
+                own: zwidth_metrics::table(&own, defined)?,
+                changed: zwidth_metrics::table(&changed_rows, defined)?,
             });
         }
         let lever_m = data.study.device.lever_m.unwrap_or(0.0);

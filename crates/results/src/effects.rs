@@ -9,22 +9,22 @@ use crate::value::texts;
 use std::fmt;
 use std::str::FromStr;
 use std::sync::Arc;
-use zwidth_study::{Contrast, EnvironmentId, IdError, LevelId, MetricId, Term};
+use zwidth_study::{EnvironmentId, IdError, LevelContrast, MetricId, Term};
 
-/// The levels that an effect compares: of every factor the one and the other.
+/// How an effect compares the levels of each of its factors.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct EffectLevels(pub Vec<[LevelId; 2]>);
+pub struct EffectLevels(pub Vec<LevelContrast>);
 
-/// Between the pairs of an interaction. No id has a space.
+/// Between those of an interaction. No id has a space.
 const TIMES: &str = " × ";
 
 impl fmt::Display for EffectLevels {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let pair = |[one, other]: &[LevelId; 2]| match self.0.len() {
-            1 => format!("{one}{}{other}", Contrast::MINUS),
-            _ => format!("({one}{}{other})", Contrast::MINUS),
+        let of_factor = |contrast: &LevelContrast| match self.0.len() {
+            1 => contrast.to_string(),
+            _ => format!("({contrast})"),
         };
-        f.pad(&self.0.iter().map(pair).collect::<Vec<_>>().join(TIMES))
+        f.pad(&self.0.iter().map(of_factor).collect::<Vec<_>>().join(TIMES))
     }
 }
 
@@ -32,13 +32,11 @@ impl FromStr for EffectLevels {
     type Err = IdError;
 
     fn from_str(text: &str) -> Result<Self, IdError> {
-        let pairs = text.split(TIMES).map(|pair| {
-            let pair = pair.trim_start_matches('(').trim_end_matches(')');
-            // Without the sign the second text is empty, which is no id: that is the error.
-            let (one, other) = pair.split_once(Contrast::MINUS).unwrap_or((pair, ""));
-            Ok([one.parse()?, other.parse()?])
+        let contrasts = text.split(TIMES).map(|contrast| {
+            let inner = contrast.strip_prefix('(').and_then(|rest| rest.strip_suffix(')'));
+            inner.unwrap_or(contrast).parse()
         });
-        pairs.collect::<Result<_, _>>().map(Self)
+        contrasts.collect::<Result<_, _>>().map(Self)
     }
 }
 
@@ -56,13 +54,17 @@ pub struct FactorEffect {
 impl FactorEffect {
     /// Between the factors and their levels. No id has such a character.
     pub(crate) const OF: &str = ": ";
+    /// Before the name of a weighted contrast, which a mode's could be taken for.
+    pub(crate) const WEIGHTED: &str = "contrast ";
 }
 
 impl fmt::Display for FactorEffect {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let factors = self.term.to_string().replace(':', TIMES);
-        let levels = self.levels.as_ref().map(ToString::to_string).unwrap_or_default();
-        f.pad(&format!("{factors}{}{levels}", Self::OF))
+        match &self.levels {
+            Some(levels) => f.pad(&format!("{factors}{}{levels}", Self::OF)),
+            None => f.pad(&format!("{}{factors}", Self::WEIGHTED)),
+        }
     }
 }
 
@@ -70,6 +72,7 @@ impl FromStr for FactorEffect {
     type Err = IdError;
 
     fn from_str(text: &str) -> Result<Self, IdError> {
+        let text = text.strip_prefix(Self::WEIGHTED).unwrap_or(text);
         let (factors, levels) = text.split_once(Self::OF).unwrap_or((text, ""));
         let term = factors.replace(TIMES, ":").parse()?;
         let levels = (!levels.is_empty()).then(|| levels.parse()).transpose()?;
@@ -173,13 +176,19 @@ mod tests {
 
     #[test]
     fn levels_are_read_back_as_they_are_shown() {
-        for text in ["yes − no", "(yes − no) × (soft − stiff)"] {
+        for text in [
+            "yes − no",
+            "(yes − no) × (soft − stiff)",
+            "per 100 N/m",
+            "bend per (100 N/m)²",
+            "(per doubling) × (yes − no)",
+        ] {
             let levels: EffectLevels = text.parse().unwrap();
             assert_eq!(levels.to_string(), text);
         }
         assert!("yes".parse::<EffectLevels>().is_err());
         for text in
-            ["motor: yes − no", "motor × brake: (yes − no) × (soft − stiff)", "wall_costs: "]
+            ["motor: yes − no", "motor × brake: (yes − no) × (soft − stiff)", "contrast wall_costs"]
         {
             let effect: FactorEffect = text.parse().unwrap();
             assert_eq!(effect.to_string(), text);

@@ -46,7 +46,9 @@ impl FromStr for GroupEffect {
     fn from_str(text: &str) -> Result<Self, IdError> {
         match text {
             OVER_MODES => Ok(Self::OverModes),
-            _ if text.contains(FactorEffect::OF) => text.parse().map(Self::OfFactors),
+            _ if text.contains(FactorEffect::OF) || text.starts_with(FactorEffect::WEIGHTED) => {
+                text.parse().map(Self::OfFactors)
+            }
             _ if text.contains(Contrast::MINUS) => text.parse().map(Self::Of),
             _ => text.parse().map(Self::In),
         }

@@ -7,7 +7,7 @@
 
 use crate::anova::two_way;
 use crate::f_distribution::upper_p;
-use crate::tested::{FTest, Unestimable};
+use crate::tested::{FTest, Unestimable, not_constant};
 use zwidth_numerics::dense::Matrix;
 
 /// A repeated-measures analysis of variance.
@@ -86,7 +86,18 @@ pub fn effect(table: &[Vec<f64>], contrasts: &[Vec<f64>]) -> Result<RmAnova, Une
             part
         })
     };
-    let whole = rm_anova(&table.iter().map(part).collect::<Vec<_>>())?;
+    let parts: Vec<Vec<f64>> = table.iter().map(part).collect();
+    // What is left of values that only differ in other respects is their rounding.
+    let squares =
+        |rows: &mut dyn Iterator<Item = Vec<f64>>| -> f64 { rows.map(|row| dot(&row, &row)).sum() };
+    let less = |row: &Vec<f64>, other: &[f64]| row.iter().zip(other).map(|(a, b)| a - b).collect();
+    let all = squares(&mut table.iter().map(|row| less(row, &vec![origin[0]; row.len()])));
+    let mean: Vec<f64> = (0..origin.len())
+        .map(|k| parts.iter().map(|row| row[k]).sum::<f64>() / parts.len() as f64)
+        .collect();
+    let error = squares(&mut parts.iter().map(|row| less(row, &mean)));
+    not_constant("participants' effects", error <= ROUNDING * all)?;
+    let whole = rm_anova(&parts)?;
     // The columns' sums of squares are those of the part: the ratio of mean squares is the same with k
     // degrees of freedom, and so is k ε.
     let (n, k) = (table.len() as f64, basis.len() as f64);
@@ -104,6 +115,9 @@ pub fn effect(table: &[Vec<f64>], contrasts: &[Vec<f64>]) -> Result<RmAnova, Une
         p_greenhouse_geisser: whole.p_greenhouse_geisser,
     })
 }
+
+/// Squares that are no more than this share of all are those of rounding.
+const ROUNDING: f64 = 1e-24;
 
 /// A contrast of which no more than this share is new depends on those before.
 const DEPENDENT: f64 = 1e-9;
@@ -256,5 +270,11 @@ mod tests {
         let more = [&of[0][..], &[contrast(&|v, _| later(2, v) - later(1, v))]].concat();
         assert_eq!(effect(&table, &more).unwrap().test.df_num.to_bits(), 2.0_f64.to_bits());
         assert!(effect(&table, &[vec![0.0; 9]]).is_err());
+        // Effects that everybody has alike, or not at all, have no error, although rounding leaves some.
+        let added =
+            |person: u64, cell: u64| (person + 2 * (cell / 3) + 3 * (cell % 3)) as f64 / 7.0;
+        let alike: Vec<Vec<f64>> =
+            (1..=5).map(|person| (0..9).map(|cell| added(person, cell)).collect()).collect();
+        assert!(of.iter().all(|contrasts| effect(&alike, contrasts).is_err()));
     }
 }

@@ -1,7 +1,7 @@
 //! What a study compares: contrasts of modes, metrics, what difference would matter.
 
 use crate::words::words;
-use crate::{IdError, LevelId, MetricId, ModeId, PersonColumnId, Term, Weighted};
+use crate::{FactorId, IdError, LevelId, MetricId, ModeId, PersonColumnId, Term, Trend, Weighted};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt;
@@ -40,6 +40,9 @@ pub struct Compare {
     /// Factors and interactions whose effects are compared.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub effects: Vec<Term>,
+    /// How doses are compared, where not by a line.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub trend: BTreeMap<FactorId, Trend>,
     /// Contrasts between any conditions.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub weighted: Vec<Weighted>,

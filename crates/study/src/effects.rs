@@ -1,6 +1,9 @@
 //! The effects of factors that a study compares.
 
-use crate::{EnvironmentId, Factor, FactorId, FactorOf, LevelId, ModeId, Study, Term, Weight};
+use crate::{
+    EnvironmentId, Factor, FactorId, FactorOf, LevelContrast, LevelId, ModeId, Study, Term, Trend,
+    Weight,
+};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -9,12 +12,14 @@ use std::collections::BTreeMap;
 pub struct Effect {
     /// What it is of.
     pub term: Term,
-    /// The two levels compared of each factor, the one minus the other; none of a weighted contrast.
-    pub levels: Vec<[LevelId; 2]>,
+    /// How the levels of each factor are compared; none of a weighted contrast.
+    pub levels: Vec<LevelContrast>,
     /// The environment in which it is; `None` of one over several.
     pub environment: Option<EnvironmentId>,
     /// The weights, which add up to 0; none where the study lacks a condition for it.
     pub weights: Vec<Weight>,
+    /// Whether it is claimed; else it is part of an analysis of variance alone.
+    pub is_claimed: bool,
     /// The condition that the study lacks, or those within which the effect is, where not all are there.
     pub lacks: Option<String>,
 }
@@ -56,6 +61,7 @@ impl Study {
                 levels: Vec::new(),
                 environment: is_within.then(|| first.clone()),
                 weights: weighted.weights.clone(),
+                is_claimed: true,
                 lacks: None,
             }
         }));
@@ -106,10 +112,51 @@ impl Study {
         let of_term: Vec<&Factor> = of_term.collect();
         let others: Vec<&Factor> =
             self.factors.iter().filter(|factor| !term.0.contains(&factor.id)).collect();
-        let pairs = choices(of_term.iter().map(|factor| {
-            let first = &factor.levels[0];
-            factor.levels[1..].iter().map(|later| [later, first]).collect()
-        }));
+        // Of each factor the ways to compare its levels: every later one less the first; of a dose its trend
+        // too, with a bend where it is not crossed with others.
+        let pairs = |factor: &&Factor| -> Vec<(LevelContrast, Vec<f64>)> {
+            let all = factor.levels.iter().enumerate().skip(1);
+            let pairs = all.map(|(later, level)| {
+                let mut weights = vec![0.0; factor.levels.len()];
+                (weights[0], weights[later]) = (-1.0, 1.0);
+                (LevelContrast::Pair([level.clone(), factor.levels[0].clone()]), weights)
+            });
+            pairs.collect()
+        };
+        let trends = |factor: &&Factor| match (factor.doses(), &factor.unit) {
+            (Some(doses), Some(unit)) => {
+                let trend = self.compare.trend.get(&factor.id).copied().unwrap_or_default();
+                let degree = if term.0.len() > 1 { 1 } else { trend.degree };
+                Trend { degree, ..trend }.contrasts(&doses, unit)
+            }
+            _ => pairs(factor),
+        };
+        let has_dose = of_term.iter().any(|factor| factor.unit.is_some());
+        let claimed = of_term.iter().map(trends).collect();
+        let described = has_dose.then(|| of_term.iter().map(pairs).collect());
+        let mut effects = Vec::new();
+        for (is_claimed, contrasts) in
+            std::iter::once((true, claimed)).chain(described.map(|pairs| (false, pairs)))
+        {
+            let contrasts: Vec<Vec<(LevelContrast, Vec<f64>)>> = contrasts;
+            for chosen in choices(contrasts.iter().map(|all| all.iter().collect())) {
+                let effect = self.effect_of(term, &of_term, &others, &chosen, place, crossed);
+                effects.push(Effect { is_claimed, ..effect });
+            }
+        }
+        effects
+    }
+
+    /// The effect of a term with one way to compare the levels of each of its factors.
+    fn effect_of(
+        &self,
+        term: &Term,
+        of_term: &[&Factor],
+        others: &[&Factor],
+        chosen: &[&(LevelContrast, Vec<f64>)],
+        place: Option<&EnvironmentId>,
+        crossed: &[Crossed<'_>],
+    ) -> Effect {
         // What is averaged: the other factors, and the modes where none of the factors tells them apart.
         let strata = choices(others.iter().map(|factor| factor.levels.iter().collect()));
         let is_of_modes = self.factors.iter().any(|factor| factor.of == FactorOf::Modes);
@@ -117,59 +164,62 @@ impl Study {
             true => vec![None],
             false => self.modes.iter().map(|mode| Some(&mode.id)).collect(),
         };
-        let mut effects = Vec::new();
-        for pairs in pairs {
-            // With the one level of every pair or with the other: the sign is the product of theirs.
-            let sides = choices(pairs.iter().map(|_| vec![0_usize, 1]));
-            let mut weights = Vec::new();
-            let mut within = Vec::new();
-            let mut first_missing = None;
-            for (stratum, mode) in strata.iter().flat_map(|s| modes.iter().map(move |m| (s, *m))) {
-                let same: Vec<(&FactorId, &LevelId)> =
-                    others.iter().map(|factor| &factor.id).zip(stratum.iter().copied()).collect();
-                let cells = sides.iter().map(|sides| {
-                    let levels = sides.iter().zip(&pairs).map(|(side, pair)| pair[*side]);
-                    let wanted: Vec<(&FactorId, &LevelId)> =
-                        term.0.iter().zip(levels).chain(same.iter().copied()).collect();
-                    let found = crossed.iter().find(|cell| {
-                        mode.is_none_or(|mode| cell.mode == mode)
-                            && wanted.iter().all(|(id, level)| cell.levels.get(id) == Some(level))
-                    });
-                    let is_negative = sides.iter().sum::<usize>() % 2 == 1;
-                    found.map(|cell| (cell, is_negative)).ok_or_else(|| in_words(&wanted))
+        // Every level with a weight, of every factor: a condition's weight is the product of theirs.
+        let weighed = choices(of_term.iter().zip(chosen).map(|(factor, (contrast, weights))| {
+            let is_trend = matches!(contrast, LevelContrast::Trend(_));
+            // The level that is compared before the one that it is compared with.
+            let all = factor.levels.iter().zip(weights.iter().copied()).rev();
+            all.filter(|(_, weight)| is_trend || *weight != 0.0).collect()
+        }));
+        let mut weights = Vec::new();
+        let mut within = Vec::new();
+        let mut first_missing = None;
+        for (stratum, mode) in strata.iter().flat_map(|s| modes.iter().map(move |m| (s, *m))) {
+            let same: Vec<(&FactorId, &LevelId)> =
+                others.iter().map(|factor| &factor.id).zip(stratum.iter().copied()).collect();
+            let cells = weighed.iter().map(|levels| {
+                let own = term.0.iter().zip(levels.iter().map(|(level, _)| *level));
+                let wanted: Vec<(&FactorId, &LevelId)> = own.chain(same.iter().copied()).collect();
+                let found = crossed.iter().find(|cell| {
+                    mode.is_none_or(|mode| cell.mode == mode)
+                        && wanted.iter().all(|(id, level)| cell.levels.get(id) == Some(level))
                 });
-                match cells.collect::<Result<Vec<_>, String>>() {
-                    Ok(cells) => {
-                        within.push(in_words(&same));
-                        weights.extend(cells.into_iter().map(|(cell, is_negative)| Weight {
-                            // A level of a factor of sessions is one's id.
-                            session: cell.session.and_then(|id| id.as_str().parse().ok()),
-                            environment: cell.environment.clone(),
-                            mode: cell.mode.clone(),
-                            weight: if is_negative { -1.0 } else { 1.0 },
-                        }));
-                    }
-                    Err(missing) => first_missing = first_missing.or(Some(missing)),
-                }
-            }
-            let complete = within.len();
-            weights.iter_mut().for_each(|weight| weight.weight /= complete as f64);
-            let lacks = match first_missing {
-                Some(missing) if complete == 0 => {
-                    Some(format!("cannot be estimated: no condition has {missing}"))
-                }
-                Some(_) => Some(format!("within {}", within.join("; "))),
-                None => None,
-            };
-            effects.push(Effect {
-                term: term.clone(),
-                levels: pairs.into_iter().map(|pair| pair.map(LevelId::clone)).collect(),
-                environment: place.cloned(),
-                weights,
-                lacks,
+                let weight: f64 = levels.iter().map(|(_, weight)| weight).product();
+                found.map(|cell| (cell, weight)).ok_or_else(|| in_words(&wanted))
             });
+            match cells.collect::<Result<Vec<_>, String>>() {
+                Ok(cells) => {
+                    within.push(in_words(&same));
+                    weights.extend(cells.into_iter().map(|(cell, weight)| Weight {
+                        // A level of a factor of sessions is one's id.
+                        session: cell.session.and_then(|id| id.as_str().parse().ok()),
+                        environment: cell.environment.clone(),
+                        mode: cell.mode.clone(),
+                        weight,
+                    }));
+                }
+                Err(missing) => first_missing = first_missing.or(Some(missing)),
+            }
         }
-        effects
+        let complete = within.len();
+        // The same for each mode, where no factor tells modes apart.
+        within.dedup();
+        weights.iter_mut().for_each(|weight| weight.weight /= complete as f64);
+        let lacks = match first_missing {
+            Some(missing) if complete == 0 => {
+                Some(format!("cannot be estimated: no condition has {missing}"))
+            }
+            Some(_) => Some(format!("within {}", within.join("; "))),
+            None => None,
+        };
+        Effect {
+            term: term.clone(),
+            levels: chosen.iter().map(|(contrast, _)| contrast.clone()).collect(),
+            environment: place.cloned(),
+            weights,
+            is_claimed: true,
+            lacks,
+        }
     }
 }
 

@@ -1,7 +1,8 @@
 //! Factors: what several modes, environments or sessions of a study have in common.
 
 use crate::{EnvironmentId, FactorId, IdError, LevelId, ModeId, SessionId};
-use serde::{Deserialize, Serialize};
+use serde::de::{self, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
 use std::collections::BTreeMap;
 use std::fmt;
 use std::str::FromStr;
@@ -14,8 +15,12 @@ use std::str::FromStr;
 pub struct Factor {
     /// Its id.
     pub id: FactorId,
-    /// Its levels; every later one is compared with the first.
+    /// Its levels; every later one is compared with the first. Of a dose: its numbers, ascending.
+    #[serde(deserialize_with = "words_or_numbers")]
     pub levels: Vec<LevelId>,
+    /// The unit of a dose; none of levels that are words.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub unit: Option<String>,
     /// What has the levels.
     #[serde(default)]
     pub of: FactorOf,
@@ -36,6 +41,87 @@ pub enum FactorOf {
 
 /// The level of each factor that a mode or an environment has.
 pub type Levels = BTreeMap<FactorId, LevelId>;
+
+/// A level as study.toml has it: a word, or the number of a dose.
+struct WordOrNumber(LevelId);
+
+impl<'de> Deserialize<'de> for WordOrNumber {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Read;
+        impl Visitor<'_> for Read {
+            type Value = WordOrNumber;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a level: a word, or a number")
+            }
+
+            fn visit_str<E: de::Error>(self, text: &str) -> Result<WordOrNumber, E> {
+                LevelId::new(text).map(WordOrNumber).map_err(E::custom)
+            }
+
+            fn visit_i64<E: de::Error>(self, number: i64) -> Result<WordOrNumber, E> {
+                self.visit_str(&number.to_string())
+            }
+
+            fn visit_f64<E: de::Error>(self, number: f64) -> Result<WordOrNumber, E> {
+                self.visit_str(&number.to_string())
+            }
+        }
+        deserializer.deserialize_any(Read)
+    }
+}
+
+fn words_or_numbers<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<LevelId>, D::Error> {
+    let levels = Vec::<WordOrNumber>::deserialize(deserializer)?;
+    Ok(levels.into_iter().map(|level| level.0).collect())
+}
+
+/// The levels of a mode or an environment.
+pub(crate) fn levels<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Levels, D::Error> {
+    let levels = BTreeMap::<FactorId, WordOrNumber>::deserialize(deserializer)?;
+    Ok(levels.into_iter().map(|(factor, level)| (factor, level.0)).collect())
+}
+
+impl Factor {
+    /// The doses, ascending; `None` if the levels are words.
+    pub fn doses(&self) -> Option<Vec<f64>> {
+        self.unit.as_ref()?;
+        self.levels.iter().map(|level| level.as_str().parse().ok()).collect()
+    }
+}
+
+/// How the doses of a factor are compared: an entry of `[compare.trend]` of `study.toml`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, expecting = "struct TrendTable")]
+pub struct Trend {
+    /// 1: a line; 2: its bend, too.
+    #[serde(default = "one")]
+    pub degree: u8,
+    /// Over what the line is drawn.
+    #[serde(default)]
+    pub scale: DoseScale,
+}
+
+fn one() -> u8 {
+    1
+}
+
+impl Default for Trend {
+    fn default() -> Self {
+        Self { degree: 1, scale: DoseScale::Linear }
+    }
+}
+
+/// Over what a dose's line is drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum DoseScale {
+    /// The dose.
+    #[default]
+    Linear,
+    /// Its doublings.
+    Log2,
+}
 
 /// What an effect is of: a factor, or several whose interaction it is. A weighted contrast has its own name.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]

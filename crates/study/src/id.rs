@@ -29,6 +29,11 @@ fn refused(text: &str) -> Option<&'static str> {
     (!good).then_some("use 1 to 32 of the letters A-Z a-z, digits, '_' and '-'")
 }
 
+/// Why a text cannot be a level: it can be a number, too.
+fn refused_as_level(text: &str) -> Option<&'static str> {
+    refused(&text.replacen('.', "_", 1))
+}
+
 /// Why a text cannot be an id that files and folders are named after.
 fn refused_as_name(text: &str) -> Option<&'static str> {
     refused(text).or_else(|| {
@@ -171,8 +176,8 @@ ids! {
     ChannelId = "channel", unless refused_as_column;
     /// A column of people, such as `group`.
     PersonColumnId = "column", unless refused_as_column;
-    /// A level of a column of people, such as `expert`.
-    LevelId = "level", unless refused;
+    /// A level of a column of people or of a factor, such as `expert`, or a dose: `0.5`.
+    LevelId = "level", unless refused_as_level;
     /// A factor of modes or environments, such as `brake`, or a weighted contrast.
     FactorId = "factor", unless refused;
     /// A metric, by the name of its column: it ends in its unit.

@@ -20,6 +20,7 @@ mod form;
 mod id;
 mod label;
 mod law;
+mod level_contrast;
 mod locate;
 mod model;
 pub mod order;
@@ -49,7 +50,7 @@ pub use control::{Control, VelocityFilter};
 pub use counted::counted;
 pub use effects::Effect;
 pub use event::{Event, Given, Moment, SealedTrial};
-pub use factors::{Factor, FactorOf, Levels, Term, Weight, Weighted};
+pub use factors::{DoseScale, Factor, FactorOf, Levels, Term, Trend, Weight, Weighted};
 pub use figures::{Alignment, Figures, OwnFigures};
 pub use form::{CURRENT_BRAKE, CURRENT_MOTOR, Channel, REFERENCE, Schema, TrialForm};
 pub use id::{
@@ -58,6 +59,7 @@ pub use id::{
 };
 pub use label::{contrast_label, in_a_sentence};
 pub use law::{ActuatorKind, ModeLaw};
+pub use level_contrast::LevelContrast;
 pub use locate::{line_of, toml_error};
 pub use model::{
     Analysis, Condition, Coordinate, Design, Device, Environment, Masses, Mode, OrderScheme,

@@ -206,7 +206,11 @@ pub struct Mode {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub law: Option<ModeLaw>,
     /// Its level of each factor of modes.
-    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    #[serde(
+        default,
+        skip_serializing_if = "BTreeMap::is_empty",
+        deserialize_with = "crate::factors::levels"
+    )]
     pub factors: Levels,
 }
 

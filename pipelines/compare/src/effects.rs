@@ -1,6 +1,6 @@
 //! Effects of factors: everybody's weighted sums over conditions, and their analysis of variance.
 
-use crate::cells::Cells;
+use crate::cells::{Cell, Cells};
 use crate::claim::Claim;
 use crate::contrasts::size;
 use crate::measure::Measure;
@@ -10,10 +10,13 @@ use std::collections::BTreeMap;
 use zwidth_results::{EffectDifference, EffectLevels, FactorEffect, FactorTest, UnitOfAnalysis};
 use zwidth_stats::null::Sampling;
 use zwidth_stats::{Tested, Unestimable, effect, groups, paired, rm_anova, sign_flip};
-use zwidth_study::{Effect, EffectSize};
+use zwidth_study::{Effect, EffectSize, LevelContrast};
 
 /// Flips that are drawn where there are too many participants to count all.
 const SAMPLING: Sampling = Sampling { draws: 9_999, seed: 1 };
+
+/// Weights whose size differs from 1 by less are those of a difference.
+const SAME: f64 = 1e-9;
 
 /// An effect.
 pub(crate) struct Row<'a> {
@@ -26,6 +29,8 @@ pub(crate) struct Row<'a> {
     bound: Option<f64>,
     /// Why no claim is made of groups that are too small.
     refused: Option<TooFew>,
+    /// Whether it is a difference between two values, of which a bound or what is felt speaks.
+    pub(crate) is_difference: bool,
     pub(crate) claim: Claim,
 }
 
@@ -35,6 +40,15 @@ impl Row<'_> {
         let Effect { term, levels, .. } = self.effect;
         let levels = (!levels.is_empty()).then(|| EffectLevels(levels.clone()));
         FactorEffect { term: term.clone(), levels }
+    }
+
+    /// Why nobody has such an effect.
+    fn nobody(&self, cells: &Cells) -> String {
+        let named = self.effect.weights.iter().filter_map(|weight| weight.session.as_ref());
+        match named.into_iter().find(|id| !cells.sessions.contains(id)) {
+            Some(id) => format!("nobody has the session {id}"),
+            None => "nobody has all conditions that it weighs".to_owned(),
+        }
     }
 
     /// Everybody's effect, by the place of the participant.
@@ -115,12 +129,15 @@ pub(crate) fn rows<'a>(
 ) -> Result<Vec<Row<'a>>, CompareError> {
     let [apart, together] = [false, true].map(|are_levels| of_people(cells, are_levels));
     let mut rows = Vec::new();
-    for effect in &parameters.effects {
+    for effect in parameters.effects.iter().filter(|effect| effect.is_claimed) {
         let Some(weights) = placed(effect, cells, parameters) else { continue };
         let people = if effect.is_by_session() { &together } else { &apart };
         // Where nobody has any of its conditions the environment has no such metric.
-        let is_there = |own: &Own| weights.iter().any(|(condition, _)| own.contains_key(condition));
-        if !weights.is_empty() && !people.values().flatten().any(is_there) {
+        let is_there = |cell: &Cell| {
+            let place = [cell.environment, cell.mode];
+            cell.mean.is_some() && weights.iter().any(|((_, own), _)| *own == place)
+        };
+        if !weights.is_empty() && !cells.cells.iter().any(is_there) {
             continue;
         }
         let values = averaged(people, |own| {
@@ -157,6 +174,14 @@ pub(crate) fn rows<'a>(
             Some(place) => bounds[place],
             None => bounds[0].filter(|_| bounds.iter().all(|bound| *bound == bounds[0])),
         };
+        // A trend is over a step of the dose, and weights can be of any size: neither is a difference between two
+        // values, which a bound or what is felt speaks of.
+        let size: f64 = weights.iter().map(|(_, weight)| weight.abs() / 2.0).sum();
+        let is_difference = match effect.levels.as_slice() {
+            [] => (size - 1.0).abs() < SAME,
+            levels => levels.iter().all(|level| matches!(level, LevelContrast::Pair(_))),
+        };
+        let bound = bound.filter(|_| is_difference);
         let has_p = refused.as_ref().is_none_or(TooFew::has_p);
         let equivalence = tested.as_ref().ok().zip(bound.filter(|_| has_p));
         let equivalence = equivalence
@@ -170,6 +195,7 @@ pub(crate) fn rows<'a>(
             values,
             tested,
             refused,
+            is_difference,
             claim: Claim::new(
                 // Those over several environments come together after those of each.
                 environment.unwrap_or(parameters.environments.len()),
@@ -179,7 +205,8 @@ pub(crate) fn rows<'a>(
             ),
         };
         let noticed = measure.parameters.noticed.as_ref().filter(|noticed| {
-            environment.is_some() || noticed.commanded.iter().all(Option::is_none)
+            is_difference
+                && (environment.is_some() || noticed.commanded.iter().all(Option::is_none))
         });
         row.jnd = noticed.zip(row.against()).and_then(|(noticed, against)| {
             noticed.jnd(environment.unwrap_or_default(), against, &measure.unit)
@@ -192,6 +219,7 @@ pub(crate) fn rows<'a>(
 /// The effects by the names of what they compare.
 pub(crate) fn named(
     rows: &[Row],
+    cells: &Cells,
     unit: &UnitOfAnalysis,
     split: Option<&Split>,
     measure: &Measure,
@@ -208,14 +236,15 @@ pub(crate) fn named(
         let differences = paired::differences(&sides);
         let mean = differences.iter().sum::<f64>() / differences.len() as f64;
         let difference = tested.map(|t| t.estimate).or((!sides.is_empty()).then_some(mean));
-        // Both sides are means of people where one factor is averaged; those of an interaction are sums.
-        let av = effect::d_av(&sides, parameters.level).ok().filter(|_| levels.len() == 1);
+        // Both sides are means of people where two levels of one factor are compared; else they are sums.
+        let are_means = matches!(levels[..], [LevelContrast::Pair(_)]);
+        let av = effect::d_av(&sides, parameters.level).ok().filter(|_| are_means);
         let z = effect::d_z(&sides, parameters.level).ok();
         let ends = tested.zip(row.jnd).map(|(t, jnd)| [t.ci_low / jnd, t.ci_high / jnd]);
         let why = match (&row.refused, &row.tested) {
             (Some(too_few), _) => Some(too_few.to_string()),
             _ if row.effect.weights.is_empty() => None,
-            _ if sides.is_empty() => Some("nobody has all conditions that it weighs".to_owned()),
+            _ if sides.is_empty() => Some(row.nobody(cells)),
             (None, Err(why)) => Some(why.to_string()),
             (None, Ok(_)) => None,
         };
@@ -259,11 +288,21 @@ pub(crate) fn named(
 
 /// The analysis of variance: a line for each factor and interaction, over the participants who have every
 /// condition of it, each the mean of their complete sessions.
-pub(crate) fn tests(cells: &Cells, measure: &Measure, parameters: &Parameters) -> Vec<FactorTest> {
+pub(crate) fn tests(
+    cells: &Cells,
+    split: Option<&Split>,
+    measure: &Measure,
+    parameters: &Parameters,
+) -> Vec<FactorTest> {
     let mut lines = Vec::new();
     let same = |a: &Effect, b: &Effect| (&a.term, &a.environment) == (&b.term, &b.environment);
     for effects in parameters.effects.chunk_by(same) {
-        let first = &effects[0];
+        // All levels less the first; of a dose its trend is claimed, which is less than all of it.
+        let is_of_pairs = |effect: &&Effect| {
+            effect.levels.iter().all(|level| matches!(level, LevelContrast::Pair(_)))
+        };
+        let effects: Vec<&Effect> = effects.iter().filter(is_of_pairs).collect();
+        let Some(first) = effects.first() else { continue };
         let weights: Option<Vec<Vec<Placed>>> =
             effects.iter().map(|effect| placed(effect, cells, parameters)).collect();
         // Where the design lacks a condition, the rest is no analysis of that effect.
@@ -282,7 +321,10 @@ pub(crate) fn tests(cells: &Cells, measure: &Measure, parameters: &Parameters) -
         let people = averaged(&of_people(cells, first.is_by_session()), |own| {
             conditions.iter().map(|condition| own.get(condition).copied()).collect()
         });
-        let table: Vec<Vec<f64>> = people.into_values().collect();
+        // As of the effects: of groups nobody speaks who has none.
+        let speaks = |who: &usize| split.is_none_or(|split| split.level(*who).is_some());
+        let table: Vec<Vec<f64>> =
+            people.into_iter().filter(|(who, _)| speaks(who)).map(|(_, row)| row).collect();
         let Ok(found) = rm_anova::effect(&table, &contrasts) else { continue };
         let explained = found.test.statistic * found.test.df_num;
         lines.push(FactorTest {
@@ -309,7 +351,10 @@ mod tests {
     use crate::tests::{measured, parameters};
     use crate::{Groups, compare};
     use zwidth_results::{GroupEffect, TrialKey, Verdict};
-    use zwidth_study::{GroupsCompared, Source, Term, Weight};
+    use zwidth_study::{
+        DoseScale, Factor, FactorId, FactorOf, GroupsCompared, LevelId, Mode, Source, Term, Trend,
+        Weight,
+    };
 
     /// A number between −½ and ½: (h³ mod 9941)/9941 − ½.
     fn u(of: [u64; 4]) -> f64 {
@@ -363,7 +408,7 @@ mod tests {
 
     fn effect(term: &str, environment: Option<&str>, weights: &[(&str, &str, f64)]) -> Effect {
         let term: Term = term.parse().unwrap();
-        let pair = ["yes", "no"].map(|level| level.parse().unwrap());
+        let pair: LevelContrast = "yes − no".parse().unwrap();
         let levels = if environment.is_some() {
             term.0.iter().map(|_| pair.clone()).collect()
         } else {
@@ -382,6 +427,7 @@ mod tests {
                     weight: *weight,
                 })
                 .collect(),
+            is_claimed: true,
             lacks: None,
         }
     }
@@ -407,7 +453,7 @@ mod tests {
         parameters
     }
 
-    /// R's `aov(y ~ … + Error(id/…))` per environment and SciPy's `ttest_1samp` of everybody's effects agree on
+    /// R's `aov(y ~ … + Error(id/…))` per environment and SciPy's one-sample t of everybody's effects agree on
     /// these: effect, standard error, t, p, interval; 7 degrees of freedom. Then after Holm.
     const FOUND: [([f64; 6], f64); 6] = [
         (
@@ -490,7 +536,80 @@ mod tests {
         assert!(found.factor_tests.is_empty());
     }
 
-    /// SciPy's `ttest_ind(equal_var=False)` of everybody's effects of the motor.
+    /// Eight people at four doses, three repeats. R (`lm` of each participant, `t.test`, `anova.mlm`) and SciPy have
+    /// these: effect, standard error, t, p; 7 degrees of freedom.
+    #[test]
+    fn the_slope_and_the_bend_over_a_dose_are_those_of_everybodys_own_line_and_parabola() {
+        const DOSES: [f64; 4] = [100.0, 150.0, 250.0, 400.0];
+        let mut study = zwidth_testing::study();
+        let more = Mode { id: "more".parse().unwrap(), ..study.modes[0].clone() };
+        study.modes.push(more);
+        let dose: FactorId = "stiffness".parse().unwrap();
+        let levels = DOSES.map(|dose| dose.to_string().parse().unwrap()).to_vec();
+        for (mode, level) in study.modes.iter_mut().zip(&levels) {
+            mode.factors.insert(dose.clone(), LevelId::clone(level));
+        }
+        study.environments.truncate(1);
+        let unit = Some("N/m".to_owned());
+        study.factors = vec![Factor { id: dose.clone(), levels, unit, of: FactorOf::Modes }];
+        study.compare.effects = vec![Term(vec![dose.clone()])];
+        study.compare.trend.insert(dose.clone(), Trend { degree: 2, scale: DoseScale::Linear });
+        let (mut keys, mut values) = (Vec::new(), Vec::new());
+        for person in 1..=8_u64 {
+            for (l, (mode, x)) in (1..).zip(study.modes.iter().zip(DOSES)) {
+                for repeat in 1..=3_u64 {
+                    let y = 0.5 + 0.004 * x - 0.000_003 * x * x
+                        + 0.6 * u([person, 0, 0, 0])
+                        + 0.003 * u([person, 7, 0, 0]) * x
+                        + 0.3 * u([person, l, 0, 0])
+                        + 0.3 * u([person, l, repeat, 0]);
+                    keys.push(TrialKey {
+                        participant: format!("P{person:02}").parse().unwrap(),
+                        session: "S01".parse().unwrap(),
+                        trial: (3 * l + repeat) as u32,
+                        repeat: repeat as u32,
+                        environment: study.environments[0].id.clone(),
+                        mode: mode.id.clone(),
+                        source: Source::Recorded,
+                    });
+                    values.push(Some((y * 1000.0).round() / 1000.0));
+                }
+            }
+        }
+        let mut parameters = parameters();
+        parameters.environments = vec![study.environments[0].id.clone()];
+        parameters.modes = study.modes.iter().map(|mode| mode.id.clone()).collect();
+        parameters.contrasts = Vec::new();
+        let mut found = |scale| {
+            study.compare.trend.insert(dose.clone(), Trend { degree: 2, scale });
+            parameters.effects = study.effects();
+            compare(&measured(&keys, values.iter().copied()), &parameters).unwrap()
+        };
+        let linear = found(DoseScale::Linear);
+        let [slope, bend] = &linear.effects[..] else { panic!("{:?}", linear.effects) };
+        let per = |row: &EffectDifference| row.levels.as_ref().unwrap().to_string();
+        assert_eq!([per(slope), per(bend)], ["per 100 N/m", "bend per (100 N/m)²"]);
+        near(slope.difference, 0.265515873);
+        near(slope.difference_std_error, 0.0291889763);
+        near(slope.statistic, 9.09644347);
+        near(slope.p_value, 3.97978153e-5);
+        near(bend.difference, -0.0291212121);
+        near(bend.difference_std_error, 0.0177948185);
+        near(bend.p_value, 0.145748125);
+        // All levels together, whatever their spacing.
+        let [line] = &linear.factor_tests[..] else { panic!("{:?}", linear.factor_tests) };
+        near(Some(line.f), 57.8715542);
+        near(Some(line.epsilon_gg), 0.606297844);
+        near(Some(line.p_gg), 5.58186273e-7);
+        let doubled = found(DoseScale::Log2);
+        assert_eq!(per(&doubled.effects[0]), "per doubling");
+        near(doubled.effects[0].difference, 0.403832306);
+        near(doubled.effects[0].difference_std_error, 0.0431339221);
+        near(doubled.effects[0].difference_ci_low, 0.301836788);
+        near(doubled.effects[0].difference_ci_high, 0.505827825);
+    }
+
+    /// SciPy's Welch test of everybody's effects of the motor.
     #[test]
     fn groups_differ_in_an_effect_by_welchs_t_and_it_has_the_same_weight_for_each() {
         let (keys, values) = eight();

@@ -25,6 +25,8 @@ pub(crate) struct Row<'a> {
     tested: Result<Tested, Unestimable>,
     permuted: Option<Permuted>,
     jnd: Option<f64>,
+    /// The difference that is too small to matter.
+    bound: Option<f64>,
     /// Why no claim is made, where one could be.
     refused: Option<TooFew>,
     /// Whether it is claimed, or only described.
@@ -45,6 +47,8 @@ struct Compared {
     /// The value whose share is just noticed, where it is not that of the second group: of a difference
     /// between modes the mean in the second mode.
     noticed_from: Option<f64>,
+    /// Whether it is a difference between two values, of which a bound or what is felt speaks.
+    is_difference: bool,
 }
 
 /// What is compared between groups in an environment, with everybody's values.
@@ -69,25 +73,50 @@ fn compared(
             Some((*who, sum / in_modes.len() as f64))
         });
         let (effect, values) = (GroupEffect::OverModes, complete.collect());
-        effects.push(Compared { effect, values, is_claimed: true, noticed_from: None });
+        effects.push(Compared {
+            effect,
+            values,
+            is_claimed: true,
+            noticed_from: None,
+            is_difference: true,
+        });
     }
     for row in contrasts.iter().filter(|row| row.claim.environment == environment) {
         let values = row.differences.iter().map(|one| (one.participant, one.estimate)).collect();
         let effect = GroupEffect::Of(row.contrast.clone());
         let noticed_from = Some(row.mean(1));
-        effects.push(Compared { effect, values, is_claimed: true, noticed_from });
+        effects.push(Compared {
+            effect,
+            values,
+            is_claimed: true,
+            noticed_from,
+            is_difference: true,
+        });
     }
     for row in of_factors.iter().filter(|row| row.claim.environment == environment) {
         let values = row.of_everybody();
         if !values.is_empty() {
             let (effect, noticed_from) = (GroupEffect::OfFactors(row.name()), row.against());
-            effects.push(Compared { effect, values, is_claimed: true, noticed_from });
+            let is_difference = row.is_difference;
+            effects.push(Compared {
+                effect,
+                values,
+                is_claimed: true,
+                noticed_from,
+                is_difference,
+            });
         }
     }
     let is_claimed = in_modes.len() == 1;
     for (mode, values) in in_modes {
         let effect = GroupEffect::In(parameters.modes[mode].clone());
-        effects.push(Compared { effect, values, is_claimed, noticed_from: None });
+        effects.push(Compared {
+            effect,
+            values,
+            is_claimed,
+            noticed_from: None,
+            is_difference: true,
+        });
     }
     effects
 }
@@ -105,7 +134,7 @@ pub(crate) fn rows<'a>(
     let mut rows = Vec::new();
     for environment in 0..parameters.environments.len() {
         for compared in compared(environment, cells, contrasts, of_factors, parameters) {
-            let Compared { effect, values, is_claimed, noticed_from } = compared;
+            let Compared { effect, values, is_claimed, noticed_from, is_difference } = compared;
             let by_level = split.by_level(values.into_iter());
             for contrast in &split.groups.compared.contrasts {
                 let [first, second] = [&contrast.group, &contrast.against].map(|id| {
@@ -117,14 +146,16 @@ pub(crate) fn rows<'a>(
                 let smallest = [(a.n, &contrast.group), (b.n, &contrast.against)].into_iter().min();
                 let refused = smallest.and_then(|(n, id)| TooFew::of(n, id.as_str()));
                 let has_p = refused.as_ref().is_none_or(TooFew::has_p);
-                let bound = measure.parameters.bounds[environment].filter(|_| has_p);
+                let bound = measure.parameters.bounds[environment];
+                let bound = bound.filter(|_| has_p && is_difference);
                 let equivalence = tested.as_ref().ok().zip(bound);
                 let equivalence = equivalence
                     .map(|(t, bound)| paired::equivalence(t, bound, parameters.alpha))
                     .transpose()?;
                 let p = tested.as_ref().ok().filter(|_| is_claimed && refused.is_none());
                 let p_not_equivalent = equivalence.map(|e| e.p_value());
-                let noticed = measure.parameters.noticed.as_ref().filter(|_| b.n > 0);
+                let noticed = measure.parameters.noticed.as_ref();
+                let noticed = noticed.filter(|_| b.n > 0 && is_difference);
                 rows.push(Row {
                     effect: effect.clone(),
                     groups: contrast,
@@ -133,6 +164,7 @@ pub(crate) fn rows<'a>(
                         n.jnd(environment, noticed_from.unwrap_or(b.mean), &measure.unit)
                     }),
                     claim: Claim::new(environment, p.map(|t| t.p_value), None, p_not_equivalent),
+                    bound: measure.parameters.bounds[environment].filter(|_| is_difference),
                     values: [first, second],
                     tested,
                     refused,
@@ -192,7 +224,7 @@ pub(crate) fn named(
             difference_jnd_ci_low: ends.map(|ends| ends[0]),
             difference_jnd_ci_high: ends.map(|ends| ends[1]),
             size: ends.map(size),
-            bound: measure.parameters.bounds[row.claim.environment],
+            bound: row.bound,
             p_not_equivalent: row.claim.p_not_equivalent,
             verdict: row.is_claimed.then_some(row.claim.verdict),
             remark: row.refused.as_ref().map(ToString::to_string).or(why).map(Into::into),

@@ -267,8 +267,8 @@ impl<'a> Tested<'a> {
             any_group: split
                 .map(|split| groups::any(split, cells, contrasts, effects, measure, parameters))
                 .unwrap_or_default(),
-            effects: effects::named(effects, unit, split, measure, parameters),
-            factor_tests: effects::tests(cells, measure, parameters),
+            effects: effects::named(effects, cells, unit, split, measure, parameters),
+            factor_tests: effects::tests(cells, split, measure, parameters),
             sessions: sessions.rows,
             learning: learning::changes(trials, unit, measure, parameters),
             repeats: repeats::means(trials, measure, parameters)?,

@@ -14,7 +14,7 @@ use zwidth_results::{
     SessionChange, UnitOfAnalysis,
 };
 use zwidth_stats::{design_guard, sign_flip};
-use zwidth_study::{Families, LevelId};
+use zwidth_study::{Effect, Families, LevelId};
 
 /// A note, and what it is about.
 type Note = (NoteKind, String);
@@ -185,7 +185,12 @@ pub(crate) fn contrasts(
         }
         Families::Metric | Families::Study => "The rows of this table are one family of claims",
     };
-    let beside = if split.is_some() { ", those of the table of groups among them" } else { "" };
+    let beside = match (split.is_some(), parameters.effects.is_empty()) {
+        (false, true) => "",
+        (true, true) => ", those of the table of groups among them",
+        (false, false) => ", those of the table of effects among them",
+        (true, false) => ", those of the tables of groups and of effects among them",
+    };
     let family =
         format!("{role} {together}{beside}, adjusted after Holm; intervals are not adjusted.");
     let test = match unit {
@@ -286,20 +291,35 @@ pub(crate) fn effects(
     measure: &Measure,
     parameters: &Parameters,
 ) -> Vec<MetricNote> {
-    if parameters.effects.is_empty() {
+    let claimed: Vec<&Effect> = parameters.effects.iter().filter(|own| own.is_claimed).collect();
+    if claimed.is_empty() {
         return Vec::new();
     }
-    let family = match (measure.parameters.primary, parameters.families) {
-        (false, _) => "Exploratory: not a primary metric. ",
-        (true, Families::Study) => "Of all primary metrics together: ",
-        (true, _) => "",
+    let has_factors = claimed.iter().any(|effect| !effect.levels.is_empty());
+    let what = if has_factors {
+        "An effect is a later level of a factor less the first (of a dose its slope), the other factors averaged; of an \
+         interaction, how far that depends on the other factor. "
+    } else {
+        ""
+    };
+    let sessions = match claimed.iter().any(|effect| effect.is_by_session()) {
+        true => "of sessions that are levels each by itself, of others with equal weight",
+        false => "sessions with equal weight",
+    };
+    let role = if measure.parameters.primary { "" } else { "Exploratory: not a primary metric. " };
+    let together = match parameters.families {
+        Families::Environment => {
+            "The effects and contrasts of one environment are one family of claims, and so are those over several"
+        }
+        Families::Study if measure.parameters.primary && parameters.has_several_primary() => {
+            "The effects and contrasts of all primary metrics are one family of claims"
+        }
+        Families::Metric | Families::Study => "Effects and contrasts are one family of claims",
     };
     let mut notes = vec![
-        general(
-            "An effect is a later level of a factor less the first, the other factors averaged; of an \
-             interaction, how far that depends on the other factor. Everybody has one, of the means of their \
-             repeats, sessions with equal weight; n counts participants.",
-        ),
+        general(&format!(
+            "{what}Everybody has one value, of the means of their repeats, {sessions}; n counts participants."
+        )),
         general(match split {
             None => {
                 "Test: Student's t of participants' effects, n − 1 degrees of freedom, each with its own \
@@ -309,20 +329,15 @@ pub(crate) fn effects(
                 "Test: t with the same weight for each group, Satterthwaite's degrees of freedom."
             }
         }),
-        general(&format!(
-            "{family}Effects and contrasts are one family of claims, adjusted after Holm; intervals are not \
-             adjusted."
-        )),
+        general(&format!("{role}{together}, adjusted after Holm; intervals are not adjusted.")),
     ];
     notes.extend(split.map(weights));
-    notes.extend(
-        jnd(rows.iter().any(effects::Row::has_jnd), "conditions that are subtracted", measure)
-            .into_iter()
-            .flatten(),
-    );
+    let has_jnd = rows.iter().any(effects::Row::has_jnd);
+    notes.extend(jnd(has_jnd, "conditions that are subtracted", measure).into_iter().flatten());
     let of_variance = "Within participants, each effect with its own error (effect × participant), over those \
-                       who have all of its conditions, where the design has all. With more than one degree of freedom p is that after \
-                       Greenhouse and Geisser. A description: claims rest on the effects alone.";
+                       who have all of its conditions; an effect of which the design lacks a condition has no line. With \
+                       more than one degree of freedom p is that after Greenhouse and Geisser. A description: \
+                       claims rest on the effects alone.";
     let notes = below::<EffectDifference>(measure, notes);
     notes.into_iter().chain(below::<FactorTest>(measure, vec![general(of_variance)])).collect()
 }

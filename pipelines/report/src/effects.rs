@@ -15,8 +15,15 @@ pub fn factor_effects(study: &Setup, metric: &ComparedMetric) -> Vec<Finding> {
     let shown = || Shown::Effects(metric.metric.metric.to_string());
     let mut findings = Vec::new();
     if metric.contrasts.is_empty() && metric.metric.role == Role::Primary {
-        let answers = metric.effects.chunk_by(|a, b| a.environment == b.environment);
-        let answers = answers.map(|effects| answer(study, metric, effects, &words));
+        // Weighted contrasts in an environment stand after the effects of all.
+        let mut places: Vec<Vec<&EffectDifference>> = Vec::new();
+        for row in metric.effects {
+            match places.iter_mut().find(|place| place[0].environment == row.environment) {
+                Some(place) => place.push(row),
+                None => places.push(vec![row]),
+            }
+        }
+        let answers = places.iter().filter_map(|effects| answer(study, metric, effects, &words));
         findings
             .extend(answers.map(|text| Finding { is_answer: true, ..Finding::new(text, shown()) }));
     }
@@ -27,20 +34,18 @@ pub fn factor_effects(study: &Setup, metric: &ComparedMetric) -> Vec<Finding> {
     findings
 }
 
-/// `Spring, effects of factors on the force that were shown: motor (yes − no: 0.45 N); not shown: brake.`
+/// `Spring, effects of factors on the force (8 participants). Shown: motor (yes − no: 0.45 N). Neither shown nor
+/// excluded: brake (…).`; nothing where none is tested.
 fn answer(
     study: &Setup,
     metric: &ComparedMetric,
-    effects: &[EffectDifference],
+    effects: &[&EffectDifference],
     words: &str,
-) -> String {
+) -> Option<String> {
     let (unit, factor) = shown_unit(&metric.metric.unit, study.coordinate);
-    let listed = |is_shown: bool| -> String {
-        let is_it = |row: &&EffectDifference| {
-            let verdicts = [Verdict::Different, Verdict::DifferentBelowBound];
-            verdicts.contains(&row.verdict) == is_shown
-        };
-        let rows: Vec<&EffectDifference> = effects.iter().filter(is_it).collect();
+    let listed = |verdicts: &[Verdict]| -> Option<String> {
+        let rows: Vec<&&EffectDifference> =
+            effects.iter().filter(|row| verdicts.contains(&row.verdict)).collect();
         let terms = rows.chunk_by(|a, b| a.effect == b.effect).map(|rows| {
             let each = rows.iter().filter_map(|row| {
                 let error = row.difference_std_error.map(|error| error * factor);
@@ -53,25 +58,27 @@ fn answer(
                 if each.is_empty() { String::new() } else { format!(" ({})", each.join("; ")) };
             rows[0].effect.to_string().replace(':', " × ") + &values
         });
-        terms.collect::<Vec<_>>().join(", ")
+        let terms: Vec<String> = terms.collect();
+        (!terms.is_empty()).then(|| terms.join(", "))
     };
-    let environment = effects[0].environment.as_ref().map(|id| environment_label(study, id) + ": ");
-    let environment = environment.unwrap_or_default();
-    let n = effects.iter().map(|row| row.n).max().unwrap_or_default();
-    let people = counted(n, "participants");
-    match (listed(true), listed(false)) {
-        (shown, rest) if rest.is_empty() => {
-            format!(
-                "{environment}every effect of factors on {words} was shown, of {people}: {shown}."
-            )
-        }
-        (shown, rest) if shown.is_empty() => {
-            format!("{environment}no effect of factors on {words} was shown, of {people}: {rest}.")
-        }
-        (shown, rest) => format!(
-            "{environment}effects of factors on {words} that were shown, of {people}: {shown}; not shown: {rest}."
-        ),
-    }
+    let lists = [
+        ("Shown", listed(&[Verdict::Different, Verdict::DifferentBelowBound])),
+        ("Shown to be too small to matter", listed(&[Verdict::Equivalent])),
+        ("Neither shown nor excluded", listed(&[Verdict::Undecided])),
+        ("Not tested", listed(&[Verdict::NotTested])),
+    ];
+    let is_tested = lists[..3].iter().any(|(_, list)| list.is_some());
+    let environment = effects[0].environment.as_ref().map(|id| environment_label(study, id) + ", ");
+    let people = counted(effects.iter().map(|row| row.n).max().unwrap_or_default(), "participants");
+    let lists = lists.into_iter().filter_map(|(what, list)| Some(format!("{what}: {}", list?)));
+    let lists: Vec<String> = lists.collect();
+    is_tested.then(|| {
+        format!(
+            "{}effects of factors on {words} ({people}). {}.",
+            environment.unwrap_or_default(),
+            lists.join(". ")
+        )
+    })
 }
 
 /// `Spring, motor: yes − no: the force is 0.45 N higher (…)`.
@@ -111,10 +118,10 @@ fn sentence(study: &Setup, metric: &ComparedMetric, row: &EffectDifference, word
         format!("; {}{}", size.as_str(), jnds.unwrap_or_default())
     });
     format!(
-        "{place} on {words}: {} ({}{} people{more}): {}{why}{}.",
+        "{place} on {words}: {} ({}{}{more}): {}{why}{}.",
         with_unit(&shown(difference), &unit),
         interval.unwrap_or_default(),
-        row.n,
+        counted(row.n, "participants"),
         row.verdict.as_str(),
         size.unwrap_or_default(),
     )
@@ -125,7 +132,7 @@ fn analysed(study: &Setup, line: &FactorTest, words: &str) -> String {
     let environment = line.environment.as_ref().map(|id| environment_label(study, id) + ", ");
     format!(
         "{}all levels of {} in {words}: F({}, {}) = {}, Greenhouse and Geisser's ε = {}, p {}, partial η² = {} \
-         ({} people; a description, no claim).",
+         ({} participants; a description, no claim).",
         environment.unwrap_or_default(),
         line.effect.to_string().replace(':', " × "),
         number(line.df_effect, None),

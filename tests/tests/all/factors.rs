@@ -1,7 +1,7 @@
 //! Factors of a design, from recordings by formula to the effects, their figure and the methods text.
 
 use crate::binary::zwidth_line;
-use crate::formulas::{import, ran, record, u};
+use crate::formulas::{import, near, ran, record, u};
 use serde_json::Value;
 use std::fmt::Write as _;
 use std::fs;
@@ -81,11 +81,6 @@ fn rows<'a>(tables: &'a Value, table: &str) -> &'a [Value] {
     found.unwrap()["rows"].as_array().unwrap()
 }
 
-fn near(row: &Value, column: &str, expected: f64) {
-    let found = row[column].as_f64().unwrap_or_else(|| panic!("{column}: {row}"));
-    assert!((found - expected).abs() <= 1e-6 * expected.abs(), "{column}: {found} {expected}");
-}
-
 /// Thirty people: R's `aov` and `anova.mlm`, and pingouin's `rm_anova`, have these lines.
 #[test]
 fn an_interaction_of_two_factors_is_found_drawn_and_told() {
@@ -113,7 +108,7 @@ fn an_interaction_of_two_factors_is_found_drawn_and_told() {
     assert_eq!((last["verdict"].as_str(), last["df"].as_f64()), (Some("different"), Some(29.0)));
     let summary = fs::read_to_string(root.join("reports/weights/summary.md")).unwrap();
     for sentence in [
-        "Task: every effect of factors on the user's force, mean over the recording was shown, of 30 participants: visual \
+        "Task, effects of factors on the user's force, mean over the recording (30 participants). Shown: visual \
          (medium − light: 0.825 N; heavy − light: 1.692 N), haptic",
         "Task, effect of haptic (heavy − light) on the user's force, mean over the recording: 2.277 N",
         "all levels of visual × haptic in the user's force, mean over the recording: F(4, 116) = 84.66",
@@ -124,7 +119,7 @@ fn an_interaction_of_two_factors_is_found_drawn_and_told() {
     assert!(root.join("reports/weights/figures/effects.force_mean_n.svg").exists());
     ran(root, "methods weights").prints(&[
         "visual (of modes; light, medium, heavy)",
-        "the effects visual, haptic, visual × haptic were compared in each environment",
+        "The effects of visual, haptic, visual × haptic were compared in each environment",
         "Psychometrika 24:95",
     ]);
     ran(root, "compare weights").prints(&["Task: visual: medium − light"]);
@@ -143,7 +138,7 @@ fn an_interaction_of_two_factors_is_found_drawn_and_told() {
     ran(root, power).prints(&["if the effect of visual × haptic is 0.5, a study of"]);
     zwidth_line(root, "power weights --effect taste --difference 1")
         .exits(1)
-        .says(&["--effect taste: weights compares visual, haptic, visual:haptic"]);
+        .says(&["--effect taste: weights compares haptic, visual, visual:haptic"]);
 }
 
 /// A mode fewer: the other effects are of the cells that there are, and what cannot be told says why.
@@ -163,11 +158,41 @@ fn without_one_of_its_conditions_an_effect_says_within_which_it_is() {
     assert_eq!(remark(0), "within haptic = medium; haptic = heavy");
     assert_eq!(remark(4), "cannot be estimated: no condition has visual = light, haptic = light");
     assert_eq!(effects[4]["verdict"], "not tested");
-    // Four hapticly light, of which none is visually light: the contrast by hand weighs two of the rest.
+    // A contrast by hand weighs two of the conditions that there are.
     let weighted = "[[compare.weighted]]\nid = \"more\"\n\
                     weights = { \"task/v2h2\" = 1, \"task/v1h1\" = -1 }\n";
     fs::write(&file, format!("{before}[[modes]]{after}\n{weighted}")).unwrap();
     let tables = ran(root, "compare weights --json").json();
     let last = rows(&tables, "effects").last().unwrap().clone();
     assert_eq!((last["effect"].as_str(), last["n"].as_i64()), (Some("more"), Some(4)));
+}
+
+/// Before and after in a single mode: nothing but sessions is compared.
+#[test]
+fn sessions_are_levels_in_a_study_of_one_mode_and_one_that_nobody_has_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let root = folder.path();
+    ran(root, "new training");
+    let file = root.join("raw/training/study.toml");
+    let text = fs::read_to_string(&file).unwrap();
+    let (before, modes) = text.split_once("[[modes]]").unwrap();
+    let (first, others) = modes.split_once("[[modes]]").unwrap();
+    let (_, rest) = others.split_once("[[questions]]").unwrap();
+    let factor = "[[factors]]\nid = \"time\"\nlevels = [\"S01\", \"S02\"]\nof = \"sessions\"\n";
+    let compare = "[compare]\nprimary = \"duration_s\"\nmetrics = []\n";
+    let study = format!("{before}[[modes]]{first}{factor}{compare}[[questions]]{rest}");
+    fs::write(&file, &study).unwrap();
+    ran(root, "twin training --participants 4 --sessions 2 --quiet");
+    let effects = |tables: &Value| -> Vec<Value> {
+        let all = tables.as_array().unwrap().iter();
+        let found = all.clone().find(|table| table["table"] == "effects_duration_s").unwrap();
+        found["rows"].as_array().unwrap().clone()
+    };
+    let found = effects(&ran(root, "compare training --json").json());
+    assert_eq!(found.len(), 2, "one in each environment: {found:?}");
+    assert_eq!((found[0]["levels"].as_str(), found[0]["n"].as_i64()), (Some("S02 − S01"), Some(4)));
+    assert!(found[0]["p_adjusted"].as_f64().is_some(), "{found:?}");
+    fs::write(&file, study.replace("\"S02\"]", "\"S03\"]")).unwrap();
+    let found = effects(&ran(root, "compare training --json").json());
+    assert_eq!(found[0]["remark"], "nobody has the session S03");
 }

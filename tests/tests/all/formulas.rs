@@ -1,6 +1,7 @@
 //! Studies whose recordings are made by formula, so that anybody can make them again, and imported.
 
 use crate::binary::{Ran, zwidth, zwidth_line};
+use serde_json::Value;
 use std::f64::consts::PI;
 use std::fmt::Write as _;
 use std::fs;
@@ -74,4 +75,11 @@ pub(crate) fn ran(root: &Path, line: &str) -> Ran {
     let ran = zwidth_line(root, line);
     assert!(matches!(ran.code, Some(0 | 3)), "{line}: {}", ran.err);
     ran
+}
+
+/// A number of a table of `compare --json`.
+#[track_caller]
+pub(crate) fn near(row: &Value, column: &str, expected: f64) {
+    let found = row[column].as_f64().unwrap_or_else(|| panic!("{column}: {row}"));
+    assert!((found - expected).abs() <= 1e-6 * expected.abs(), "{column}: {found} {expected}");
 }

@@ -1,7 +1,7 @@
 //! Groups of people, from recordings and a participants' file to the tables and the sentences.
 
 use crate::binary::zwidth_line;
-use crate::formulas::{import, ran, record, u};
+use crate::formulas::{import, near, ran, record, u};
 use serde_json::Value;
 use std::fmt::Write as _;
 use std::fs;
@@ -81,11 +81,6 @@ fn row<'a>(tables: &'a Value, table: &str, values: &[(&str, &str)]) -> &'a Value
     let rows = found.unwrap()["rows"].as_array().unwrap();
     let is_it = |row: &&Value| values.iter().all(|(name, value)| row[*name] == *value);
     rows.iter().find(is_it).unwrap()
-}
-
-fn near(row: &Value, column: &str, expected: f64) {
-    let found = row[column].as_f64().unwrap_or_else(|| panic!("{column}: {row}"));
-    assert!((found - expected).abs() <= 1e-6 * expected.abs(), "{column}: {found} {expected}");
 }
 
 /// The numbers of R 4.2 (`t.test`) and SciPy 1.17 on people's means; permutations counted in Python.

@@ -7,7 +7,7 @@ use super::people::chosen_contrasts;
 use super::shape::{BoundTable, CompareTable, WeightedTable};
 use crate::{
     Analysis, Bound, Compare, Contrast, EffectSize, Factor, Families, MetricId, Mode, ModeId,
-    PersonColumn, Primary, Study,
+    PersonColumn, Primary, Study, Term,
 };
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -50,15 +50,17 @@ impl Check<'_> {
             self.error(&format!("compare.better.{metric}"), problem);
         }
         self.covariates(&table.covariates, people);
+        let effects = self.effects(table.effects, factors);
         let bounds = table.bounds.iter().map(|(m, b)| (m.clone(), self.bound(m, b, compared(m))));
         Compare {
             bounds: bounds.collect(),
             better: table.better,
             contrasts: match table.contrasts {
                 Some(pairs) => self.contrasts(pairs, modes),
-                None => default_contrasts(modes, factors),
+                None => default_contrasts(modes, &effects),
             },
-            effects: self.effects(table.effects, factors),
+            effects,
+            trend: self.trends(table.trend, factors),
             weighted: self.weighted(table.weighted, factors, modes, environments),
             families: table.families.unwrap_or_else(|| default_families(&primary)),
             primary,
@@ -169,9 +171,9 @@ fn default_families(primary: &Primary) -> Families {
     if primary.are_several() { Families::Study } else { Families::Metric }
 }
 
-/// The last of `modes` against each other one, in their order; none where factors are compared.
-fn default_contrasts(modes: &[Mode], factors: &[Factor]) -> Vec<Contrast> {
-    if !factors.is_empty() {
+/// The last of `modes` against each other one, in their order; none where effects of factors are compared.
+fn default_contrasts(modes: &[Mode], effects: &[Term]) -> Vec<Contrast> {
+    if !effects.is_empty() {
         return Vec::new();
     }
     let Some((last, others)) = modes.split_last() else { return Vec::new() };
@@ -196,7 +198,7 @@ pub(super) fn table(study: &Study) -> CompareTable {
         [(compare.alpha, Compare::ALPHA), (compare.level, study.analysis.confidence)]
             .map(|(value, default)| (value.to_bits() != default.to_bits()).then_some(value));
     CompareTable {
-        contrasts: (*contrasts != default_contrasts(&study.modes, &study.factors))
+        contrasts: (*contrasts != default_contrasts(&study.modes, &compare.effects))
             .then(|| contrasts.iter().map(|c| [c.mode.clone(), c.against.clone()]).collect()),
         primary: compare.is_primary_named.then(|| compare.primary.clone()),
         metrics: compare.metrics.clone(),
@@ -213,6 +215,7 @@ pub(super) fn table(study: &Study) -> CompareTable {
         covariates: compare.covariates.clone(),
         effects: (compare.effects != default_effects(&study.factors))
             .then(|| compare.effects.clone()),
+        trend: compare.trend.clone(),
         weighted: compare.weighted.iter().map(WeightedTable::of).collect(),
     }
 }

@@ -23,7 +23,11 @@ pub(super) struct EnvironmentTable {
     question: Option<QuestionId>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     questions: Vec<QuestionId>,
-    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    #[serde(
+        default,
+        skip_serializing_if = "BTreeMap::is_empty",
+        deserialize_with = "crate::factors::levels"
+    )]
     pub(super) factors: Levels,
 }
 

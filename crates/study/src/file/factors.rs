@@ -4,8 +4,8 @@ use super::check::Check;
 use super::environment::EnvironmentTable;
 use super::shape::WeightedTable;
 use crate::{
-    EnvironmentId, Factor, FactorId, FactorOf, Levels, Mode, ModeId, SessionId, Term, Weight,
-    Weighted,
+    DoseScale, EnvironmentId, Factor, FactorId, FactorOf, Levels, Mode, ModeId, SessionId, Term,
+    Trend, Weight, Weighted,
 };
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -43,6 +43,9 @@ impl Check<'_> {
         }
         for (i, factor) in factors.iter().enumerate() {
             self.levels(&format!("factors[{i}].levels"), &factor.levels);
+            if let Some(unit) = &factor.unit {
+                self.doses(i, factor, unit);
+            }
             if factor.of != FactorOf::Sessions {
                 continue;
             }
@@ -60,6 +63,71 @@ impl Check<'_> {
         self.levels_of("mode", FactorOf::Modes, of_modes.collect(), factors);
         let of_environments = environments.iter().map(|e| (e.id.as_str(), &e.factors));
         self.levels_of("environment", FactorOf::Environments, of_environments.collect(), factors);
+    }
+
+    /// A dose: numbers, ascending.
+    fn doses(&mut self, i: usize, factor: &Factor, unit: &str) {
+        self.line(&format!("factors[{i}].unit"), unit);
+        if unit.trim().is_empty() {
+            self.error(&format!("factors[{i}].unit"), "is empty; a unit of a pure number is \"1\"");
+        }
+        if unit.contains(" × ") {
+            let problem = "contains ' × ', by which tables join factors; write '·'";
+            self.error(&format!("factors[{i}].unit"), problem);
+        }
+        if factor.of == FactorOf::Sessions {
+            let problem = "is not used for sessions, whose levels are ids; leave it out";
+            self.error(&format!("factors[{i}].unit"), problem);
+        }
+        let numbers: Vec<Option<f64>> =
+            factor.levels.iter().map(|level| level.as_str().parse().ok()).collect();
+        for (k, level) in factor.levels.iter().enumerate() {
+            let problem = match (numbers[k], k.checked_sub(1).and_then(|before| numbers[before])) {
+                (Some(number), _) if !number.is_finite() => "is not a finite number",
+                (None, _) => {
+                    "is not a number; a factor with a unit is a dose: leave the unit out for words"
+                }
+                (Some(number), Some(before)) if number <= before => {
+                    "is not above the one before; doses ascend"
+                }
+                _ => continue,
+            };
+            self.error(&format!("factors[{i}].levels[{k}]"), format!("'{level}' {problem}"));
+        }
+    }
+
+    /// `[compare.trend]`: of doses, with levels enough, and above 0 where they are doubled.
+    pub(super) fn trends(
+        &mut self,
+        trends: BTreeMap<FactorId, Trend>,
+        factors: &[Factor],
+    ) -> BTreeMap<FactorId, Trend> {
+        for (id, Trend { degree, scale }) in &trends {
+            let key = format!("compare.trend.{id}");
+            let doses = factors.iter().find(|factor| factor.id == *id).and_then(Factor::doses);
+            let Some(doses) = doses else {
+                self.error(
+                    &key,
+                    format!("'{id}' is no factor with a unit; give it one, and numbers"),
+                );
+                continue;
+            };
+            if !(1..=2).contains(degree) {
+                self.error(
+                    &key,
+                    format!("the degree {degree} must be 1 (a line) or 2 (a bend too)"),
+                );
+            } else if doses.len() <= usize::from(*degree) {
+                let n = doses.len();
+                let problem =
+                    format!("{n} levels are too few for degree {degree}; give it a lower one");
+                self.error(&key, problem);
+            }
+            if *scale == DoseScale::Log2 && doses.iter().any(|dose| *dose <= 0.0) {
+                self.error(&key, "a dose of 0 or below has no doublings; use scale = \"linear\"");
+            }
+        }
+        trends
     }
 
     /// That each of `all`, which are modes or environments, has one level of every factor of theirs, and no two
@@ -262,6 +330,7 @@ mod tests {
         check_round_trip(&study);
         let study = with(["no", "some", "yes"], FACTOR, "[compare]\neffects = []\n").unwrap();
         assert!(study.effects().is_empty());
+        assert_eq!(study.compare.contrasts.len(), 2, "modes are compared as without factors");
         check_round_trip(&study);
     }
 
@@ -279,7 +348,7 @@ mod tests {
                 "add factors = { strong = \"no\" }",
             ),
             (
-                ["no", "sme", "yes"],
+                ["no", "middling", "yes"],
                 FACTOR,
                 String::new(),
                 "modes[1].factors.strong",
@@ -345,6 +414,72 @@ mod tests {
             ),
         ] {
             check_refused(with(levels, factor, &more), key, words);
+        }
+    }
+
+    #[test]
+    fn a_dose_is_numbers_with_a_unit_and_has_a_slope_a_bend_and_pairs_for_its_analysis() {
+        let dose = "[[factors]]\nid = \"strong\"\nlevels = [0.5, 1, 2.25]\nunit = \"N\"\n";
+        let trend = "[compare]\ntrend.strong = { degree = 2 }\n";
+        let study = with(["0.5", "1", "2.25"], dose, trend).unwrap();
+        check_round_trip(&study);
+        let first = &study.environments[0].id;
+        let effects = study.effects();
+        let here: Vec<_> =
+            effects.iter().filter(|e| e.environment.as_ref() == Some(first)).collect();
+        let shown = |k: usize| (here[k].levels[0].to_string(), here[k].is_claimed);
+        assert_eq!(shown(0), ("per 1 N".to_owned(), true));
+        assert_eq!(shown(1), ("bend per (1 N)²".to_owned(), true));
+        assert_eq!(shown(2), ("1 − 0.5".to_owned(), false));
+        assert_eq!(here.len(), 4);
+        // By least squares: of 3 + 2 x − x² the bend is −1.
+        let bend: f64 = here[1]
+            .weights
+            .iter()
+            .zip([2.25, 1.0, 0.5_f64])
+            .map(|(w, x)| w.weight * (3.0 + 2.0 * x - x * x))
+            .sum();
+        assert!((bend + 1.0).abs() < 1e-12, "{bend}");
+    }
+
+    #[test]
+    fn a_dose_that_is_none_is_one_error() {
+        let dose = |levels: &str| {
+            format!("[[factors]]\nid = \"strong\"\nlevels = {levels}\nunit = \"N\"\n")
+        };
+        let all = ["1", "2", "3"];
+        for (levels, factor, more, key, words) in [
+            (all, dose("[1, 3, 2]"), "", "factors[0].levels[2]", "'2' is not above the one before"),
+            (
+                ["no", "2", "3"],
+                dose("[\"no\", 2, 3]"),
+                "",
+                "factors[0].levels[0]",
+                "is not a number",
+            ),
+            (
+                all,
+                dose("[1, 2, 3]"),
+                "[compare]\ntrend.weak = {}",
+                "compare.trend.weak",
+                "no factor with a unit",
+            ),
+            (
+                all,
+                dose("[1, 2, 3]"),
+                "[compare]\ntrend.strong = { degree = 3 }",
+                "compare.trend.strong",
+                "must be 1 (a line)",
+            ),
+            (
+                ["0", "2", "3"],
+                dose("[0, 2, 3]"),
+                "[compare]\ntrend.strong = { scale = \"log2\" }",
+                "compare.trend.strong",
+                "no doublings",
+            ),
+        ] {
+            check_refused(with(levels, &factor, more), key, words);
         }
     }
 }

@@ -346,10 +346,10 @@ fn of_column(
             ));
         }
         (Known::Number { unit }, Cell::Text(text)) => {
-            return Err(format!("'{text}' is no number; give one in {unit}, or leave it out"));
+            return Err(format!("'{text}' is not a number; give one in {unit}, or leave it out"));
         }
         (Known::Number { unit }, Cell::Number(number)) if !number.is_finite() => {
-            return Err(format!("{number} is no number; give one in {unit}, or leave it out"));
+            return Err(format!("{number} is not a number; give one in {unit}, or leave it out"));
         }
         (Known::Number { .. }, Cell::Number(number)) if id == AGE && number.fract() != 0.0 => {
             return Err(format!("{number} has decimals, which tell a birthday; give whole years"));
@@ -459,8 +459,8 @@ mod tests {
                 "'Expert' is no level of it; there are novice, expert",
             ),
             ("[P01]\ngroup = 1", 2, "1 is a number"),
-            ("[P01]\n\nage_years = nan", 3, "NaN is no number"),
-            ("[P01]\nage_years = \"old\"", 2, "'old' is no number; give one in years"),
+            ("[P01]\n\nage_years = nan", 3, "NaN is not a number"),
+            ("[P01]\nage_years = \"old\"", 2, "'old' is not a number; give one in years"),
             ("[P01]\nage_years = 27.4", 2, "whole years"),
             ("[P01]\nage_years = true", 2, "neither a text nor a number"),
             ("[P01]\nsurname = \"x\"", 2, "who somebody is"),
@@ -476,9 +476,9 @@ mod tests {
         for (text, line, words) in [
             ("participant,group\nP01,expert\nP01,novice\n", 3, "'P01' stands twice"),
             ("participant,group\nP01,beginner\n", 2, "'beginner' is no level"),
-            ("participant,age_years\nP01,inf\n", 2, "inf is no number"),
-            ("participant,age_years\nP01,NaN\n", 2, "NaN is no number"),
-            ("participant,age_years\nP01,old\n", 2, "'old' is no number"),
+            ("participant,age_years\nP01,inf\n", 2, "inf is not a number"),
+            ("participant,age_years\nP01,NaN\n", 2, "NaN is not a number"),
+            ("participant,age_years\nP01,old\n", 2, "'old' is not a number"),
             ("participant,e-mail\nP01,x\n", 1, "who somebody is"),
             ("participant,group,group\nP01,expert,expert\n", 1, "stands twice"),
             ("who,group\nP01,expert\n", 1, "the first column is called participant"),

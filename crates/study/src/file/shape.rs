@@ -8,7 +8,7 @@ use crate::model::{Analysis, Design, Mode, Resistances};
 use crate::{AnswerScale, Better, LevelId, MetricId, ModeId, PersonColumnId, QuestionId, StudyId};
 use crate::{
     Channel, Control, EffectSize, Factor, FactorId, Families, OwnMetric, Primary, ReplayModel,
-    SceneFigure, Term, VelocityFilter,
+    SceneFigure, Term, Trend, VelocityFilter,
 };
 use serde::de::{self, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
@@ -192,6 +192,8 @@ pub(super) struct CompareTable {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(super) covariates: Vec<PersonColumnId>,
     pub(super) effects: Option<Vec<Term>>,
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub(super) trend: BTreeMap<FactorId, Trend>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(super) weighted: Vec<WeightedTable>,
 }

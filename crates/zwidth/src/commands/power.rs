@@ -10,12 +10,13 @@ use anyhow::{Context as _, bail};
 use indicatif::ProgressBar;
 use serde::Serialize;
 use serde_json::Value;
+use std::collections::BTreeSet;
 use std::path::Path;
 use zwidth_plan as plan;
-use zwidth_results::{ModeDifference, Model, UnitOfAnalysis};
+use zwidth_results::{EffectLevels, ModeDifference, Model, UnitOfAnalysis};
 use zwidth_stats::power::{self, HALVINGS, Plan, PlannedTest, Searched, Simulation};
 use zwidth_store::{Raw, RealFiles, StudyData, hex_blake3, write_new};
-use zwidth_study::{Study, StudyId, Term, contrast_label};
+use zwidth_study::{Effect, LevelContrast, Study, StudyId, Term, contrast_label};
 use zwidth_tables::number;
 
 #[derive(Debug, clap::Args)]
@@ -244,17 +245,25 @@ fn spread_of_effect(
     effect: &Term,
     screen: &Screen,
 ) -> anyhow::Result<Spread> {
-    let effects = data.study.effects();
-    let known = effects.iter().find(|own| own.term == *effect && !own.weights.is_empty());
-    let Some(known) = known else {
-        let mut names: Vec<String> = effects.iter().map(|own| own.term.to_string()).collect();
-        names.dedup();
+    let is_it = |own: &&Effect| own.is_claimed && !own.levels.iter().any(LevelContrast::is_bend);
+    let all = data.study.effects();
+    let all: Vec<&Effect> = all.iter().filter(is_it).collect();
+    let known: Vec<&&Effect> = all.iter().filter(|own| own.term == *effect).collect();
+    let squares = |own: &Effect| own.weights.iter().map(|w| w.weight * w.weight).sum::<f64>();
+    let widest = known.iter().map(|own| squares(own)).fold(0.0, f64::max);
+    if widest == 0.0 {
+        let why = known.iter().find_map(|own| own.lacks.as_deref());
+        let names: BTreeSet<String> = all.iter().map(|own| own.term.to_string()).collect();
+        let names: Vec<String> = names.into_iter().collect();
         let names = if names.is_empty() { "no effects".to_owned() } else { names.join(", ") };
-        bail!("--effect {effect}: {} compares {names}", data.layout.study());
-    };
+        let study = data.layout.study();
+        match why {
+            Some(why) => bail!("--effect {effect}: {why}"),
+            None => bail!("--effect {effect}: {study} compares {names}"),
+        }
+    }
     if command.participant_mode_sd.is_some() && command.residual_sd.is_some() {
-        let squares: f64 = known.weights.iter().map(|weight| weight.weight * weight.weight).sum();
-        let scale = (squares / 2.0).sqrt();
+        let scale = (widest / 2.0).sqrt();
         let Spread { participant, participant_mode, residual, source } =
             spread(data, command, metric, screen)?;
         let source = format!("{source}, times √(Σw² / 2) = {} of {effect}", number(scale, None));
@@ -266,7 +275,11 @@ fn spread_of_effect(
         true => plan::effects(data, &metric.parse()?)?,
         false => Vec::new(),
     };
-    let widest = found.into_iter().filter(|row| row.effect == *effect).filter_map(|row| {
+    let is_bend = |levels: &EffectLevels| levels.0.iter().any(LevelContrast::is_bend);
+    let of_effect = found
+        .into_iter()
+        .filter(|row| row.effect == *effect && !row.levels.as_ref().is_some_and(is_bend));
+    let widest = of_effect.filter_map(|row| {
         let variance = row.difference_std_error?.powi(2) * row.n as f64;
         let of = row.levels.map(|levels| format!(" ({levels})")).unwrap_or_default();
         Some((variance, of))

@@ -9,7 +9,7 @@ use zwidth_draw::style::{self, Stroke};
 use zwidth_draw::{Axis, Cell, Direction, Figure, Intervals, Layer, Line, Panel, dodge};
 use zwidth_results::EffectDifference;
 use zwidth_study::{
-    Environment, EnvironmentId, Factor, FactorOf, LevelId, ModeId, ParticipantId, Source,
+    Environment, EnvironmentId, Factor, FactorOf, LevelId, ModeId, ParticipantId, Source, counted,
 };
 use zwidth_tables::p_value;
 
@@ -48,10 +48,17 @@ pub fn effects_compared(
         for (levels, conditions) in by_levels.into_iter().flatten() {
             let title = [place.map(|e| plain(&e.label)), levels].into_iter().flatten();
             let title = title.collect::<Vec<_>>().join(", ");
-            let levels = about.factors.iter().take(1).flat_map(|factor| &factor.levels);
-            let x = Axis::categories(levels.map(|level| plain(level.as_str())));
-            let label = about.factors.first().map(|factor| plain(factor.id.as_str()));
-            let x = Axis { label: label.unwrap_or_default(), ..x };
+            let x = about.factors.first().map(|factor| {
+                let label = plain(factor.id.as_str());
+                match &factor.unit {
+                    Some(unit) => Axis::new(label, unit.as_str()),
+                    None => Axis {
+                        label,
+                        ..Axis::categories(factor.levels.iter().map(|level| plain(level.as_str())))
+                    },
+                }
+            });
+            let x = x.unwrap_or_else(|| Axis::new("", ""));
             let layers = lines(about, &conditions, &shown, compared);
             let panel = Panel::new(Cell::at(row, 0), x, shown.axis("mean"), layers);
             panels.push(panel.titled(title).tall(PANEL_MM));
@@ -74,7 +81,7 @@ pub fn effects_compared(
     let level = percent(about.confidence);
     let footnotes = [format!(
         "Left, grey: participants; discs: their mean. Whiskers: {level} intervals, not adjusted. Right: a later level \
-         of a factor less the first, the others averaged; grey: ± 1 just noticeable difference, where it is known. \
+         of a factor less the first (of a dose its slope), the others averaged; grey: ± 1 just noticeable difference, where it is known. \
          p: after Holm."
     )];
     Figure {
@@ -97,11 +104,11 @@ pub(super) fn effect_name(row: &EffectDifference) -> String {
     }
 }
 
-/// What came out: `motor: yes − no: different, p = 0.003, 8 people`.
+/// What came out: `motor: yes − no: different, p = 0.003, 8 participants`.
 fn said(row: &EffectDifference) -> String {
     let size = row.size.map(|size| size.as_str().to_owned());
     let p = row.p_adjusted.map(|p| format!("p {}", p_value(p)).replace(' ', "\u{a0}"));
-    let people = (row.n > 0).then(|| format!("{}\u{a0}people", row.n));
+    let people = (row.n > 0).then(|| counted(row.n, "participants").replace(' ', "\u{a0}"));
     let remark = row.remark.as_ref().map(ToString::to_string);
     let verdict = Some(row.verdict.as_str().to_owned());
     let parts: Vec<String> = [verdict, size, p, people, remark].into_iter().flatten().collect();
@@ -166,6 +173,7 @@ fn lines(
     compared: &MetricResults,
 ) -> Vec<Layer> {
     let second = about.factors.get(1);
+    let doses = about.factors.first().and_then(Factor::doses);
     let number = second.map_or(1, |factor| factor.levels.len());
     let (mut people, mut means) = (Vec::new(), Vec::new());
     for index in 0..number {
@@ -200,7 +208,10 @@ fn lines(
                 line.insert(at, [Some(mean(&people) / shown.factor), None, None]);
             }
         }
-        let place = |at: usize| at as f64 + dodge(index, number);
+        let place = |at: usize| match &doses {
+            Some(doses) => doses[at],
+            None => at as f64 + dodge(index, number),
+        };
         for values in own.values() {
             people.push(Layer::Line(Line {
                 x: values.keys().map(|at| place(*at)).collect(),
@@ -241,6 +252,7 @@ mod tests {
         let factor = |id: &str, levels: [&str; 2]| Factor {
             id: id.parse().unwrap(),
             levels: levels.map(|level| level.parse().unwrap()).to_vec(),
+            unit: None,
             of: FactorOf::Modes,
         };
         study.factors = vec![factor("force", ["weak", "strong"]), factor("noise", ["off", "on"])];
@@ -265,7 +277,7 @@ mod tests {
             difference_ci_low: difference.map(|d| d - 0.25),
             difference_ci_high: difference.map(|d| d + 0.25),
             statistic: None,
-            df: None,
+            df: difference.map(|_| 3.0),
             p_value: None,
             p_adjusted: difference.map(|_| 0.04),
             g_av: None,

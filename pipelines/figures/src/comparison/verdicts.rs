@@ -15,7 +15,7 @@ use zwidth_draw::{
 use zwidth_results::{
     EffectDifference, GroupDifference, Mean, ModeDifference, Role, UnitOfAnalysis,
 };
-use zwidth_study::{Better, Environment, ModeId, Source, contrast_label, in_a_sentence};
+use zwidth_study::{Better, Environment, ModeId, Source, contrast_label, counted, in_a_sentence};
 use zwidth_tables::{number, with_unit};
 
 /// The figure [`verdicts`].
@@ -178,9 +178,12 @@ fn effect_row(
     let difference = row.difference?;
     let (by, unit) = match row.jnd {
         Some(jnd) => (MeasuredBy::Jnd, jnd),
-        // In standard deviations of everybody's effects: those of conditions are of no single size.
+        // In standard deviations of everybody's effects: those of conditions are of no single size, and over groups
+        // with the same weight each there is none of all people.
         None => {
-            let deviation = row.difference_std_error? * (row.n as f64).sqrt();
+            let is_of_all = row.df.is_some_and(|df| (df - (row.n as f64 - 1.0)).abs() < 1e-9);
+            let deviation = row.difference_std_error.filter(|_| is_of_all)?;
+            let deviation = deviation * (row.n as f64).sqrt();
             (MeasuredBy::Deviation, (deviation > 0.0).then_some(deviation)?)
         }
     };
@@ -203,7 +206,7 @@ fn effect_row(
         redrawn: Vec::new(),
         value: with_unit(&rounded(difference), &shown.unit) + &interval.unwrap_or_default(),
         verdict: format!("{}{}", row.verdict.as_str(), size.unwrap_or_default()),
-        who: format!("{} people", row.n),
+        who: counted(row.n, "participants"),
         better: found.metric.better,
         best: None,
     })
@@ -322,10 +325,15 @@ pub fn verdicts(
         footnotes.push(note.to_owned());
     }
     if rows.iter().any(|row| row.by == MeasuredBy::Deviation) {
-        footnotes.push(
-            "Of metrics in standard deviations (of a mode, between dots) it is not known what is felt."
-                .to_owned(),
-        );
+        let of_effects = found.iter().any(|metric| !metric.effects.is_empty());
+        let of = if of_effects {
+            "of a mode, or of everybody's effects"
+        } else {
+            "of a mode, between dots"
+        };
+        footnotes.push(format!(
+            "Of metrics in standard deviations ({of}) it is not known what is felt."
+        ));
     }
     if rows.iter().any(|row| row.role == Role::Exploratory) {
         let metrics = if about.has_several_primary { "metrics" } else { "metric" };

@@ -3,7 +3,8 @@
 use super::recorded::{Recorded, plain};
 use super::sources::Cited;
 use zwidth_study::{
-    Bound, EffectSize, FactorOf, Families, GroupsCompared, LevelId, Study, contrast_label,
+    Bound, DoseScale, Effect, EffectSize, FactorOf, Families, GroupsCompared, LevelId, Study,
+    contrast_label,
 };
 
 pub(super) fn paragraphs(study: &Study, recorded: &Recorded, cited: &mut Cited) -> Vec<String> {
@@ -13,6 +14,8 @@ pub(super) fn paragraphs(study: &Study, recorded: &Recorded, cited: &mut Cited) 
     let mut sentences = vec![compared(study, recorded)];
     sentences.push(if recorded.participants > 1 {
         between(study, recorded, cited)
+    } else if study.compare.contrasts.is_empty() {
+        "With one participant effects are a description of this participant alone: nothing was tested.".to_owned()
     } else {
         // One participant: trials are the units.
         format!(
@@ -86,25 +89,44 @@ fn compared(study: &Study, recorded: &Recorded) -> String {
 /// The factors of the design, and which of their effects were compared.
 fn factors(study: &Study) -> String {
     let mut text = String::new();
-    if !study.factors.is_empty() {
-        let factors = study.factors.iter().map(|factor| {
-            let levels: Vec<&str> = factor.levels.iter().map(LevelId::as_str).collect();
-            let of = match factor.of {
-                FactorOf::Modes => "of modes",
-                FactorOf::Environments => "of environments",
-                FactorOf::Sessions => "of sessions",
-            };
-            format!("{} ({of}; {})", factor.id, levels.join(", "))
-        });
-        let effects: Vec<String> =
-            study.compare.effects.iter().map(|term| term.to_string().replace(':', " × ")).collect();
+    let factors = study.factors.iter().map(|factor| {
+        let levels: Vec<&str> = factor.levels.iter().map(LevelId::as_str).collect();
+        let of = match factor.of {
+            FactorOf::Modes => "of modes",
+            FactorOf::Environments => "of environments",
+            FactorOf::Sessions => "of sessions",
+        };
+        let unit = factor.unit.as_deref().filter(|unit| *unit != "1");
+        let unit = unit.map(|unit| format!(" {unit}")).unwrap_or_default();
+        format!("{} ({of}; {}{unit})", factor.id, levels.join(", "))
+    });
+    let factors: Vec<String> = factors.collect();
+    text += &match factors.as_slice() {
+        [] => String::new(),
+        [one] => format!("The factor of the design was {one}."),
+        several => format!("The factors of the design were {}.", several.join(", ")),
+    };
+    let effects: Vec<String> =
+        study.compare.effects.iter().map(|term| term.to_string().replace(':', " × ")).collect();
+    if !effects.is_empty() {
         let over_all = study.factors.iter().any(|factor| factor.of == FactorOf::Environments);
+        let place = if over_all { "over all environments" } else { "in each environment" };
+        let has_words = study.factors.iter().any(|factor| factor.unit.is_none());
+        let later = if has_words { ": every later level less the first" } else { "" };
+        let (the, was) =
+            if effects.len() == 1 { ("The effect of", "was") } else { ("The effects of", "were") };
         text += &format!(
-            "The design crossed the factors {}. Of these the effects {} were compared{}: every later level less the \
-             first, the other factors averaged, as a weighted sum of each participant's means.",
-            factors.collect::<Vec<_>>().join(", "),
-            effects.join(", "),
-            if over_all { "" } else { " in each environment" }
+            " {the} {} {was} compared {place} as weighted sums of each participant's means, other factors averaged{later}.",
+            effects.join(", ")
+        );
+    }
+    for factor in study.factors.iter().filter(|own| own.unit.is_some() && !effects.is_empty()) {
+        let trend = study.compare.trend.get(&factor.id).copied().unwrap_or_default();
+        let bend = if trend.degree > 1 { ", and the bend of their parabola" } else { "" };
+        let scale = if trend.scale == DoseScale::Log2 { ", over its doublings" } else { "" };
+        text += &format!(
+            " That of {} is the slope of each participant's own line by least squares{bend}{scale}.",
+            factor.id
         );
     }
     for weighted in &study.compare.weighted {
@@ -145,10 +167,15 @@ fn between(study: &Study, recorded: &Recorded, cited: &mut Cited) -> String {
         None => {
             format!("Its mean was tested by Student's t with n − 1 degrees of freedom; {beside}")
         }
-        Some(groups) => of_groups(groups, cited),
+        Some(groups) => of_groups(groups, has_contrasts, cited),
     };
-    let effects = effects(&study.compare.effect_sizes, cited);
-    let variance = match study.factors.iter().any(|factor| factor.levels.len() > 2) {
+    let effects = effects(&study.compare.effect_sizes, has_contrasts, cited);
+    let all = study.effects();
+    let is_analysed = |effect: &Effect| {
+        let factors = study.factors.iter().filter(|factor| effect.term.0.contains(&factor.id));
+        effect.lacks.is_none() && factors.clone().any(|factor| factor.levels.len() > 2)
+    };
+    let variance = match all.iter().any(is_analysed) {
         true => format!(
             " Beside the effects of factors with several levels stands their analysis of variance, each with its \
              own error and Greenhouse and Geisser's degrees of freedom {}.",
@@ -172,14 +199,18 @@ fn between(study: &Study, recorded: &Recorded, cited: &mut Cited) -> String {
 }
 
 /// How groups of participants were compared.
-fn of_groups(groups: &GroupsCompared, cited: &mut Cited) -> String {
+fn of_groups(groups: &GroupsCompared, has_contrasts: bool, cited: &mut Cited) -> String {
+    let (differences, one) = match has_contrasts {
+        true => ("Differences between modes", "difference"),
+        false => ("Effects", "effect"),
+    };
     let levels: Vec<&str> = groups.levels.iter().map(LevelId::as_str).collect();
     let contrasts: Vec<String> = groups.contrasts.iter().map(ToString::to_string).collect();
     let chosen = if groups.assigned { "assigned by chance" } else { "not assigned by chance" };
     format!(
-        "Participants were of the groups {} ({}, {chosen}). Differences between modes were averaged over groups with \
+        "Participants were of the groups {} ({}, {chosen}). {differences} were averaged over groups with \
          the same weight each and tested with Satterthwaite's degrees of freedom {}. Groups were compared ({}) by \
-         Welch's t test {}, in the mean over modes and in every difference between modes, with a claim from four \
+         Welch's t test {}, in the mean over modes and in every {one}, with a claim from four \
          participants in each group on; beside it stands |t| over permuted labels {}",
         levels.join(", "),
         groups.column,
@@ -191,7 +222,7 @@ fn of_groups(groups: &GroupsCompared, cited: &mut Cited) -> String {
 }
 
 /// What the effect sizes are.
-fn effects(sizes: &[EffectSize], cited: &mut Cited) -> String {
+fn effects(sizes: &[EffectSize], have_intervals: bool, cited: &mut Cited) -> String {
     if sizes.is_empty() {
         return String::new();
     }
@@ -212,7 +243,11 @@ fn effects(sizes: &[EffectSize], cited: &mut Cited) -> String {
             cited.cite("hedges")
         );
     }
-    text + " Their intervals are those of the noncentral t distribution."
+    text + if have_intervals {
+        " Their intervals are those of the noncentral t distribution."
+    } else {
+        ""
+    }
 }
 
 fn claims(study: &Study, recorded: &Recorded, cited: &mut Cited) -> String {
