@@ -76,28 +76,25 @@ pub fn effect(table: &[Vec<f64>], contrasts: &[Vec<f64>]) -> Result<RmAnova, Une
             basis.push(rest.into_iter().map(|value| value / length).collect());
         }
     }
-    let origin = table.first().cloned().unwrap_or_default();
+    // Contrasts see no constant; without it no digits are lost far from zero.
+    let constant = table.first().and_then(|row| row.first()).copied().unwrap_or_default();
+    let near: Vec<Vec<f64>> =
+        table.iter().map(|row| row.iter().map(|value| value - constant).collect()).collect();
     let part = |row: &Vec<f64>| {
-        // Far from zero digits would be lost: less the first row before and after.
-        let row: Vec<f64> = row.iter().zip(&origin).map(|(value, first)| value - first).collect();
         basis.iter().fold(vec![0.0; row.len()], |mut part, direction| {
-            let along = dot(&row, direction) + dot(&origin, direction);
+            let along = dot(row, direction);
             part.iter_mut().zip(direction).for_each(|(part, one)| *part += along * one);
             part
         })
     };
-    let parts: Vec<Vec<f64>> = table.iter().map(part).collect();
-    // What is left of values that only differ in other respects is their rounding.
-    let squares =
-        |rows: &mut dyn Iterator<Item = Vec<f64>>| -> f64 { rows.map(|row| dot(&row, &row)).sum() };
-    let less = |row: &Vec<f64>, other: &[f64]| row.iter().zip(other).map(|(a, b)| a - b).collect();
-    let all = squares(&mut table.iter().map(|row| less(row, &vec![origin[0]; row.len()])));
-    let mean: Vec<f64> = (0..origin.len())
-        .map(|k| parts.iter().map(|row| row[k]).sum::<f64>() / parts.len() as f64)
-        .collect();
-    let error = squares(&mut parts.iter().map(|row| less(row, &mean)));
-    not_constant("participants' effects", error <= ROUNDING * all)?;
+    let parts: Vec<Vec<f64>> = near.iter().map(part).collect();
     let whole = rm_anova(&parts)?;
+    // What is left of values that only differ in other respects is their rounding.
+    let mean = |k: usize| parts.iter().map(|row| row[k]).sum::<f64>() / parts.len() as f64;
+    let means: Vec<f64> = (0..parts[0].len()).map(mean).collect();
+    let squares = parts.iter().flat_map(|row| row.iter().zip(&means)).map(|(v, m)| (v - m).powi(2));
+    let all: f64 = near.iter().map(|row| dot(row, row)).sum();
+    not_constant("participants' effects", squares.sum::<f64>() <= ROUNDING * all)?;
     // The columns' sums of squares are those of the part: the ratio of mean squares is the same with k
     // degrees of freedom, and so is k ε.
     let (n, k) = (table.len() as f64, basis.len() as f64);
@@ -270,6 +267,7 @@ mod tests {
         let more = [&of[0][..], &[contrast(&|v, _| later(2, v) - later(1, v))]].concat();
         assert_eq!(effect(&table, &more).unwrap().test.df_num.to_bits(), 2.0_f64.to_bits());
         assert!(effect(&table, &[vec![0.0; 9]]).is_err());
+        assert!(effect(&[vec![1.0; 9], vec![2.0; 8]], &of[0]).is_err(), "rows of two lengths");
         // Effects that everybody has alike, or not at all, have no error, although rounding leaves some.
         let added =
             |person: u64, cell: u64| (person + 2 * (cell / 3) + 3 * (cell % 3)) as f64 / 7.0;

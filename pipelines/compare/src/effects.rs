@@ -44,8 +44,8 @@ impl Row<'_> {
 
     /// Why nobody has such an effect.
     fn nobody(&self, cells: &Cells) -> String {
-        let named = self.effect.weights.iter().filter_map(|weight| weight.session.as_ref());
-        match named.into_iter().find(|id| !cells.sessions.contains(id)) {
+        let mut sessions = self.effect.weights.iter().filter_map(|weight| weight.session.as_ref());
+        match sessions.find(|id| !cells.sessions.contains(id)) {
             Some(id) => format!("nobody has the session {id}"),
             None => "nobody has all conditions that it weighs".to_owned(),
         }
@@ -104,20 +104,20 @@ fn of_people(cells: &Cells, are_levels: bool) -> BTreeMap<usize, Vec<Own>> {
     people.into_iter().map(|(who, sessions)| (who, sessions.into_values().collect())).collect()
 }
 
-/// Everybody's mean over those of their sessions that have all of what `of` needs, by participant.
+/// Everybody's mean of `values` over those of their sessions that have them, by participant.
 fn averaged(
     people: &BTreeMap<usize, Vec<Own>>,
-    of: impl Fn(&Own) -> Option<Vec<f64>>,
+    values: impl Fn(&Own) -> Option<Vec<f64>>,
 ) -> BTreeMap<usize, Vec<f64>> {
-    let mut values = BTreeMap::new();
+    let mut means = BTreeMap::new();
     for (participant, sessions) in people {
-        let sessions: Vec<Vec<f64>> = sessions.iter().filter_map(&of).collect();
+        let sessions: Vec<Vec<f64>> = sessions.iter().filter_map(&values).collect();
         let Some(first) = sessions.first() else { continue };
         let sum = |k: usize| sessions.iter().map(|values| values[k]).sum::<f64>();
-        let means = (0..first.len()).map(|k| sum(k) / sessions.len() as f64);
-        values.insert(*participant, means.collect());
+        let mean = (0..first.len()).map(|k| sum(k) / sessions.len() as f64);
+        means.insert(*participant, mean.collect());
     }
-    values
+    means
 }
 
 /// The effects, tested, without a verdict.
@@ -133,11 +133,11 @@ pub(crate) fn rows<'a>(
         let Some(weights) = placed(effect, cells, parameters) else { continue };
         let people = if effect.is_by_session() { &together } else { &apart };
         // Where nobody has any of its conditions the environment has no such metric.
-        let is_there = |cell: &Cell| {
+        let is_weighed = |cell: &Cell| {
             let place = [cell.environment, cell.mode];
             cell.mean.is_some() && weights.iter().any(|((_, own), _)| *own == place)
         };
-        if !weights.is_empty() && !cells.cells.iter().any(is_there) {
+        if !weights.is_empty() && !cells.cells.iter().any(is_weighed) {
             continue;
         }
         let values = averaged(people, |own| {

@@ -1,7 +1,7 @@
 //! Effects of factors, one metric per figure.
 
 use super::compared::{MetricResults, PANEL_MM, Shown, WEIGHTS, intervals, mean, or_note};
-use super::groups::across;
+use super::groups::{Across, across};
 use crate::words::{mark, percent, plain};
 use crate::{About, FigureKind};
 use std::collections::BTreeMap;
@@ -65,15 +65,15 @@ pub fn effects_compared(
             row += 1;
         }
         let names = Axis::categories(effects.iter().map(|row| plain(&effect_name(row))));
-        let rows: Vec<_> = effects
-            .iter()
-            .map(|row| (row.jnd, [row.difference, row.difference_ci_low, row.difference_ci_high]))
-            .collect();
-        let layers = across(&rows, &shown);
+        let rows = effects.iter().map(|row| Across {
+            jnd: row.jnd,
+            estimate: [row.difference, row.difference_ci_low, row.difference_ci_high],
+        });
+        let layers = across(&rows.collect::<Vec<_>>(), &shown);
         let panel = Panel::new(Cell::at(first_row, 1), shown.axis("effect"), names, layers);
         panels.push(panel.tall(PANEL_MM));
         row = row.max(first_row + 1);
-        let claims: Vec<String> = effects.iter().map(|row| said(row)).collect();
+        let claims: Vec<String> = effects.iter().map(|row| claim(row)).collect();
         let label =
             place.map_or_else(String::new, |environment| format!("{}: ", environment.label));
         verdicts.push(format!("{label}{}.", claims.join("; ")));
@@ -105,7 +105,7 @@ pub(super) fn effect_name(row: &EffectDifference) -> String {
 }
 
 /// What came out: `motor: yes − no: different, p = 0.003, 8 participants`.
-fn said(row: &EffectDifference) -> String {
+fn claim(row: &EffectDifference) -> String {
     let size = row.size.map(|size| size.as_str().to_owned());
     let p = row.p_adjusted.map(|p| format!("p {}", p_value(p)).replace(' ', "\u{a0}"));
     let people = (row.n > 0).then(|| counted(row.n, "participants").replace(' ', "\u{a0}"));

@@ -57,15 +57,15 @@ pub fn groups_compared(
             false => plain(&format!("{}: {}", row.groups, effect_label(&about.modes, &row.effect))),
         });
         let label = if is_one_pair { first.to_string() } else { "difference".to_owned() };
-        let rows: Vec<_> = differences
-            .iter()
-            .map(|row| (row.jnd, [row.difference, row.difference_ci_low, row.difference_ci_high]))
-            .collect();
-        let layers = across(&rows, &shown);
+        let rows = differences.iter().map(|row| Across {
+            jnd: row.jnd,
+            estimate: [row.difference, row.difference_ci_low, row.difference_ci_high],
+        });
+        let layers = across(&rows.collect::<Vec<_>>(), &shown);
         let names = Axis::categories(names);
         let panel = Panel::new(Cell::at(row, 1), shown.axis(&plain(&label)), names, layers);
         panels.push(panel.tall(PANEL_MM));
-        let claims = differences.iter().filter_map(|row| said(about, row)).collect::<Vec<_>>();
+        let claims = differences.iter().filter_map(|row| claim(about, row)).collect::<Vec<_>>();
         verdicts.push(format!("{}: {}.", environment.label, claims.join("; ")));
     }
     let level = percent(about.confidence);
@@ -99,7 +99,7 @@ pub(super) fn effect_label(modes: &[Mode], effect: &GroupEffect) -> String {
 }
 
 /// What came out of a claim: `expert − novice, mean over modes: different, p = 0.003`.
-fn said(about: &About, row: &GroupDifference) -> Option<String> {
+fn claim(about: &About, row: &GroupDifference) -> Option<String> {
     let verdict = Some(row.verdict?.as_str().to_owned());
     let size = row.size.map(|size| size.as_str().to_owned());
     let p = row.p_adjusted.map(|p| format!("p {}", p_value(p)).replace(' ', "\u{a0}"));
@@ -156,12 +156,19 @@ fn people(
     layers
 }
 
-/// Differences below each other with their intervals, zero, and what is not felt: of each the just noticeable
-/// difference, and estimate and interval.
-pub(super) fn across(rows: &[(Option<f64>, [Option<f64>; 3])], shown: &Shown) -> Vec<Layer> {
+/// A difference among others below each other.
+pub(super) struct Across {
+    /// The just noticeable difference.
+    pub(super) jnd: Option<f64>,
+    /// The difference, and the ends of its interval.
+    pub(super) estimate: [Option<f64>; 3],
+}
+
+/// Differences below each other with their intervals, zero, and what is not felt.
+pub(super) fn across(rows: &[Across], shown: &Shown) -> Vec<Layer> {
     let mut layers = Vec::new();
-    for (place, (jnd, _)) in rows.iter().enumerate() {
-        let Some(jnd) = jnd.map(|jnd| jnd * shown.factor) else { continue };
+    for (place, row) in rows.iter().enumerate() {
+        let Some(jnd) = row.jnd.map(|jnd| jnd * shown.factor) else { continue };
         let [low, high] = [-0.4, 0.4].map(|side| place as f64 + side);
         layers.push(Layer::Band(Band {
             x: vec![-jnd, jnd],
@@ -173,7 +180,7 @@ pub(super) fn across(rows: &[(Option<f64>, [Option<f64>; 3])], shown: &Shown) ->
     }
     layers.push(zero(Direction::Vertical));
     let at = (0..rows.len()).map(|place| place as f64).collect();
-    let estimates: Vec<[Option<f64>; 3]> = rows.iter().map(|(_, estimate)| *estimate).collect();
+    let estimates: Vec<[Option<f64>; 3]> = rows.iter().map(|row| row.estimate).collect();
     layers.push(Layer::Intervals(intervals(Direction::Horizontal, at, &estimates, shown)));
     layers
 }
