@@ -36,7 +36,7 @@ use zwidth_study::{
 };
 use zwidth_tables::{Measured, Table, TableError};
 
-const STAGE: Stage = Stage { name: "compare", version: zwidth_compare::VERSION };
+pub(crate) const STAGE: Stage = Stage { name: "compare", version: zwidth_compare::VERSION };
 
 /// The metrics that a study compares, where it does not say which, besides the primary one and the
 /// one that is primary by default.
@@ -506,7 +506,7 @@ impl Comparing<Parameters> {
 }
 
 /// The groups of those who took part.
-fn groups(data: &StudyData, compared: &GroupsCompared) -> Groups {
+pub(crate) fn groups(data: &StudyData, compared: &GroupsCompared) -> Groups {
     let took_part: BTreeSet<_> = data.counting().map(|trial| &trial.meta.participant).collect();
     let levels_of = took_part.into_iter().filter_map(|who| {
         let own = data.people.level(who, &compared.column)?;

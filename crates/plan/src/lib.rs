@@ -10,6 +10,7 @@
 mod average;
 mod characterise;
 mod compare;
+mod curves;
 mod figures;
 mod freemotion;
 mod identify;
@@ -54,7 +55,7 @@ use zwidth_store::{Findings, StudyData};
 type OfData = (&'static str, fn(&StudyData) -> Vec<Job>);
 
 /// Each stage stands after those whose results it reads.
-const OF_DATA: [OfData; 13] = [
+const OF_DATA: [OfData; 14] = [
     ("characterise", characterise::jobs),
     ("identify", identify::jobs),
     // Some of them rest on the identified plant.
@@ -67,6 +68,7 @@ const OF_DATA: [OfData; 13] = [
     ("replay", replay::runs::jobs),
     ("likert", likert::jobs),
     ("compare", compare::jobs),
+    ("compare", curves::jobs),
     ("trade", trade::jobs),
     ("simulate", scenes::jobs),
 ];

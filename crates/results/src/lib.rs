@@ -31,6 +31,9 @@
 //! | [`AnyGroup`] | metric, environment, effect | `compare` | printed tables |
 //! | [`EffectDifference`] | metric, environment, effect, levels | `compare` | figures, summary |
 //! | [`FactorTest`] | metric, environment, effect | `compare` | summary, printed tables |
+//! | [`CurveNode`] | curve, environment, effect, groups, branch, angle or time | `compare` | figures |
+//! | [`CurveDifference`] | curve, environment, effect, groups | `compare` | figures, summary, printed tables |
+//! | [`CurveRun`] | curve, environment, effect, branch, angle or time | `compare` | figures, summary, printed tables |
 //! | [`SessionChange`] | metric, environment, mode, sessions | `compare` | figures, summary |
 //! | [`Learning`] | metric, environment, mode | `compare` | printed tables |
 //! | [`RepeatMean`] | metric, environment, mode, repeat | `compare` | figures |
@@ -93,6 +96,7 @@ mod characteristic;
 mod claims;
 mod column;
 mod comparison;
+mod curves;
 mod effects;
 mod figure;
 mod free_motion;
@@ -115,6 +119,7 @@ pub use characteristic::*;
 pub use claims::*;
 pub use column::{Column, Field, Scalar, Type, UNIT_OF_ROW, Values};
 pub use comparison::*;
+pub use curves::*;
 pub use effects::{EffectDifference, EffectLevels, FactorEffect, FactorTest};
 pub use figure::*;
 pub use free_motion::*;

@@ -148,12 +148,48 @@ pub fn permuted(a: &[f64], b: &[f64], sampling: Sampling) -> Result<Permuted, Un
         (mean_a - mean_b).powi(2) / variance.max(f64::MIN_POSITIVE)
     };
     let observed = t2(&mut values[..na].iter().copied());
-    let is_extreme = |t2: f64| t2 >= observed * (1.0 - SAME);
-    // Of groups of one size an arrangement and its mirror have one t.
-    let mirrored = if na == nb { 2.0 } else { 1.0 };
+    let extreme = arranged(na, nb, sampling, |first| {
+        t2(&mut first.iter().map(|i| values[*i])) >= observed * (1.0 - SAME)
+    });
+    let count = extreme.of.iter().filter(|extreme| **extreme).count();
+    Ok(Permuted {
+        p_value: extreme.share(count),
+        smallest_p: extreme.smallest_p,
+        null: extreme.null,
+    })
+}
+
+/// What arrangements of the labels of two groups give.
+pub(crate) struct Arranged<T> {
+    /// Of each: of all of them, that which there is among them, or of those drawn.
+    pub(crate) of: Vec<T>,
+    /// How they were found.
+    pub(crate) null: Null,
+    /// The smallest p that so many people can reach.
+    pub(crate) smallest_p: f64,
+}
+
+impl<T> Arranged<T> {
+    /// The p value if so many of them are as extreme as what was observed.
+    pub(crate) fn share(&self, extreme: usize) -> f64 {
+        match self.null {
+            Null::Sampled { draws } => (1 + extreme) as f64 / (1 + draws) as f64,
+            Null::Exact | Null::Normal => extreme as f64 / self.of.len() as f64,
+        }
+    }
+}
+
+/// What `of` gives of each arrangement of the labels of `na` and `nb` people: it takes the places of those
+/// in the first group. Up to 20,000 arrangements are counted, beyond these they are drawn by `sampling`.
+pub(crate) fn arranged<T: Send>(
+    na: usize,
+    nb: usize,
+    sampling: Sampling,
+    of: impl Fn(&[usize]) -> T + Sync,
+) -> Arranged<T> {
     let Some(arrangements) = arrangements(na + nb, na) else {
         let draws = (0..sampling.draws as u64).into_par_iter();
-        let extreme = draws.map_init(
+        let drawn = draws.map_init(
             || (0..na + nb).collect::<Vec<usize>>(),
             |order, number| {
                 let mut rng = stream(sampling.seed, number);
@@ -163,18 +199,17 @@ pub fn permuted(a: &[f64], b: &[f64], sampling: Sampling) -> Result<Permuted, Un
                     let other = place + index_below(&mut rng, order.len() - place);
                     order.swap(place, other);
                 }
-                is_extreme(t2(&mut order[..na].iter().map(|i| values[*i])))
+                of(&order[..na])
             },
         );
-        let extreme = extreme.filter(|extreme| *extreme).count();
-        let p_value = (1 + extreme) as f64 / (1 + sampling.draws) as f64;
         let smallest_p = 1.0 / (1 + sampling.draws) as f64;
-        return Ok(Permuted { p_value, smallest_p, null: Null::Sampled { draws: sampling.draws } });
+        let null = Null::Sampled { draws: sampling.draws };
+        return Arranged { of: drawn.collect(), null, smallest_p };
     };
     let mut chosen: Vec<usize> = (0..na).collect();
-    let mut extreme = 0_u64;
+    let mut counted = Vec::new();
     loop {
-        extreme += u64::from(is_extreme(t2(&mut chosen.iter().map(|i| values[*i]))));
+        counted.push(of(&chosen));
         // The next choice in the order of a dictionary: the last place that can move does.
         let Some(place) = (0..na).rev().find(|place| chosen[*place] < nb + place) else { break };
         chosen[place] += 1;
@@ -182,11 +217,9 @@ pub fn permuted(a: &[f64], b: &[f64], sampling: Sampling) -> Result<Permuted, Un
             chosen[later] = chosen[later - 1] + 1;
         }
     }
-    Ok(Permuted {
-        p_value: extreme as f64 / arrangements as f64,
-        smallest_p: mirrored / arrangements as f64,
-        null: Null::Exact,
-    })
+    // Of groups of one size an arrangement and its mirror have one t.
+    let mirrored = if na == nb { 2.0 } else { 1.0 };
+    Arranged { of: counted, null: Null::Exact, smallest_p: mirrored / arrangements as f64 }
 }
 
 /// n over k, if no more than can be counted.

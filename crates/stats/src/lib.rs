@@ -13,6 +13,7 @@ pub mod bca;
 pub mod bootstrap;
 pub mod clm;
 pub mod clmm;
+pub mod curve;
 pub mod design_guard;
 pub mod effect;
 mod error;

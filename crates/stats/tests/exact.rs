@@ -1,9 +1,9 @@
-//! The same numbers by SciPy, statsmodels and pingouin, on random data with ties, zeros and
+//! The same numbers by SciPy, statsmodels, pingouin and spm1d, on random data with ties, zeros and
 //! constants.
 //!
 //! `ZWIDTH_PYTHON=… cargo test -p zwidth-stats --test exact -- --ignored`, with the Python that has
 //! what `tests/interop/requirements.txt` lists. `ZWIDTH_EXACT_CASES` sets how many data sets are
-//! drawn at least (one round of 134), `ZWIDTH_EXACT_SEED` the seed they are drawn from.
+//! drawn at least (one round of 139), `ZWIDTH_EXACT_SEED` the seed they are drawn from.
 
 // Helpers of tests stand outside of `#[test]` functions, where clippy.toml's exemption does not
 // reach.
@@ -19,14 +19,14 @@ use zwidth_stats::agreement::agreement;
 use zwidth_stats::null::Sampling;
 use zwidth_stats::rm_anova::rm_anova;
 use zwidth_stats::sharp_null::{Statistic, Trials};
-use zwidth_stats::{bca, effect, friedman, holm, paired, sign_flip, signed_rank};
+use zwidth_stats::{bca, curve, effect, friedman, holm, paired, sign_flip, signed_rank};
 
 const SAMPLING: Sampling = Sampling { draws: 999, seed: 1 };
 const SCRIPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/interop/stats/exact.py");
 
 #[test]
-#[ignore = "needs Python with SciPy, statsmodels, pingouin"]
-fn every_number_is_that_of_scipy_statsmodels_and_pingouin() {
+#[ignore = "needs Python with SciPy, statsmodels, pingouin, spm1d"]
+fn every_number_is_that_of_scipy_statsmodels_pingouin_and_spm1d() {
     let python = setting("ZWIDTH_PYTHON", "python3");
     let sets: usize = setting("ZWIDTH_EXACT_CASES", "1").parse().unwrap();
     let (rounds, seed) = (sets.div_ceil(ROUND), setting("ZWIDTH_EXACT_SEED", "20240601"));
@@ -48,8 +48,8 @@ fn every_number_is_that_of_scipy_statsmodels_and_pingouin() {
         checked += cases.len();
     }
     let words = format!(
-        "SciPy, statsmodels and pingouin: {checked} data sets for the exact tests, Holm's p values, the paired \
-         t, equivalence, orders, BCa intervals, repeated measures and agreement."
+        "SciPy, statsmodels, pingouin and spm1d: {checked} data sets for the exact tests, Holm's p values, the \
+         paired t, equivalence, orders, BCa intervals, repeated measures, agreement and whole curves."
     );
     println!("{words}");
     note("r-3", &words);
@@ -61,7 +61,7 @@ const PACKAGES: &str = "what tests/interop/requirements.txt lists";
 type Check = fn(&Value);
 
 /// The kinds of cases, and how many of each a round has.
-const KINDS: [(&str, usize, Check); 7] = [
+const KINDS: [(&str, usize, Check); 8] = [
     ("differences", 61, differences),
     ("paired", 10, paired_t),
     ("friedman", 24, friedmans),
@@ -69,9 +69,10 @@ const KINDS: [(&str, usize, Check); 7] = [
     ("orders", 8, orders),
     ("bca", 9, bcas),
     ("repeated", 12, repeated),
+    ("curves", 5, curves),
 ];
 /// Cases of a round.
-const ROUND: usize = 134;
+const ROUND: usize = 139;
 
 fn differences(case: &Value) {
     let d = numbers(&case["d"]);
@@ -190,6 +191,40 @@ fn repeated(case: &Value) {
     near(ranked.concordance, &case["concordance"], 1e-12, case);
     let pairs: Vec<[f64; 2]> = rows.iter().map(|row| [row[0], row[1]]).collect();
     near(effect::d_av(&pairs, 0.95).unwrap().d, &case["d_av"], 1e-12, case);
+}
+
+fn curves(case: &Value) {
+    let rows: Vec<Vec<f64>> = case["d"].as_array().unwrap().iter().map(numbers).collect();
+    let nodes = rows[0].len();
+    let found = curve::differences(&rows, &[nodes], 0.95, SAMPLING).unwrap();
+    for (node, (t, low)) in
+        found.nodes.iter().zip(numbers(&case["t"]).iter().zip(numbers(&case["low"])))
+    {
+        near(node.statistic.unwrap(), &Value::from(*t), 1e-7, case);
+        assert!((node.ends.unwrap()[0] - low).abs() < 1e-9 * (1.0 + low.abs()), "{low}");
+    }
+    near(found.flipped.p_value, &case["p"], 1e-12, case);
+    near(found.critical, &case["critical"], 1e-9, case);
+    near(found.band.unwrap(), &case["band"], 1e-9, case);
+    near(found.p_unstudentised, &case["mean"], 1e-12, case);
+    near(found.skewness, &case["skewness"], 1e-9, case);
+    let expected = case["runs"].as_array().unwrap();
+    assert_eq!(found.runs.len(), expected.len(), "{case}");
+    for (run, expected) in found.runs.iter().zip(expected) {
+        assert_eq!(Value::from(run.first), expected[0]);
+        assert_eq!(Value::from(run.last), expected[1]);
+        near(run.mass, &expected[2], 1e-9, case);
+        near(run.p_value, &expected[3], 1e-12, case);
+    }
+    // The published example.
+    if (rows.len(), nodes) == (10, 101) {
+        assert_eq!((found.largest, found.runs.len()), (100, 2));
+        near(found.critical, &Value::from(3.60834342), 1e-8, case);
+        near(found.band.unwrap(), &Value::from(3.54480710), 1e-8, case);
+    }
+    let (a, b) = rows.split_at(rows.len() / 2);
+    let groups = curve::groups([a, b], &[nodes], 0.95, SAMPLING).unwrap();
+    near(groups.permuted.p_value, &case["groups"], 1e-9, case);
 }
 
 /// Checks a number to a share of its size.

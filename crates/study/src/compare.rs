@@ -31,6 +31,12 @@ pub struct Compare {
     pub families: Families,
     /// Sizes of differences without unit that are given, each once.
     pub effect_sizes: Vec<EffectSize>,
+    /// Curves that are compared as a whole, each once.
+    #[serde(skip)]
+    pub curves: Vec<Curve>,
+    /// Nodes of each of their branches.
+    #[serde(skip)]
+    pub curve_nodes: usize,
     /// The groups of people that are compared.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub groups: Option<GroupsCompared>,
@@ -148,6 +154,34 @@ words! {
         /// As `g_z`, as the sample has it.
         DZ = "d_z",
     }
+
+    /// A course of repeats' means that is compared as a whole.
+    Curve {
+        /// The user's force over the angle, there and back.
+        ForceOverAngle = "force_over_angle",
+        /// The user's force over the time since movement onset.
+        ForceOverTime = "force_over_time",
+        /// The angle over the time since movement onset.
+        ThetaOverTime = "theta_over_time",
+        /// The angular velocity over the angle, there and back.
+        VelocityOverAngle = "velocity_over_angle",
+    }
+}
+
+impl Curve {
+    /// The unit of its values.
+    pub const fn unit(self) -> &'static str {
+        match self {
+            Self::ForceOverAngle | Self::ForceOverTime => "N",
+            Self::ThetaOverTime => "rad",
+            Self::VelocityOverAngle => "rad/s",
+        }
+    }
+
+    /// Whether it is over the angle; else over the time.
+    pub const fn is_over_angle(self) -> bool {
+        matches!(self, Self::ForceOverAngle | Self::VelocityOverAngle)
+    }
 }
 
 /// The metrics whose claims count, in the order of study.toml, which names one without a list.
@@ -196,6 +230,12 @@ pub enum Families {
 impl Compare {
     /// Effect sizes if a study does not choose any.
     pub const EFFECT_SIZES: [EffectSize; 1] = [EffectSize::GAv];
+
+    /// Curves if a study does not choose any.
+    pub const CURVES: [Curve; 1] = [Curve::ForceOverAngle];
+
+    /// Nodes of a branch of a curve if a study does not choose any number.
+    pub const CURVE_NODES: usize = 101;
 
     /// The level of significance if a study does not give one.
     pub const ALPHA: f64 = 0.05;

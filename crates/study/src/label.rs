@@ -1,6 +1,6 @@
-//! Labels that people gave to modes and environments, in the middle of a sentence.
+//! Labels in words: those that people gave to modes and environments, contrasts, curves.
 
-use crate::{Contrast, Mode};
+use crate::{Contrast, Coordinate, Curve, Mode};
 
 /// A label where no sentence begins: the first letter is small unless its word is written large
 /// throughout (PD) or inside (McRuer); the rest is as it was given.
@@ -21,6 +21,20 @@ pub fn contrast_label(modes: &[Mode], contrast: &Contrast) -> String {
     let [mode, against] = [&contrast.mode, &contrast.against]
         .map(|id| modes.iter().find(|mode| mode.id == *id).map_or(id.as_str(), |mode| &mode.label));
     format!("{mode}{}{against}", Contrast::MINUS)
+}
+
+/// What a curve is in words: `user's force over the angle`.
+pub fn curve_label(curve: Curve, coordinate: Coordinate) -> String {
+    let position = match coordinate {
+        Coordinate::Rotational => "angle",
+        Coordinate::Linear { .. } => "displacement",
+    };
+    match curve {
+        Curve::ForceOverAngle => format!("user's force over the {position}"),
+        Curve::ForceOverTime => "user's force over time".to_owned(),
+        Curve::ThetaOverTime => format!("{position} over time"),
+        Curve::VelocityOverAngle => format!("velocity over the {position}"),
+    }
 }
 
 #[cfg(test)]

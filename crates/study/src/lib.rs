@@ -44,7 +44,8 @@ pub use answer::{AnswerValue, NoAnswer};
 pub use calibration::{Basis, Calibration, CalibrationError, Characteristic};
 pub use changes::{Affects, StudyChange, study_changes};
 pub use compare::{
-    Better, Bound, Compare, Contrast, EffectSize, Families, GroupContrast, GroupsCompared, Primary,
+    Better, Bound, Compare, Contrast, Curve, EffectSize, Families, GroupContrast, GroupsCompared,
+    Primary,
 };
 pub use control::{Control, VelocityFilter};
 pub use counted::counted;
@@ -57,7 +58,7 @@ pub use id::{
     ActuatorId, ChannelId, EnvironmentId, ExperimenterId, FactorId, IdError, LevelId, MetricId,
     ModeId, ParticipantId, PersonColumnId, QuestionId, SceneFigureId, SessionId, StudyId,
 };
-pub use label::{contrast_label, in_a_sentence};
+pub use label::{contrast_label, curve_label, in_a_sentence};
 pub use law::{ActuatorKind, ModeLaw};
 pub use level_contrast::LevelContrast;
 pub use locate::{line_of, toml_error};

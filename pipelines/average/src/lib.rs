@@ -54,4 +54,4 @@ pub use table::{loop_table, no_average, no_loop, table};
 pub use zwidth_study::Alignment;
 
 /// Version of the algorithms here: a change of any number they give raises it.
-pub const VERSION: u32 = 8;
+pub const VERSION: u32 = 9;

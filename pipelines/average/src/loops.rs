@@ -16,7 +16,8 @@ use zwidth_study::{Alignment, Condition, ParticipantId, SessionId, Source};
 pub(crate) const NODES: usize = 101;
 
 /// The signals that are averaged at each angle.
-pub(crate) const LOADS: [Signal; 3] = [Signal::ForceEx, Signal::TorqueEx, Signal::ForceCmd];
+pub(crate) const LOADS: [Signal; 4] =
+    [Signal::ForceEx, Signal::TorqueEx, Signal::ForceCmd, Signal::ThetaDot];
 
 /// One branch of a mean loop.
 #[derive(Debug, Clone, PartialEq)]
@@ -147,9 +148,11 @@ where
             let Some(load) = repeat.column(signal) else { continue };
             way_in.loads.push((signal, at_rows(&load, &forth)));
             // While the lever is held its angle stays and its force falls: the branch is the two
-            // ends of a vertical line.
-            let (low, high) = zwidth_numerics::series::ends(&load[phases.reversal..=last]);
-            turn.loads.push((signal, vec![high, low]));
+            // ends of a vertical line. Its velocity is none.
+            if signal != Signal::ThetaDot {
+                let (low, high) = zwidth_numerics::series::ends(&load[phases.reversal..=last]);
+                turn.loads.push((signal, vec![high, low]));
+            }
             if let (Some(way_out), Some(back)) = (&mut way_out, &back) {
                 way_out.loads.push((signal, at_rows(&load, back)));
             }

@@ -1,6 +1,5 @@
 //! A claim: the p value that it rests on, adjusted for the others of its family, and its verdict.
 
-use crate::Parameters;
 use zwidth_results::Verdict;
 use zwidth_stats::{StatsError, holm, paired};
 use zwidth_study::Families;
@@ -56,12 +55,13 @@ impl Claim {
 /// family by family.
 pub(crate) fn judge(
     mut claims: Vec<&mut Claim>,
-    parameters: &Parameters,
+    families: Families,
+    alpha: f64,
 ) -> Result<(), StatsError> {
-    let whole = parameters.families != Families::Environment;
+    let whole = families != Families::Environment;
     claims.sort_by_key(|claim| claim.environment);
     for family in claims.chunk_by_mut(|a, b| whole || a.environment == b.environment) {
-        adjust(family, parameters.alpha)?;
+        adjust(family, alpha)?;
     }
     Ok(())
 }

@@ -28,6 +28,7 @@ mod cells;
 mod claim;
 mod contrasts;
 mod covariates;
+mod curves;
 mod differences;
 mod drawn;
 mod effects;
@@ -53,6 +54,7 @@ mod together;
 mod trials;
 
 pub use answers::{AnswerParameters, AnswersCompared, answers_table, compare_answers};
+pub use curves::{CurveParameters, Curves, SessionCurve, compare_curves};
 pub use drawn::{DrawnOrder, SessionOrder};
 pub use error::CompareError;
 pub use parameters::{Covariate, Groups, MetricParameters, Noticed, Parameters};
@@ -137,11 +139,12 @@ pub fn compare(metrics: &Measured, parameters: &Parameters) -> Result<Comparison
     let tested = claiming.par_iter().map(|metric| Tested::of(metrics, metric, parameters));
     // `par_iter` keeps the order of the metrics, so rows are the same with any number of threads.
     let mut tested = tested.collect::<Result<Vec<Tested>, CompareError>>()?;
-    judge(tested.iter_mut().flat_map(Tested::claims).collect(), parameters)?;
+    let Parameters { families, alpha, .. } = *parameters;
+    judge(tested.iter_mut().flat_map(Tested::claims).collect(), families, alpha)?;
     let found = tested.into_par_iter().map(|metric| metric.judged(parameters));
     let others = others.par_iter().map(|metric| {
         let mut metric = Tested::of(metrics, metric, parameters)?;
-        judge(metric.claims().collect(), parameters)?;
+        judge(metric.claims().collect(), families, alpha)?;
         metric.judged(parameters)
     });
     let mut all = Comparison::default();

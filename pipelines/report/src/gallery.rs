@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 use std::collections::BTreeSet;
-use zwidth_study::EnvironmentId;
+use zwidth_study::{Curve, EnvironmentId};
 
 /// Where a sentence can be seen.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -21,6 +21,15 @@ pub enum Shown {
     Groups(String),
     /// In the figure of the factors' effects on this metric.
     Effects(String),
+    /// In the figure of a whole curve in an environment, of everybody or between groups.
+    Curves {
+        /// The curve.
+        curve: Curve,
+        /// Where.
+        environment: EnvironmentId,
+        /// Whether between groups.
+        of_groups: bool,
+    },
     /// In the figure of the changes between sessions in this metric.
     Sessions(String),
     /// In the figure of the changes from repeat to repeat in this metric.
@@ -57,7 +66,9 @@ impl Shown {
     /// The question that it answers.
     pub fn question(&self) -> Asked {
         match self {
-            Self::Compared(_) | Self::Groups(_) => Asked::Difference,
+            Self::Compared(_) | Self::Groups(_) | Self::Effects(_) | Self::Curves { .. } => {
+                Asked::Difference
+            }
             Self::Sessions(_) | Self::Learning(_) => Asked::Practice,
             Self::Answers => Asked::Answers,
             _ => Asked::Else,
@@ -115,6 +126,10 @@ impl Gallery {
             Shown::Compared(metric) => (Some(format!("compare.{metric}")), "comparison"),
             Shown::Groups(metric) => (Some(format!("groups.{metric}")), "comparison"),
             Shown::Effects(metric) => (Some(format!("effects.{metric}")), "metrics"),
+            Shown::Curves { curve, environment, of_groups } => {
+                let groups = if *of_groups { ".groups" } else { "" };
+                (Some(format!("curves.{}.{environment}{groups}", curve.as_str())), "curve_tests")
+            }
             Shown::Sessions(metric) => (Some(format!("sessions.{metric}")), "comparison"),
             Shown::Learning(metric) => (Some(format!("learning.{metric}")), "comparison"),
             Shown::Forces => (Some("rendering_range".to_owned()), "modes"),

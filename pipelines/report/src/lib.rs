@@ -11,6 +11,7 @@ mod answers;
 mod columns;
 mod compared;
 mod components;
+mod curves;
 mod design;
 mod effects;
 mod evidence;
@@ -35,6 +36,7 @@ pub use compared::{
     ComparedMetric, Matrix, MatrixRow, Primaries, contrasts, matrix, primary_first,
 };
 pub use components::components;
+pub use curves::curve_differences;
 pub use design::{device_facts, mode_forces};
 pub use effects::factor_effects;
 pub use evidence::{Derived, Known, notes};

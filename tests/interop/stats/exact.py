@@ -1,4 +1,4 @@
-"""Numbers of SciPy, statsmodels and pingouin for crates/stats/tests/exact.rs, as JSON: random data with ties, zeros, constants.
+"""Numbers of SciPy, statsmodels, pingouin and spm1d for crates/stats/tests/exact.rs, as JSON: random data with ties, zeros, constants.
 
     python exact.py [ROUNDS [SEED]]
 
@@ -14,6 +14,7 @@ import warnings
 import numpy as np
 import pandas as pd
 import pingouin
+import spm1d
 from scipy import stats
 from scipy.integrate import simpson
 from scipy.optimize import brentq
@@ -179,6 +180,54 @@ def bca(rng):
                 yield {"estimate": whole, "resampled": drawn, "jackknife": rest, "ci": ends}
 
 
+def curves(rng):
+    """Flips of whole curves: t, its largest and how often flips reach it by spm1d; band, runs and groups by definition.
+
+    The example of spm1d's paired curves is the first case.
+    """
+    first, second = spm1d.data.uv1d.tpaired.PlantarArchAngle().get_data()
+    cases = [np.asarray(first) - np.asarray(second)]
+    x = np.linspace(0, 1, 31)
+    for n in (6, 8, 9, 11):
+        waves = sum(np.outer(rng.normal(size=n), np.cos(np.pi * k * x + k)) for k in range(4))
+        cases.append(waves + rng.uniform(-0.5, 1.5) * np.exp(-((x - 0.4) / 0.2) ** 2))
+    for d in cases:
+        n, nodes = d.shape
+        test = spm1d.stats.nonparam.ttest(d, 0)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            found = test.inference(0.05, two_tailed=True, iterations=-1)
+        largest = np.abs(np.ravel(found.PDF0))  # of every flip but its mirror
+        signs = np.array(list(itertools.product((1, -1), repeat=n)))
+        root = d.std(axis=0, ddof=1) / np.sqrt(n)
+
+        def flipped(values):
+            sums = signs @ values
+            return sums / n / np.sqrt(((values ** 2).sum(axis=0) - sums ** 2 / n) / (n * (n - 1)))
+
+        of_residuals = np.sort(np.abs(flipped(d - d.mean(axis=0))[1:-1]).max(axis=1))[::-1]
+        threshold = stats.t.ppf(0.975, n - 1)
+
+        def masses(t):
+            side = np.where(np.abs(t) > threshold, np.sign(t), 0)
+            runs = [list(run) for _, run in itertools.groupby(range(nodes), lambda i: side[i])]
+            return [(run[0], run[-1], np.abs(t[run]).sum()) for run in runs if side[run[0]]]
+
+        heaviest = np.array([max((mass for *_, mass in masses(t)), default=0) for t in flipped(d)])
+        a, b = d[: n // 2], d[n // 2:]
+        welch = lambda a, b: np.abs(stats.ttest_ind(a, b, equal_var=False).statistic).max()
+        split = [(list(c), [i for i in range(n) if i not in c]) for c in itertools.combinations(range(n), n // 2)]
+        permuted = [welch(d[one], d[other]) >= welch(a, b) * (1 - 1e-9) for one, other in split]
+        yield {"d": d, "t": test.z, "p": (largest >= np.abs(test.z).max() * (1 - 1e-9)).mean(),
+               "critical": np.sort(largest)[::-1][int(0.05 * 2 ** n) // 2],
+               "band": of_residuals[int(0.05 * (2 ** n - 2))],
+               "low": d.mean(axis=0) - of_residuals[int(0.05 * (2 ** n - 2))] * root,
+               "runs": [[first, last, mass, (heaviest >= mass * (1 - 1e-9)).mean()] for first, last, mass in masses(test.z)],
+               "skewness": np.median(np.abs(stats.skew(d, axis=0, bias=False))),
+               "mean": (np.abs(signs @ d).max(axis=1) >= np.abs(d.sum(axis=0)).max() * (1 - 1e-9)).mean(),
+               "groups": np.mean(permuted)}
+
+
 def plain(value):
     """Arrays and NumPy's numbers as JSON has them."""
     return value.tolist()
@@ -186,6 +235,6 @@ def plain(value):
 
 rounds, seed = (int(given) for given in (sys.argv[1:] + ["1", "20240601"][len(sys.argv) - 1:])[:2])
 rng = np.random.default_rng(seed)
-kinds = (differences, paired, friedman, holm, orders, bca, repeated)
+kinds = (differences, paired, friedman, holm, orders, bca, repeated, curves)
 cases = {f.__name__: [case for _ in range(rounds) for case in f(rng)] for f in kinds}
 print(json.dumps(cases, default=plain, allow_nan=False))

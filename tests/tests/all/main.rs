@@ -19,6 +19,7 @@ mod blinding;
 mod circles;
 mod compared;
 mod counting;
+mod curves;
 #[cfg(unix)]
 mod door;
 mod factors;

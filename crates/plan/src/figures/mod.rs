@@ -13,7 +13,7 @@ use crate::replay::figures as replay_figures;
 use crate::shared::conditions::{Repeats, Session, sessions};
 use crate::shared::handle::Derived;
 use crate::shared::trials::{MOST_DRAWN, Recordings, TrialLabel, files, label_trials, read_drawn};
-use crate::{average, compare, freemotion, ladder, scenes, trade};
+use crate::{average, compare, curves, freemotion, ladder, scenes, trade};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -109,6 +109,7 @@ fn of_sessions(data: &StudyData, sessions: Vec<Session>) -> Vec<Drawing> {
     drawings.extend(likert_figures::all(data));
     drawings.extend(average::figure(data));
     drawings.extend(compare::figures(data));
+    drawings.extend(curves::figures(data));
     drawings.extend(trade::figures(data));
     drawings.extend(scenes::figures(data));
     drawings.extend(design::all(data));

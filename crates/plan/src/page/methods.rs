@@ -2,7 +2,7 @@
 
 use crate::page::people::participants;
 use crate::page::preregistered::preregistered;
-use crate::{compare, identify, likert, replay};
+use crate::{compare, curves, identify, likert, replay};
 use std::collections::BTreeMap;
 use zwidth_report::Recorded;
 use zwidth_store::StudyData;
@@ -54,6 +54,7 @@ pub fn recorded(data: &StudyData) -> Recorded {
         sweeps: data.sweeps.len(),
         sources,
         compared,
+        curves: curves::of_study(data).is_some(),
         answers: likert::tally(data).is_some(),
         guesses: likert::blinding(data).is_some(),
         // Without the lever's length the table of replays has nothing but reasons why not.

@@ -1,11 +1,12 @@
 //! Stage `summary`: the page a person reads first.
 
 use crate::compare::Comparison;
+use crate::curves::OfCurves;
 use crate::figures::drawing::Drawing;
 use crate::page::methods::recorded;
 use crate::shared::handle::Derived;
 use crate::shared::trials::name;
-use crate::{average, compare, freemotion, ladder, likert, metrics, report, tables, trade};
+use crate::{average, compare, curves, freemotion, ladder, likert, metrics, report, tables, trade};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
@@ -13,8 +14,8 @@ use std::path::{Path, PathBuf};
 use zwidth_figures::Caption;
 use zwidth_report::{
     ComparedMetric, Finding, Gallery, Made as Listed, Primaries, Remark, Shown, Summary,
-    TrialNames, changes, findings, laddered, learned, primary_first, summary_markdown, survey,
-    traded, uneven_ranges,
+    TrialNames, changes, curve_differences, findings, laddered, learned, primary_first,
+    summary_markdown, survey, traded, uneven_ranges,
 };
 use zwidth_results::{
     AnswerTally, Compared, EffectDifference, FactorTest, GroupDifference, JudgedStatement,
@@ -39,6 +40,8 @@ pub(crate) struct Page {
     /// The metrics that are compared, the primary ones first.
     compared: Vec<String>,
     pub(crate) primary: Primaries,
+    /// The level below which p values count.
+    alpha: f64,
     /// The trials whose clock, angle or velocity is to be read with care.
     doubted: TrialNames,
     gallery: Gallery,
@@ -75,6 +78,8 @@ pub(crate) struct Files {
     ladder: Option<Derived<LadderChoice>>,
     /// The metrics compared.
     compared: Option<Comparison>,
+    /// The curves compared.
+    curves: Option<OfCurves>,
     /// Whether changes between sessions are listed.
     has_session_changes: bool,
 }
@@ -83,6 +88,9 @@ impl Inputs for Files {
     fn files(&self) -> Vec<PathBuf> {
         let mut files = [self.noted.as_slice(), &self.figures, &self.tables].concat();
         files.extend([self.remarks.files(), self.metrics.files(), self.tally.files()].concat());
+        if let Some(curves) = &self.curves {
+            files.extend([curves.tests.path(), curves.runs.path()].map(ToOwned::to_owned));
+        }
         files.extend([self.statements.files(), self.trade.files(), self.ladder.files()].concat());
         if let Some(comparison) = &self.compared {
             let names = [
@@ -130,6 +138,7 @@ pub(crate) fn inputs(data: &StudyData, findings: &Findings, figures: &[Drawing])
         trade: trade::recommended(data),
         ladder: ladder::of_study(data),
         compared: compare::of_study(data),
+        curves: curves::of_study(data),
         has_session_changes: compare::has_session_changes(data),
     };
     let page = Page {
@@ -138,6 +147,7 @@ pub(crate) fn inputs(data: &StudyData, findings: &Findings, figures: &[Drawing])
         captions: figures.iter().map(|figure| figure.caption.clone()).collect(),
         compared,
         primary: Primaries::of(&data.study),
+        alpha: data.study.compare.alpha,
         doubted: doubted(data, findings),
         gallery: report::gallery(data, figures),
     };
@@ -219,6 +229,12 @@ pub(crate) fn gather(page: &Page, files: &Files, making: &Making) -> Result<Gath
         sentences.extend(learned(&page.planned, primary, learning));
         let sessions = own(&compared.sessions, |row| row.metric == primary.metric.metric);
         sentences.extend(changes(&page.planned, primary, sessions));
+    }
+    if let Some(curves) = &files.curves
+        && let (Some(tests), Some(runs)) =
+            (curves.tests.read_if_made()?, curves.runs.read_if_made()?)
+    {
+        sentences.extend(curve_differences(&page.planned, &tests, &runs, page.alpha));
     }
     summary.shown = list_findings(page, files, metrics.as_ref(), sentences, &summary)?;
     if let Some(statements) = files.statements.as_ref().filter(|table| table.path().exists()) {

@@ -7,7 +7,9 @@ pub(crate) mod printed;
 use crate::characterise::{self, Characterisation};
 use crate::tables::long::for_programs;
 use crate::tables::printed::Printed;
-use crate::{compare, freemotion, identify, ladder, likert, metrics, replay, report, trade};
+use crate::{
+    compare, curves, freemotion, identify, ladder, likert, metrics, replay, report, trade,
+};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -32,6 +34,7 @@ pub fn printed(data: &StudyData) -> Vec<Printed> {
         mark(likert::printed(data), answers),
         // These are marked by themselves.
         compare::tables(data),
+        curves::tables(data),
         mark(trade::tables(data), false),
         mark(of_sweeps(data), sweeps),
         mark(report::of_data(data), any),

@@ -10,6 +10,7 @@
 #![allow(clippy::print_stdout, reason = "a test says what it counted")]
 
 mod answers;
+mod curves;
 mod drawn;
 mod effects;
 mod groups;
@@ -83,6 +84,12 @@ fn tests_of_factors_find_nothing_more_often_than_they_promise() {
     hold(8, "Factors: an interaction of 3 × 3 levels", kinds, |kind| {
         effects::tests(kind, studies())
     });
+}
+
+#[test]
+fn tests_of_curves_find_nothing_more_often_than_they_promise() {
+    let kinds = curves::kinds().into_iter().map(|kind| (kind.name(), kind)).collect();
+    hold(9, "Whole curves", kinds, |kind| curves::tests(kind, studies_of(2500)));
 }
 
 #[test]

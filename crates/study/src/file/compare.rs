@@ -6,10 +6,13 @@ use super::factors::default_effects;
 use super::people::chosen_contrasts;
 use super::shape::{BoundTable, CompareTable, WeightedTable};
 use crate::{
-    Analysis, Bound, Compare, Contrast, EffectSize, Factor, Families, MetricId, Mode, ModeId,
-    PersonColumn, Primary, Study, Term,
+    Analysis, Bound, Compare, Contrast, Curve, EffectSize, Factor, Families, MetricId, Mode,
+    ModeId, PersonColumn, Primary, Study, Term,
 };
 use std::collections::{BTreeMap, BTreeSet};
+
+/// As many nodes as a branch of a curve can have.
+const CURVE_NODES: std::ops::RangeInclusive<usize> = 11..=401;
 
 /// What of a study can be compared.
 #[derive(Clone, Copy)]
@@ -68,19 +71,44 @@ impl Check<'_> {
             metrics: table.metrics,
             alpha,
             level,
-            effect_sizes: self.effect_sizes(table.effect_sizes),
+            effect_sizes: self.each_once(
+                "compare.effect_sizes",
+                table.effect_sizes.unwrap_or_else(|| Compare::EFFECT_SIZES.to_vec()),
+                EffectSize::as_str,
+            ),
+            curves: self.each_once(
+                "compare.curves",
+                table.curves.unwrap_or_else(|| Compare::CURVES.to_vec()),
+                Curve::as_str,
+            ),
+            curve_nodes: self.curve_nodes(table.curve_nodes),
             groups: self.groups(table.groups, table.group_contrasts, people),
             covariates: table.covariates,
         }
     }
 
-    fn effect_sizes(&mut self, chosen: Option<Vec<EffectSize>>) -> Vec<EffectSize> {
-        let chosen = chosen.unwrap_or_else(|| Compare::EFFECT_SIZES.to_vec());
-        for (i, size) in chosen.iter().enumerate().filter(|(i, size)| chosen[..*i].contains(size)) {
-            let problem = format!("'{}' stands twice; leave one out", size.as_str());
-            self.error(&format!("compare.effect_sizes[{i}]"), problem);
+    /// A list of words that have none twice.
+    fn each_once<T: PartialEq + Copy>(
+        &mut self,
+        key: &str,
+        chosen: Vec<T>,
+        word: fn(T) -> &'static str,
+    ) -> Vec<T> {
+        for (i, one) in chosen.iter().enumerate().filter(|(i, one)| chosen[..*i].contains(one)) {
+            let problem = format!("'{}' stands twice; leave one out", word(*one));
+            self.error(&format!("{key}[{i}]"), problem);
         }
         chosen
+    }
+
+    fn curve_nodes(&mut self, chosen: Option<usize>) -> usize {
+        let nodes = chosen.unwrap_or(Compare::CURVE_NODES);
+        if !CURVE_NODES.contains(&nodes) {
+            let (least, most) = (CURVE_NODES.start(), CURVE_NODES.end());
+            let problem = format!("{nodes} must lie between {least} and {most}, such as 101");
+            self.error("compare.curve_nodes", problem);
+        }
+        nodes
     }
 
     fn contrasts(&mut self, pairs: Vec<[ModeId; 2]>, modes: &[Mode]) -> Vec<Contrast> {
@@ -208,6 +236,8 @@ pub(super) fn table(study: &Study) -> CompareTable {
             .then_some(compare.families),
         effect_sizes: (compare.effect_sizes != Compare::EFFECT_SIZES)
             .then(|| compare.effect_sizes.clone()),
+        curves: (compare.curves != Compare::CURVES).then(|| compare.curves.clone()),
+        curve_nodes: (compare.curve_nodes != Compare::CURVE_NODES).then_some(compare.curve_nodes),
         bounds,
         better: compare.better.clone(),
         groups: compare.groups.as_ref().map(|groups| groups.column.clone()),
@@ -351,6 +381,13 @@ mod tests {
             ("alpha = nan", "compare.alpha", "must lie"),
             ("level = 95.0", "compare.level", "95 must lie between 0 and 1"),
             ("families = \"all\"", "families", "unknown variant"),
+            ("curves = [\"force\"]", "curves", "unknown variant `force`"),
+            (
+                "curves = [\"theta_over_time\", \"theta_over_time\"]",
+                "compare.curves[1]",
+                "'theta_over_time' stands twice",
+            ),
+            ("curve_nodes = 10", "compare.curve_nodes", "10 must lie between 11 and 401"),
             ("bounds.a_s = 0.0", "compare.bounds.a_s", "above 0"),
             ("bounds.a_s = -inf", "compare.bounds.a_s", "above 0"),
             ("bounds.a_s = { weber = 10.0 }", "compare.bounds.a_s", "10 must be a share"),

@@ -7,8 +7,8 @@ use super::perception::PerceptionTable;
 use crate::model::{Analysis, Design, Mode, Resistances};
 use crate::{AnswerScale, Better, LevelId, MetricId, ModeId, PersonColumnId, QuestionId, StudyId};
 use crate::{
-    Channel, Control, EffectSize, Factor, FactorId, Families, OwnMetric, Primary, ReplayModel,
-    SceneFigure, Term, Trend, VelocityFilter,
+    Channel, Control, Curve, EffectSize, Factor, FactorId, Families, OwnMetric, Primary,
+    ReplayModel, SceneFigure, Term, Trend, VelocityFilter,
 };
 use serde::de::{self, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
@@ -185,6 +185,8 @@ pub(super) struct CompareTable {
     pub(super) level: Option<f64>,
     pub(super) families: Option<Families>,
     pub(super) effect_sizes: Option<Vec<EffectSize>>,
+    pub(super) curves: Option<Vec<Curve>>,
+    pub(super) curve_nodes: Option<usize>,
     pub(super) bounds: BTreeMap<MetricId, BoundTable>,
     pub(super) better: BTreeMap<MetricId, Better>,
     pub(super) groups: Option<PersonColumnId>,

@@ -2,6 +2,7 @@
 
 pub(crate) mod answers;
 pub(crate) mod compared;
+mod curves;
 mod effects;
 pub(crate) mod groups;
 pub(crate) mod likert;
@@ -10,6 +11,7 @@ pub(crate) mod verdicts;
 
 pub use answers::*;
 pub use compared::*;
+pub use curves::*;
 pub use effects::*;
 pub use groups::*;
 pub use likert::*;

@@ -22,6 +22,8 @@ pub struct Recorded {
     pub compared: Vec<String>,
     /// What the primary metric and those measure, in words, by their names.
     pub words: BTreeMap<String, String>,
+    /// Whether whole curves are compared.
+    pub curves: bool,
     /// Whether there are answers that rate what was felt.
     pub answers: bool,
     /// Whether it was answered which mode it was.

@@ -1,7 +1,7 @@
 //! The papers from which the methods are taken.
 
 /// Each source: its key, how it is cited, the whole entry.
-pub(super) const SOURCES: [(&str, &str, &str); 21] = [
+pub(super) const SOURCES: [(&str, &str, &str); 24] = [
     (
         "balasubramanian",
         "Balasubramanian et al. 2015",
@@ -23,6 +23,13 @@ pub(super) const SOURCES: [(&str, &str, &str); 21] = [
     ("holm", "Holm 1979", "Holm 1979, Scand. J. Statist. 6:65"),
     ("hudson", "Hudson 1966", "Hudson 1966, J. Am. Stat. Assoc. 61:1097"),
     ("kenward", "Kenward & Roger 1997", "Kenward & Roger 1997, Biometrics 53:983"),
+    ("maris", "Maris & Oostenveld 2007", "Maris & Oostenveld 2007, J. Neurosci. Methods 164:177"),
+    ("nichols", "Nichols & Holmes 2002", "Nichols & Holmes 2002, Human Brain Mapping 15:1"),
+    (
+        "sassenhagen",
+        "Sassenhagen & Draschkow 2019",
+        "Sassenhagen & Draschkow 2019, Psychophysiology 56:e13335",
+    ),
     ("mcgraw", "McGraw & Wong 1996", "McGraw & Wong 1996, Psychol. Methods 1:30"),
     ("newey", "Newey & West 1987", "Newey & West 1987, Econometrica 55:703"),
     ("ogata", "Ogata 2010", "Ogata 2010, Modern Control Engineering, 5th ed., Prentice Hall"),

@@ -4,7 +4,7 @@ use super::recorded::{Recorded, plain};
 use super::sources::Cited;
 use zwidth_study::{
     Bound, DoseScale, Effect, EffectSize, FactorOf, Families, GroupsCompared, LevelId, Study,
-    contrast_label,
+    contrast_label, curve_label,
 };
 
 pub(super) fn paragraphs(study: &Study, recorded: &Recorded, cited: &mut Cited) -> Vec<String> {
@@ -28,6 +28,9 @@ pub(super) fn paragraphs(study: &Study, recorded: &Recorded, cited: &mut Cited) 
         )
     });
     sentences.push(claims(study, recorded, cited));
+    if recorded.curves {
+        sentences.push(curves(study, cited));
+    }
     if recorded.answers {
         sentences.push(answers(recorded, cited));
     }
@@ -291,6 +294,32 @@ fn claims(study: &Study, recorded: &Recorded, cited: &mut Cited) -> String {
         );
     }
     text
+}
+
+/// How whole curves were compared.
+fn curves(study: &Study, cited: &mut Cited) -> String {
+    let compare = &study.compare;
+    let curves: Vec<String> =
+        compare.curves.iter().map(|curve| curve_label(*curve, study.coordinate)).collect();
+    let branches = match compare.curves.iter().any(|curve| curve.is_over_angle()) {
+        true => " on the way there and back",
+        false => "",
+    };
+    let groups = match &compare.groups {
+        Some(_) => format!(
+            " Between groups Welch's t was taken and labels were permuted {}; these are descriptions.",
+            cited.cite("chung")
+        ),
+        None => String::new(),
+    };
+    format!(
+        "Whole curves ({}) were compared at {} nodes{branches} that all participants reach in all modes of a          comparison. The largest |t| of the participants' differences over all nodes was compared with that of other          signs of their curves {}: of all of them up to 14 participants, else of 9,999; with fewer than six no          difference was claimed. p values were adjusted by Holm's method over the comparisons of a curve,          which are exploratory. Bands cover the whole curve: their width is from flips of the differences from their          mean. Runs of |t| above its pointwise critical value were tested by the sum of |t| {}; they say          that there is a difference somewhere in them {}. Where differences are skewed a difference was claimed          if the largest mean difference, not divided by its standard error, showed it too.{groups}",
+        curves.join("; "),
+        compare.curve_nodes,
+        cited.cite("nichols"),
+        cited.cite("maris"),
+        cited.cite("sassenhagen"),
+    )
 }
 
 fn guesses(recorded: &Recorded, cited: &mut Cited) -> String {

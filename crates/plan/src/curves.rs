@@ -1,0 +1,201 @@
+//! Stage `compare`, of whole curves: one job, and a figure for each curve and environment.
+
+use crate::average::{aligned, looped};
+use crate::compare::{STAGE, groups, has_group_differences};
+use crate::figures::drawing::{Drawing, Figured};
+use crate::shared::conditions::{sessions, trial_sources};
+use crate::shared::handle::{Derived, write_named};
+use crate::shared::making::derived;
+use crate::tables::printed::Printed;
+use rayon::prelude::*;
+use serde::Serialize;
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+use zwidth_average::Alignment;
+use zwidth_compare::{CurveParameters, SessionCurve, compare_curves};
+use zwidth_figures::{About, CURVES_COMPARED, CurvesShown, IN_GROUPS, curves_compared};
+use zwidth_results::{CurveDifference, CurveNode, CurveRun};
+use zwidth_runner::{Inputs, Job, JobError, Made, Making};
+use zwidth_store::StudyData;
+use zwidth_study::{Curve, Environment, SceneKind, Source};
+use zwidth_tables::{Table, TableError};
+
+/// The results of the job.
+#[derive(Clone)]
+pub(crate) struct OfCurves {
+    points: Derived<CurveNode>,
+    pub(crate) tests: Derived<CurveDifference>,
+    pub(crate) runs: Derived<CurveRun>,
+}
+
+impl Inputs for OfCurves {
+    fn files(&self) -> Vec<PathBuf> {
+        let Self { points, tests, runs } = self;
+        [points.path(), tests.path(), runs.path()].map(ToOwned::to_owned).to_vec()
+    }
+}
+
+/// What the job depends on besides tables.
+#[derive(Serialize)]
+struct Comparing {
+    stage: CurveParameters,
+    simulated: bool,
+}
+
+/// The environments in which several people have a course of a movement.
+fn environments(data: &StudyData) -> impl Iterator<Item = &Environment> {
+    data.study.environments.iter().filter(|environment| {
+        let own = data.counting().filter(|trial| trial.meta.environment == environment.id);
+        let people: BTreeSet<_> = own.map(|trial| &trial.meta.participant).collect();
+        people.len() > 1 && !matches!(environment.scene.kind(), SceneKind::Free | SceneKind::None)
+    })
+}
+
+/// The results, if curves are compared: several people took part, and there is something to compare.
+pub(crate) fn of_study(data: &StudyData) -> Option<OfCurves> {
+    let compare = &data.study.compare;
+    let of_modes = data.study.modes.len() > 1 && !compare.contrasts.is_empty();
+    let is_any = of_modes || compare.groups.is_some() || !data.study.effects().is_empty();
+    let is_compared = is_any && !compare.curves.is_empty() && environments(data).next().is_some();
+    let folder = derived(&data.layout, "compare");
+    is_compared.then(|| OfCurves {
+        points: Derived::within(&folder),
+        tests: Derived::within(&folder),
+        runs: Derived::within(&folder),
+    })
+}
+
+/// The tables that people read.
+pub(crate) fn tables(data: &StudyData) -> Vec<Printed> {
+    let tables = of_study(data).into_iter();
+    let tables = tables.flat_map(|own| [own.tests.path().to_owned(), own.runs.path().to_owned()]);
+    tables.map(|path| Printed::without_empty_columns(&path)).collect()
+}
+
+/// The means of every condition over the angle, and over the time.
+type Means = (Vec<PathBuf>, Vec<PathBuf>);
+
+pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
+    let Some(results) = of_study(data) else { return Vec::new() };
+    let (study, compare) = (&data.study, &data.study.compare);
+    let has =
+        |over_angle: bool| compare.curves.iter().any(|curve| curve.is_over_angle() == over_angle);
+    let mut means = Means::default();
+    for session in sessions(data) {
+        for environment in environments(data) {
+            for mode in &study.modes {
+                let Some(repeats) = session.repeats(environment, mode) else { continue };
+                means.0.extend(has(true).then(|| looped(&data.layout, &repeats)));
+                let at_onset = || aligned(&data.layout, &repeats, Alignment::Onset);
+                means.1.extend(has(false).then(at_onset));
+            }
+        }
+    }
+    let stage = CurveParameters {
+        curves: compare.curves.clone(),
+        nodes: compare.curve_nodes,
+        environments: study.environments.iter().map(|e| e.id.clone()).collect(),
+        modes: study.modes.iter().map(|m| m.id.clone()).collect(),
+        contrasts: compare.contrasts.clone(),
+        effects: study.effects(),
+        groups: compare.groups.as_ref().map(|compared| groups(data, compared)),
+        families: compare.families,
+        alpha: compare.alpha,
+        level: compare.level,
+    };
+    let simulated = data.counting().any(|trial| trial.meta.source.is_simulated());
+    let parameters = Comparing { stage, simulated };
+    vec![Job::new(STAGE, "compare curves", parameters, means, results.files(), make)]
+}
+
+fn make(
+    Comparing { stage, simulated }: &Comparing,
+    means: &Means,
+    making: &Making,
+) -> Result<Made, JobError> {
+    let mut sessions = Vec::new();
+    for curve in &stage.curves {
+        let files = if curve.is_over_angle() { &means.0 } else { &means.1 };
+        let columns = SessionCurve::columns(*curve);
+        let columns: Vec<&str> = columns.iter().map(String::as_str).collect();
+        // Of a large study the tables together would take far more memory than the curves.
+        let own = files
+            .par_iter()
+            .map(|file| SessionCurve::of(&Table::columns_from_parquet(file, &columns)?, *curve));
+        let own: Vec<_> = own.collect::<Result<_, TableError>>()?;
+        sessions.extend(own.into_iter().flatten());
+    }
+    let found = compare_curves(&sessions, stage)?;
+    let tables = vec![
+        Table::of_rows(&found.points)?,
+        match stage.groups.is_some() {
+            true => Table::of_rows(&found.tests)?.with_note(
+                "Differences between groups are described, not claimed: labels are permuted as if groups were \
+                 exchangeable, and where they scatter differently that finds too many. Their intervals are pointwise.",
+            ),
+            false => Table::of_rows(&found.tests)?,
+        },
+        Table::of_rows(&found.runs)?.with_note(
+            "A run says that there is a difference somewhere in it, not where it begins or ends.",
+        ),
+    ];
+    write_named(tables, making, *simulated)
+}
+
+/// What a figure depends on besides tables.
+#[derive(Serialize)]
+struct Drawn {
+    about: About,
+    environment: Environment,
+    curve: Curve,
+    /// Whether groups are shown, or everybody.
+    of_groups: bool,
+    sources: Vec<Source>,
+}
+
+/// The figure of every curve in every environment.
+pub(crate) fn figures(data: &StudyData) -> Vec<Drawing> {
+    let Some(results) = of_study(data) else { return Vec::new() };
+    let has_groups = has_group_differences(data);
+    let of_everybody = !data.study.compare.contrasts.is_empty() || !data.study.effects().is_empty();
+    let mut drawings = Vec::new();
+    for curve in &data.study.compare.curves {
+        for environment in environments(data) {
+            let own = data.counting().filter(|trial| trial.meta.environment == environment.id);
+            let n = own.count();
+            for of_groups in [false, true] {
+                let is_drawn = if of_groups { has_groups } else { of_everybody };
+                if !is_drawn {
+                    continue;
+                }
+                let drawn = Drawn {
+                    about: About::of(&data.study),
+                    environment: environment.clone(),
+                    curve: *curve,
+                    of_groups,
+                    sources: trial_sources(data),
+                };
+                let subject = [curve.as_str(), environment.id.as_str()].into_iter();
+                let subject = subject.chain(of_groups.then_some(IN_GROUPS));
+                let drawing =
+                    Drawing::new(data, CURVES_COMPARED, subject, drawn, results.clone(), draw);
+                drawings.push(drawing.of(n));
+            }
+        }
+    }
+    drawings
+}
+
+fn draw(drawn: &Drawn, tables: &OfCurves) -> Figured {
+    let Drawn { about, environment, curve, of_groups, sources } = drawn;
+    let is_own =
+        |own: Curve, place: &zwidth_study::EnvironmentId| own == *curve && *place == environment.id;
+    let mut points = tables.points.read()?;
+    points.retain(|row| is_own(row.curve, &row.environment));
+    let mut tests = tables.tests.read()?;
+    tests.retain(|row| is_own(row.curve, &row.environment) && row.groups.is_some() == *of_groups);
+    let mut runs = tables.runs.read()?;
+    runs.retain(|row| is_own(row.curve, &row.environment));
+    let shown = CurvesShown { curve: *curve, points: &points, tests: &tests, runs: &runs };
+    Ok((curves_compared(about, environment, sources, &shown), Vec::new()))
+}

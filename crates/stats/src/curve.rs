@@ -1,0 +1,522 @@
+//! Whole curves compared: Student's t at every node, against how far its largest value goes over all of
+//! them by chance.
+
+use crate::bootstrap::stream;
+use crate::error::all_finite;
+use crate::groups::{Permuted, arranged, difference, group};
+use crate::null::{Null, SAME, Sampling};
+use crate::paired::ROUNDINGS;
+use crate::sign_flip::smallest_p;
+use crate::student_t::critical_value;
+use crate::tested::at_least;
+use crate::{StatsError, Unestimable};
+use rand_chacha::rand_core::Rng;
+use rayon::prelude::*;
+use zwidth_numerics::moments::Moments;
+
+/// With fewer people all flips of signs together reach no p below 0.05 (of five 2/2⁵), and the band is
+/// pointwise.
+pub const LEAST_FOR_A_CLAIM: usize = 6;
+
+/// With a median |skewness| above this a claim needs the largest mean to show the effect, too: the largest |t| of
+/// skewed differences finds one in up to 33 % of studies without one (docs/statistics-tried.md).
+pub const SKEWED: f64 = 0.7;
+
+/// Up to so many people every flip of signs is counted, beyond these they are drawn.
+const ALL_FLIPS_UP_TO: usize = 14;
+
+/// People's differences at a node.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Node {
+    /// Their mean, in their unit; of groups the difference of means.
+    pub mean: f64,
+    /// Its standard error.
+    pub std_error: f64,
+    /// Student's t, of groups Welch's; `None` at a node without scatter, which is left out.
+    pub statistic: Option<f64>,
+    /// The ends of the band, or of the pointwise interval where there is no band.
+    pub ends: Option<[f64; 2]>,
+}
+
+/// Neighbouring nodes where |t| exceeds the pointwise critical value, t having one sign.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Run {
+    /// Its first node.
+    pub first: usize,
+    /// Its last node.
+    pub last: usize,
+    /// Sum of |t| over its nodes.
+    pub mass: f64,
+    /// Share of flips whose largest run has that mass or more.
+    pub p_value: f64,
+}
+
+/// The test of a curve of paired differences.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CurveTest {
+    /// Every node, in its order.
+    pub nodes: Vec<Node>,
+    /// The node with the largest |t|.
+    pub largest: usize,
+    /// The share of flips whose largest |t| is that or more, the smallest that there can be, and how it was
+    /// found.
+    pub flipped: Permuted,
+    /// The same of the largest mean, not divided by its standard error.
+    pub p_unstudentised: f64,
+    /// The |t| that the largest of all nodes exceeds by chance in a share 1 − level of flips.
+    pub critical: f64,
+    /// Half the band's width in standard errors; `None` where the interval is pointwise.
+    pub band: Option<f64>,
+    /// Median over nodes of the differences' |skewness|: above [`SKEWED`] `p_unstudentised` counts too.
+    pub skewness: f64,
+    /// Where |t| exceeds the pointwise critical value, in the order of nodes.
+    pub runs: Vec<Run>,
+}
+
+/// What one flip of signs gives: the largest |t|, the largest mass of a run, the largest |sum|, and the largest
+/// |t| of the differences from their mean.
+#[derive(Debug, Clone, Copy)]
+struct Flip {
+    t: f64,
+    mass: f64,
+    mean: f64,
+    of_residuals: f64,
+}
+
+/// Tests whether the mean of people's curves of differences is zero everywhere. `curves` has one row per
+/// person and `lengths` the number of nodes of each branch, which a run does not pass. The largest |t| over
+/// nodes is compared with those of other signs of people's whole curves: all of them up to 14 people, else
+/// as `sampling` draws them. That holds the level over all nodes together, however they hang together
+/// (Westfall & Young 1993, *Resampling-Based Multiple Testing*; Nichols & Holmes 2002, Human Brain Mapping
+/// 15:1). A run says that there is a difference somewhere in it, not where it begins (Sassenhagen & Draschkow
+/// 2019, Psychophysiology 56:e13335). The band d̄ ± c s/√n takes c from flips of the differences from their
+/// mean, so that it covers the whole curve at `level`.
+///
+/// # Errors
+/// Fewer than two people; rows of different length; a value that is not finite; no node with scatter.
+pub fn differences(
+    curves: &[Vec<f64>],
+    lengths: &[usize],
+    level: f64,
+    sampling: Sampling,
+) -> Result<CurveTest, Unestimable> {
+    let n = curves.len();
+    at_least("participants", n, 2)?;
+    let nodes = checked(curves, lengths)?;
+    let pointwise = critical_value(level, (n - 1) as f64)?;
+    let here: Vec<Moments> = (0..nodes).map(|node| Moments::of(&column(curves, node))).collect();
+    let scatters: Vec<bool> = here.iter().map(|m| scatters(m, n)).collect();
+    if !scatters.contains(&true) {
+        return Err(Unestimable::Constant { units: "differences" });
+    }
+    // Over the root of their sum of squares, which flips leave as it is: t is then a function of the sum alone.
+    let scaled = |about: &dyn Fn(usize) -> f64| -> Vec<Vec<f64>> {
+        let mut rows: Vec<Vec<f64>> = curves.to_vec();
+        for node in 0..nodes {
+            rows.iter_mut().for_each(|row| row[node] -= about(node));
+            let size = rows.iter().map(|row| row[node] * row[node]).sum::<f64>().sqrt();
+            let factor = if scatters[node] { 1.0 / size } else { 0.0 };
+            rows.iter_mut().for_each(|row| row[node] *= factor);
+        }
+        rows
+    };
+    let (values, residuals) = (scaled(&|_| 0.0), scaled(&|node| here[node].mean));
+    let people = n as f64;
+    let t_of = |sum: f64| {
+        let left = (people - sum * sum).max(people * f64::EPSILON);
+        sum * ((people - 1.0) / left).sqrt()
+    };
+    let flip = |sign: &dyn Fn(usize) -> f64| {
+        let sums = |rows: &[Vec<f64>]| {
+            let mut sums = vec![0.0; nodes];
+            for (person, row) in rows.iter().enumerate() {
+                let sign = sign(person);
+                sums.iter_mut().zip(row).for_each(|(sum, value)| *sum += sign * value);
+            }
+            sums
+        };
+        let largest = |sums: &[f64]| sums.iter().fold(0.0_f64, |most, sum| most.max(sum.abs()));
+        let t: Vec<f64> = sums(&values).into_iter().map(t_of).collect();
+        let mass = runs(&t, lengths, pointwise).map(|(_, _, mass)| mass).fold(0.0, f64::max);
+        Flip {
+            t: largest(&t),
+            mass,
+            mean: largest(&sums(curves)),
+            of_residuals: t_of(largest(&sums(&residuals))),
+        }
+    };
+    // A flip and its mirror have one |t|: the last person keeps the sign.
+    let all = n <= ALL_FLIPS_UP_TO;
+    let flips: Vec<Flip> = if all {
+        (0..1_u64 << (n - 1))
+            .into_par_iter()
+            .map(|bits| flip(&|person| if bits >> person & 1 == 1 { -1.0 } else { 1.0 }))
+            .collect()
+    } else {
+        (0..sampling.draws as u64)
+            .into_par_iter()
+            .map(|number| {
+                let mut rng = stream(sampling.seed, number);
+                let bits: Vec<u64> = (0..n.div_ceil(64)).map(|_| rng.next_u64()).collect();
+                flip(&|person| if bits[person / 64] >> (person % 64) & 1 == 1 { -1.0 } else { 1.0 })
+            })
+            .collect()
+    };
+    let observed = flip(&|_| 1.0);
+    let share = |of: fn(&Flip) -> f64, observed: f64| {
+        let extreme = flips.iter().filter(|flip| of(flip) >= observed * (1.0 - SAME)).count();
+        match all {
+            true => extreme as f64 / flips.len() as f64,
+            false => (1 + extreme) as f64 / (1 + flips.len()) as f64,
+        }
+    };
+    // The value that a share of 1 − level of all exceed; a counted one stands for its mirror, too.
+    let copies = if all { 2 } else { 1 };
+    let quantile = |mut values: Vec<f64>| {
+        values.sort_by(|a, b| b.total_cmp(a));
+        let place = ((1.0 - level) * (copies * values.len()) as f64 + SAME).floor() as usize;
+        values.get((place / copies).min(values.len().saturating_sub(1))).copied()
+    };
+    let critical = quantile(flips.iter().map(|flip| flip.t).collect()).unwrap_or(pointwise);
+    // All as they are, or all turned, the residuals have no mean.
+    let others = flips.iter().skip(usize::from(all));
+    let band = quantile(others.map(|flip| flip.of_residuals).collect());
+    let band = band.filter(|_| n >= LEAST_FOR_A_CLAIM);
+    let nodes: Vec<Node> = here
+        .iter()
+        .zip(&scatters)
+        .map(|(moments, scatters)| {
+            let mean = moments.mean;
+            let std_error = moments.sd().unwrap_or(0.0) / people.sqrt();
+            let half = band.unwrap_or(pointwise) * std_error;
+            Node {
+                mean,
+                std_error,
+                statistic: scatters.then(|| mean / std_error),
+                ends: scatters.then_some([mean - half, mean + half]),
+            }
+        })
+        .collect();
+    let t: Vec<f64> = nodes.iter().map(|node| node.statistic.unwrap_or(0.0)).collect();
+    let found = runs(&t, lengths, pointwise).map(|(first, last, mass)| Run {
+        first,
+        last,
+        mass,
+        p_value: share(|flip| flip.mass, mass),
+    });
+    Ok(CurveTest {
+        largest: place_of_largest(&t),
+        flipped: Permuted {
+            p_value: share(|flip| flip.t, observed.t),
+            smallest_p: if all { smallest_p(n) } else { 1.0 / (1 + sampling.draws) as f64 },
+            null: if all { Null::Exact } else { Null::Sampled { draws: sampling.draws } },
+        },
+        p_unstudentised: share(|flip| flip.mean, observed.mean),
+        critical,
+        band,
+        skewness: median_skewness(curves, &here, &scatters),
+        runs: found.collect(),
+        nodes,
+    })
+}
+
+/// The difference of two groups' curves.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GroupCurveTest {
+    /// Every node, in its order, with Welch's t and its pointwise interval.
+    pub nodes: Vec<Node>,
+    /// The node with the largest |t|.
+    pub largest: usize,
+    /// The share of arrangements of the labels whose largest |t| is that or more.
+    pub permuted: Permuted,
+}
+
+/// Tests whether two groups' mean curves, `a` − `b`, are equal everywhere: the largest of Welch's |t| over
+/// nodes is compared with those of other labels of people's whole curves, as
+/// [`permuted`](crate::groups::permuted()) does with single values.
+///
+/// # Errors
+/// A group of fewer than two people; rows of different length; a value that is not finite; no node with
+/// scatter.
+pub fn groups(
+    [a, b]: [&[Vec<f64>]; 2],
+    lengths: &[usize],
+    level: f64,
+    sampling: Sampling,
+) -> Result<GroupCurveTest, Unestimable> {
+    let (na, nb) = (a.len(), b.len());
+    at_least("participants of a group", na.min(nb), 2)?;
+    let curves = [a, b].concat();
+    let number = checked(&curves, lengths)?;
+    let mut nodes = Vec::new();
+    for node in 0..number {
+        let [a, b] = [a, b].map(|rows| group(&column(rows, node)));
+        let welch = difference([a, b], level).ok();
+        nodes.push(Node {
+            mean: a.mean - b.mean,
+            std_error: welch.as_ref().map_or(0.0, |welch| welch.std_error),
+            statistic: welch.as_ref().map(|welch| welch.statistic),
+            ends: welch.as_ref().map(|welch| [welch.ci_low, welch.ci_high]),
+        });
+    }
+    if nodes.iter().all(|node| node.statistic.is_none()) {
+        return Err(Unestimable::Constant { units: "participants" });
+    }
+    // About their mean, over their scatter: sums of squares keep their digits.
+    let mut values = curves;
+    for (node, tested) in nodes.iter().enumerate() {
+        let moments = Moments::of(&column(&values, node));
+        let scale = moments.squares.sqrt();
+        for row in &mut values {
+            let is_tested = tested.statistic.is_some() && scale > 0.0;
+            row[node] = if is_tested { (row[node] - moments.mean) / scale } else { 0.0 };
+        }
+    }
+    let all: Vec<[f64; 2]> = (0..number)
+        .map(|node| {
+            values.iter().fold([0.0, 0.0], |[s, q], row| [s + row[node], q + row[node].powi(2)])
+        })
+        .collect();
+    let within = |[s, q]: [f64; 2], n: f64| (q - s * s / n).max(0.0) / (n - 1.0) / n;
+    let [of_a, of_b] = [na as f64, nb as f64];
+    // Welch's t² of every node, the largest.
+    let largest_t2 = |first: &[usize]| {
+        let mut sums = vec![[0.0, 0.0]; number];
+        for person in first {
+            for (sum, value) in sums.iter_mut().zip(&values[*person]) {
+                *sum = [sum[0] + value, sum[1] + value * value];
+            }
+        }
+        sums.iter().zip(&all).fold(0.0_f64, |most, (sum, all)| {
+            let rest = [all[0] - sum[0], all[1] - sum[1]];
+            let difference = sum[0] / of_a - rest[0] / of_b;
+            let variance = within(*sum, of_a) + within(rest, of_b);
+            most.max(difference * difference / variance.max(f64::MIN_POSITIVE))
+        })
+    };
+    let observed = largest_t2(&(0..na).collect::<Vec<usize>>());
+    let found = arranged(na, nb, sampling, largest_t2);
+    let extreme = found.of.iter().filter(|t2| **t2 >= observed * (1.0 - SAME)).count();
+    let t: Vec<f64> = nodes.iter().map(|node| node.statistic.unwrap_or(0.0)).collect();
+    Ok(GroupCurveTest {
+        largest: place_of_largest(&t),
+        permuted: Permuted {
+            p_value: found.share(extreme),
+            smallest_p: found.smallest_p,
+            null: found.null,
+        },
+        nodes,
+    })
+}
+
+/// The number of nodes of curves that are all as long as their branches.
+fn checked(curves: &[Vec<f64>], lengths: &[usize]) -> Result<usize, StatsError> {
+    let nodes = lengths.iter().sum();
+    for (row, values) in curves.iter().enumerate() {
+        if values.len() != nodes {
+            return Err(StatsError::Ragged { row, expected: nodes, found: values.len() });
+        }
+        all_finite(values)?;
+    }
+    Ok(nodes)
+}
+
+fn column(curves: &[Vec<f64>], node: usize) -> Vec<f64> {
+    curves.iter().map(|row| row[node]).collect()
+}
+
+/// Whether values scatter beyond their rounding.
+fn scatters(moments: &Moments, n: usize) -> bool {
+    let std_error = moments.sd().unwrap_or(0.0) / (n as f64).sqrt();
+    std_error > ROUNDINGS * f64::EPSILON * moments.mean.abs()
+}
+
+fn place_of_largest(t: &[f64]) -> usize {
+    (0..t.len()).max_by(|i, j| t[*i].abs().total_cmp(&t[*j].abs()).then(j.cmp(i))).unwrap_or(0)
+}
+
+/// First node, last node and mass of each run of neighbours with |t| above `critical` and one sign.
+fn runs<'a>(
+    t: &'a [f64],
+    lengths: &'a [usize],
+    critical: f64,
+) -> impl Iterator<Item = (usize, usize, f64)> + 'a {
+    let mut begin = 0;
+    let branches = lengths.iter().map(move |length| {
+        begin += length;
+        begin - length..begin
+    });
+    // Above, below or between: the critical value is positive.
+    let side = move |t: f64| (t > critical, t < -critical);
+    branches.flat_map(move |nodes| {
+        let (mut at, branch) = (nodes.start, &t[nodes]);
+        branch.chunk_by(move |a, b| side(*a) == side(*b)).filter_map(move |run| {
+            let first = at;
+            at += run.len();
+            (run[0].abs() > critical).then(|| (first, at - 1, run.iter().map(|t| t.abs()).sum()))
+        })
+    })
+}
+
+/// Median over nodes with scatter of the |skewness| without its bias in normal samples, √(n(n − 1))/(n − 2) m₃/m₂^1.5, m
+/// being means of powers of the differences from their mean (Joanes & Gill 1998, The Statistician 47:183).
+fn median_skewness(curves: &[Vec<f64>], here: &[Moments], scatters: &[bool]) -> f64 {
+    let n = curves.len() as f64;
+    let nodes = (0..here.len()).filter(|node| scatters[*node]).map(|node| {
+        let Moments { mean, squares, .. } = here[node];
+        let sd = (squares / n).sqrt();
+        let cubes = curves.iter().map(|row| ((row[node] - mean) / sd).powi(3));
+        ((n * (n - 1.0)).sqrt() / (n - 2.0).max(1.0) * cubes.sum::<f64>() / n).abs()
+    });
+    let mut all: Vec<f64> = nodes.collect();
+    all.sort_by(f64::total_cmp);
+    match all.len() {
+        0 => 0.0,
+        n if n % 2 == 1 => all[n / 2],
+        n => (all[n / 2 - 1] + all[n / 2]) / 2.0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SAMPLING: Sampling = Sampling { draws: 9_999, seed: 1 };
+
+    /// A number between −½ and ½ that anybody can make again: (h³ mod 9941)/9941 − ½.
+    fn u(of: [u64; 3]) -> f64 {
+        let h = 1 + 131 * of[0] + 173 * of[1] + 197 * of[2];
+        (h * h * h % 9941) as f64 / 9941.0 - 0.5
+    }
+
+    /// A person's curve of 51 nodes, to three decimals.
+    fn curve(person: u64) -> Vec<f64> {
+        let at = |q: f64| {
+            let waves = (1..=4).map(|k| {
+                let phase = k as f64 * core::f64::consts::PI * q / 50.0 + 6.0 * u([person, k, 1]);
+                u([person, k, 0]) * phase.cos()
+            });
+            let value = 0.7 * (-(q - 18.0).powi(2) / 60.0).exp()
+                + 0.2 * u([person, 0, 0])
+                + 0.6 * waves.sum::<f64>();
+            (value * 1000.0).round() / 1000.0
+        };
+        (0..51).map(|q| at(f64::from(q))).collect()
+    }
+
+    fn near(found: f64, expected: f64) {
+        assert!((found - expected).abs() <= 1e-6 * expected.abs(), "{found} {expected}");
+    }
+
+    /// t curve and flips: spm1d 0.4.55 and NumPy; order statistic, run and band: NumPy by definition.
+    #[test]
+    fn the_curve_of_eight_people_has_the_numbers_of_spm1d() {
+        let curves: Vec<Vec<f64>> = (1..=8).map(curve).collect();
+        let found = differences(&curves, &[51], 0.95, SAMPLING).unwrap();
+        assert_eq!((found.largest, found.nodes.len()), (19, 51));
+        near(found.nodes[19].statistic.unwrap(), 8.99151588);
+        near(found.flipped.p_value, 2.0 / 256.0);
+        near(found.flipped.smallest_p, 2.0 / 256.0);
+        near(found.critical, 4.31275105);
+        near(found.band.unwrap(), 3.95289411);
+        let [run] = found.runs.as_slice() else { panic!("{:?}", found.runs) };
+        assert_eq!((run.first, run.last), (11, 25));
+        near(run.mass, 85.2011338);
+        near(run.p_value, 2.0 / 256.0);
+        let node = found.nodes[19];
+        let [low, high] = node.ends.unwrap();
+        near((high - low) / 2.0, 3.95289411 * node.std_error);
+    }
+
+    #[test]
+    fn a_run_ends_where_its_branch_does_and_where_t_changes_its_sign() {
+        let t = [3.0, 4.0, -3.0, 1.0, 5.0, 6.0, 0.0];
+        let found: Vec<_> = runs(&t, &[5, 2], 2.0).collect();
+        assert_eq!(found, [(0, 1, 7.0), (2, 2, 3.0), (4, 4, 5.0), (5, 5, 6.0)]);
+        assert!(runs(&[], &[], 2.0).next().is_none());
+    }
+
+    #[test]
+    fn more_people_are_flipped_at_random_and_the_same_on_any_number_of_threads() {
+        let curves: Vec<Vec<f64>> = (1..=16).map(curve).collect();
+        let run = || differences(&curves, &[20, 31], 0.95, SAMPLING).unwrap();
+        let on = |threads| {
+            rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(run)
+        };
+        assert_eq!(on(1), on(3));
+        let found = on(2);
+        assert_eq!(found.flipped.null, Null::Sampled { draws: 9_999 });
+        near(found.flipped.p_value, 1e-4);
+        // The drawn band is near that of all flips.
+        let (all, few) = (&curves[..14], Sampling { draws: 4_999, seed: 2 });
+        let counted = differences(all, &[51], 0.95, few).unwrap().band.unwrap();
+        let drawn = differences(&curves[..15], &[51], 0.95, few).unwrap().band.unwrap();
+        assert!((counted - drawn).abs() < 0.3, "{counted} {drawn}");
+    }
+
+    #[test]
+    fn of_few_people_the_interval_is_pointwise_and_no_p_is_small() {
+        let curves: Vec<Vec<f64>> = (1..=5).map(curve).collect();
+        let found = differences(&curves, &[51], 0.95, SAMPLING).unwrap();
+        assert_eq!(found.band, None);
+        assert!(found.flipped.p_value >= 0.0625);
+        let node = found.nodes[3];
+        let [low, high] = node.ends.unwrap();
+        near((high - low) / 2.0, 2.7764451 * node.std_error);
+    }
+
+    #[test]
+    fn nodes_without_scatter_are_left_out() {
+        let mut curves: Vec<Vec<f64>> = (1..=8).map(curve).collect();
+        let whole = differences(&curves, &[51], 0.95, SAMPLING).unwrap();
+        for row in &mut curves {
+            row[0] = 0.0;
+            row[1] = 0.1 + 0.2;
+        }
+        let found = differences(&curves, &[51], 0.95, SAMPLING).unwrap();
+        assert_eq!((found.nodes[0].statistic, found.nodes[1].ends), (None, None));
+        assert_eq!((found.largest, found.runs.clone()), (whole.largest, whole.runs));
+        let constant = vec![vec![1.0; 3]; 8];
+        let why = differences(&constant, &[3], 0.95, SAMPLING).unwrap_err();
+        assert_eq!(why, Unestimable::Constant { units: "differences" });
+        assert!(differences(&curves, &[50], 0.95, SAMPLING).is_err());
+        assert!(differences(&curves[..1], &[51], 0.95, SAMPLING).is_err());
+        assert!(differences(&[vec![f64::NAN], vec![1.0]], &[1], 0.95, SAMPLING).is_err());
+        // The unit of curves changes nothing.
+        let tiny: Vec<Vec<f64>> =
+            curves.iter().map(|row| row.iter().map(|v| v * 1e-100).collect()).collect();
+        let small = differences(&tiny, &[51], 0.95, SAMPLING).unwrap();
+        near(small.critical, found.critical);
+        near(small.flipped.p_value, found.flipped.p_value);
+    }
+
+    /// A curve of one node is a value.
+    #[test]
+    fn groups_of_one_node_are_those_of_single_values() {
+        let value = |person| vec![curve(person)[30]];
+        let [a, b]: [Vec<Vec<f64>>; 2] =
+            [(1..=5).map(value).collect(), (6..=12).map(value).collect()];
+        let found = groups([&a, &b], &[1], 0.95, SAMPLING).unwrap();
+        let [first, second] = [a, b].map(|rows| column(&rows, 0));
+        let alone = crate::groups::permuted(&first, &second, SAMPLING).unwrap();
+        assert_eq!(found.permuted, alone);
+        let welch = difference([group(&first), group(&second)], 0.95).unwrap();
+        assert_eq!(found.nodes[0].ends, Some([welch.ci_low, welch.ci_high]));
+    }
+
+    #[test]
+    fn groups_differ_where_their_curves_do() {
+        let shifted = |person: u64| -> Vec<f64> {
+            let at = |(node, value): (usize, f64)| if node > 30 { value + 2.0 } else { value };
+            curve(person).into_iter().enumerate().map(at).collect()
+        };
+        let [a, b]: [Vec<Vec<f64>>; 2] =
+            [(1..=6).map(shifted).collect(), (7..=12).map(curve).collect()];
+        let found = groups([&a, &b], &[51], 0.95, SAMPLING).unwrap();
+        assert!(found.largest > 30 && found.permuted.p_value < 0.01, "{:?}", found.permuted);
+        near(found.permuted.smallest_p, 2.0 / 924.0);
+        assert!(groups([&a[..1], &b], &[51], 0.95, SAMPLING).is_err());
+        let alike = vec![vec![0.0; 3]; 4];
+        assert!(groups([&alike, &alike], &[3], 0.95, SAMPLING).is_err());
+    }
+}

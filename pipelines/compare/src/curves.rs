@@ -1,0 +1,676 @@
+//! Whole curves compared: between modes and by effects of factors, and these between groups.
+
+use crate::claim::{Claim, judge};
+use crate::{CompareError, Groups};
+use rayon::prelude::*;
+use serde::Serialize;
+use std::collections::{BTreeMap, BTreeSet};
+use zwidth_numerics::series::interpolate_all;
+use zwidth_results::{
+    AveragePoint, CurveDifference, CurveNode, CurveRun, EffectLevels, FactorEffect, GroupEffect,
+    LoopBranch, LoopPoint, Row as _, Verdict,
+};
+use zwidth_stats::curve::{self, CurveTest, GroupCurveTest, LEAST_FOR_A_CLAIM, Node, SKEWED};
+use zwidth_stats::null::Sampling;
+use zwidth_stats::{Unestimable, sign_flip};
+use zwidth_study::{
+    Contrast, Curve, Effect, EnvironmentId, Families, GroupContrast, ModeId, ParticipantId, counted,
+};
+use zwidth_tables::{Table, TableError};
+
+/// Flips of signs and arrangements of labels that are drawn where there are too many to count all.
+const SAMPLING: Sampling = Sampling { draws: 9_999, seed: 1 };
+
+/// The parameters of a comparison of curves.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CurveParameters {
+    /// The curves.
+    pub curves: Vec<Curve>,
+    /// Nodes of each branch.
+    pub nodes: usize,
+    /// The environments, in the study's order.
+    pub environments: Vec<EnvironmentId>,
+    /// The modes, in the study's order.
+    pub modes: Vec<ModeId>,
+    /// The contrasts.
+    pub contrasts: Vec<Contrast>,
+    /// Effects of factors within an environment.
+    pub effects: Vec<Effect>,
+    /// The groups of people that are compared.
+    pub groups: Option<Groups>,
+    /// Which tests are adjusted together.
+    pub families: Families,
+    /// A difference needs an adjusted p value below this.
+    pub alpha: f64,
+    /// Level of every band, as a fraction.
+    pub level: f64,
+}
+
+/// A curve over angles or times that rise.
+#[derive(Debug, Clone, PartialEq, Default)]
+struct Course {
+    x: Vec<f64>,
+    y: Vec<f64>,
+}
+
+/// The mean curve of a participant's repeats in one session and condition.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SessionCurve {
+    curve: Curve,
+    participant: ParticipantId,
+    environment: EnvironmentId,
+    mode: ModeId,
+    /// By branch; one over time has none.
+    branches: BTreeMap<Option<LoopBranch>, Course>,
+}
+
+/// The column of a curve in the tables of the stage `average`.
+fn column(curve: Curve) -> &'static str {
+    match curve {
+        Curve::ForceOverAngle | Curve::ForceOverTime => "force_ex_mean_n",
+        Curve::ThetaOverTime => "theta_mean_rad",
+        Curve::VelocityOverAngle => "theta_dot_mean_rad_s",
+    }
+}
+
+impl SessionCurve {
+    /// The columns that [`Self::of`] reads.
+    pub fn columns(curve: Curve) -> Vec<String> {
+        let fields =
+            if curve.is_over_angle() { LoopPoint::fields() } else { AveragePoint::fields() };
+        let names = fields.into_iter().map(|field| field.name.into_owned());
+        names.chain([column(curve).to_owned()]).collect()
+    }
+
+    /// The curve of a condition's table of the stage `average`: of the mean by branch over the angle, of that
+    /// aligned at onset over time, as long as all repeats last. `None` if it has no such mean.
+    ///
+    /// # Errors
+    /// A table that is not of this stage.
+    pub fn of(table: &Table, curve: Curve) -> Result<Option<Self>, TableError> {
+        let values = table.floats(column(curve))?;
+        let mut branches: BTreeMap<Option<LoopBranch>, Course> = BTreeMap::new();
+        let condition = if curve.is_over_angle() {
+            let points: Vec<LoopPoint> = table.to_rows()?;
+            for (point, value) in points.iter().zip(values) {
+                // While the lever is held there is no angle to go over.
+                let (LoopBranch::In | LoopBranch::Out, Some(value)) = (point.branch, value) else {
+                    continue;
+                };
+                let course = branches.entry(Some(point.branch)).or_default();
+                course.x.push(point.theta_rad);
+                course.y.push(value);
+            }
+            if let Some(out) = branches.get_mut(&Some(LoopBranch::Out)) {
+                out.x.reverse();
+                out.y.reverse();
+            }
+            points.into_iter().next().map(|p| (p.participant, p.environment, p.mode))
+        } else {
+            let points: Vec<AveragePoint> = table.to_rows()?;
+            let all = points.first().map_or(0, |point| point.n);
+            let whole = points.iter().zip(values).take_while(|(point, _)| point.n == all);
+            for (point, value) in whole {
+                let Some(value) = value else { break };
+                let course = branches.entry(None).or_default();
+                course.x.push(point.t_s);
+                course.y.push(value);
+            }
+            points.into_iter().next().map(|p| (p.participant, p.environment, p.mode))
+        };
+        let condition = condition.filter(|_| !branches.is_empty());
+        Ok(condition.map(|(participant, environment, mode)| Self {
+            curve,
+            participant,
+            environment,
+            mode,
+            branches,
+        }))
+    }
+}
+
+/// Curves compared.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Curves {
+    /// Every node.
+    pub points: Vec<CurveNode>,
+    /// The tests.
+    pub tests: Vec<CurveDifference>,
+    /// Runs of large t.
+    pub runs: Vec<CurveRun>,
+}
+
+/// Compares whole curves, each a family of its own: everybody's sessions are averaged with equal weight, at the
+/// angles or times that all people of a comparison reach in each of its modes, and a branch that one of them
+/// lacks is left out.
+///
+/// # Errors
+/// A level that cannot be one.
+pub fn compare_curves(
+    sessions: &[SessionCurve],
+    parameters: &CurveParameters,
+) -> Result<Curves, CompareError> {
+    let mut all = Curves::default();
+    for curve in &parameters.curves {
+        let mut asked = Vec::new();
+        for (place, environment) in parameters.environments.iter().enumerate() {
+            let here: Vec<&SessionCurve> = sessions
+                .iter()
+                .filter(|one| one.curve == *curve && one.environment == *environment)
+                .collect();
+            if !here.is_empty() {
+                let compared = compared(environment, &here, parameters);
+                asked.extend(compared.into_iter().map(|asked| (place, asked, here.clone())));
+            }
+        }
+        // The order of results is that of the questions, on any number of threads.
+        let rows = asked.par_iter().map(|(place, (effect, weights), here)| {
+            let people = People::of(here, weights, parameters.nodes);
+            rows(*place, effect, &people, parameters)
+        });
+        let mut rows: Vec<Row> = rows.collect::<Vec<Vec<Row>>>().into_iter().flatten().collect();
+        let claims = rows.iter_mut().map(|row| &mut row.claim).collect();
+        judge(claims, parameters.families, parameters.alpha)?;
+        for row in rows {
+            row.add_to(&mut all, *curve, parameters);
+        }
+    }
+    Ok(all)
+}
+
+/// What is compared, with the weight of each mode.
+type Asked = (GroupEffect, Vec<(ModeId, f64)>);
+
+/// What is compared in an environment: contrasts and effects, and where there are groups also what is compared
+/// between these alone.
+fn compared(
+    environment: &EnvironmentId,
+    here: &[&SessionCurve],
+    parameters: &CurveParameters,
+) -> Vec<Asked> {
+    let of_contrasts = parameters.contrasts.iter().map(|contrast| {
+        let weights = vec![(contrast.mode.clone(), 1.0), (contrast.against.clone(), -1.0)];
+        (GroupEffect::Of(contrast.clone()), weights)
+    });
+    let is_here = |effect: &&Effect| {
+        let is_claimed = effect.is_claimed && !effect.weights.is_empty();
+        effect.environment.as_ref() == Some(environment) && is_claimed && !effect.is_by_session()
+    };
+    let of_factors = parameters.effects.iter().filter(is_here).map(|effect| {
+        let levels = (!effect.levels.is_empty()).then(|| EffectLevels(effect.levels.clone()));
+        let name = FactorEffect { term: effect.term.clone(), levels };
+        let weights = effect.weights.iter().map(|own| (own.mode.clone(), own.weight));
+        (GroupEffect::OfFactors(name), weights.collect())
+    });
+    let of_everybody = of_contrasts.chain(of_factors);
+    if parameters.groups.is_none() {
+        return of_everybody.collect();
+    }
+    let has = |mode: &&ModeId| here.iter().any(|one| one.mode == **mode);
+    let modes: Vec<ModeId> = parameters.modes.iter().filter(has).cloned().collect();
+    let share = 1.0 / modes.len() as f64;
+    let weights: Vec<(ModeId, f64)> = modes.iter().map(|mode| (mode.clone(), share)).collect();
+    let over_modes = (modes.len() > 1).then_some((GroupEffect::OverModes, weights));
+    let each = modes.into_iter().map(|mode| (GroupEffect::In(mode.clone()), vec![(mode, 1.0)]));
+    over_modes.into_iter().chain(of_everybody).chain(each).collect()
+}
+
+/// Everybody's curves on common nodes.
+struct People {
+    who: Vec<ParticipantId>,
+    /// People who have some of the modes, not all.
+    lacking: Vec<ParticipantId>,
+    /// The branches that all have, with the angles or times of their nodes.
+    branches: Vec<(Option<LoopBranch>, Vec<f64>)>,
+    /// Whether some return, and others do not.
+    some_stay: bool,
+    /// The sum over modes of positive weight and that over the others, person by person, over the nodes of all
+    /// branches; the second is taken from the first.
+    sides: [Vec<Vec<f64>>; 2],
+}
+
+impl People {
+    fn of(here: &[&SessionCurve], weights: &[(ModeId, f64)], nodes: usize) -> Self {
+        let mut by_person: BTreeMap<&ParticipantId, BTreeMap<&ModeId, Vec<&SessionCurve>>> =
+            BTreeMap::new();
+        for one in here.iter().filter(|one| weights.iter().any(|(mode, _)| *mode == one.mode)) {
+            by_person.entry(&one.participant).or_default().entry(&one.mode).or_default().push(one);
+        }
+        let (all, lacking): (Vec<_>, Vec<_>) =
+            by_person.into_iter().partition(|(_, modes)| modes.len() == weights.len());
+        let curves: Vec<&SessionCurve> =
+            all.iter().flat_map(|(_, modes)| modes.values().flatten().copied()).collect();
+        let kinds: BTreeSet<Option<LoopBranch>> =
+            curves.iter().flat_map(|one| one.branches.keys().copied()).collect();
+        let mut branches = Vec::new();
+        let mut some_stay = false;
+        for branch in kinds {
+            let courses: Vec<&Course> =
+                curves.iter().filter_map(|one| one.branches.get(&branch)).collect();
+            if courses.len() < curves.len() {
+                some_stay |= branch == Some(LoopBranch::Out);
+            } else if let Some(shared) = shared(&courses, nodes) {
+                branches.push((branch, shared));
+            }
+        }
+        let side = |sign: f64| -> Vec<Vec<f64>> {
+            let people = all.iter().map(|(_, modes)| {
+                let mut sum = vec![0.0; branches.iter().map(|(_, x)| x.len()).sum()];
+                for (mode, weight) in weights.iter().filter(|(_, weight)| weight * sign > 0.0) {
+                    let sessions = modes.get(mode).map(Vec::as_slice).unwrap_or_default();
+                    let share = weight.abs() / sessions.len() as f64;
+                    for session in sessions {
+                        let values = branches.iter().flat_map(|(branch, x)| {
+                            let course = &session.branches[branch];
+                            interpolate_all(&course.x, &course.y, x)
+                        });
+                        // Nodes lie within what every course covers.
+                        for (sum, value) in sum.iter_mut().zip(values) {
+                            *sum += share * value.unwrap_or(f64::NAN);
+                        }
+                    }
+                }
+                sum
+            });
+            people.collect()
+        };
+        Self {
+            sides: [side(1.0), side(-1.0)],
+            who: all.iter().map(|(who, _)| (*who).clone()).collect(),
+            lacking: lacking.iter().map(|(who, _)| (*who).clone()).collect(),
+            branches,
+            some_stay,
+        }
+    }
+
+    fn lengths(&self) -> Vec<usize> {
+        self.branches.iter().map(|(_, x)| x.len()).collect()
+    }
+
+    fn differences(&self) -> Vec<Vec<f64>> {
+        let [first, second] = &self.sides;
+        let pairs = first.iter().zip(second);
+        pairs.map(|(a, b)| a.iter().zip(b).map(|(a, b)| a - b).collect()).collect()
+    }
+
+    /// The branch and the place of each node.
+    fn nodes(&self) -> impl Iterator<Item = (Option<LoopBranch>, f64)> + '_ {
+        self.branches.iter().flat_map(|(branch, x)| x.iter().map(|x| (*branch, *x)))
+    }
+}
+
+/// Even places over what every course covers; `None` if that is nothing.
+fn shared(courses: &[&Course], nodes: usize) -> Option<Vec<f64>> {
+    let [mut low, mut high] = [f64::NEG_INFINITY, f64::INFINITY];
+    for course in courses {
+        low = low.max(*course.x.first()?);
+        high = high.min(*course.x.last()?);
+    }
+    // Rounding must not put the last node beyond the shortest course.
+    let at = |i: usize| (low + (high - low) * (i as f64 / (nodes - 1) as f64)).min(high);
+    (low < high).then(|| (0..nodes).map(at).collect())
+}
+
+/// One comparison, not judged yet.
+struct Row {
+    effect: GroupEffect,
+    groups: Option<GroupContrast>,
+    n: usize,
+    n_second: Option<usize>,
+    /// The branch and the place of each node.
+    places: Vec<(Option<LoopBranch>, f64)>,
+    /// The means whose difference each node's is.
+    means: [Vec<f64>; 2],
+    tested: Result<Test, Unestimable>,
+    remarks: Vec<String>,
+    claim: Claim,
+}
+
+/// Of everybody, or of two groups.
+enum Test {
+    Flipped(CurveTest),
+    Permuted(GroupCurveTest),
+}
+
+impl Test {
+    fn nodes(&self) -> (&[Node], usize) {
+        match self {
+            Self::Flipped(test) => (&test.nodes, test.largest),
+            Self::Permuted(test) => (&test.nodes, test.largest),
+        }
+    }
+}
+
+/// The comparison of everybody, if that is asked, then of each pair of groups.
+fn rows(
+    environment: usize,
+    effect: &GroupEffect,
+    people: &People,
+    parameters: &CurveParameters,
+) -> Vec<Row> {
+    let mut about = Vec::new();
+    if !people.lacking.is_empty() {
+        let names: Vec<String> = people.lacking.iter().map(ToString::to_string).collect();
+        about.push(format!("{} without a curve in each mode", names.join(", ")));
+    }
+    if people.some_stay {
+        about.push("the way back is left out: not everybody returns".to_owned());
+    }
+    let lengths = people.lengths();
+    let differences = people.differences();
+    let mean = |rows: &[&Vec<f64>]| -> Vec<f64> {
+        let nodes = lengths.iter().sum();
+        let sum = |node| rows.iter().map(|row| row[node]).sum::<f64>() / rows.len() as f64;
+        (0..nodes).map(sum).collect()
+    };
+    let places: Vec<(Option<LoopBranch>, f64)> = people.nodes().collect();
+    let n = people.who.len();
+    let mut rows = Vec::new();
+    if matches!(effect, GroupEffect::Of(_) | GroupEffect::OfFactors(_)) {
+        let tested = curve::differences(&differences, &lengths, parameters.level, SAMPLING);
+        let mut remarks = about.clone();
+        if tested.is_ok() && n < LEAST_FOR_A_CLAIM {
+            let least = sign_flip::smallest_p(n);
+            remarks.push(format!(
+                "no claim: with {} no p value of this test is below {least}, and the interval is pointwise",
+                counted(n, "participants")
+            ));
+        }
+        let p = tested.as_ref().ok().filter(|_| n >= LEAST_FOR_A_CLAIM);
+        rows.push(Row {
+            effect: effect.clone(),
+            groups: None,
+            n,
+            n_second: None,
+            places: places.clone(),
+            means: [0, 1].map(|side| mean(&people.sides[side].iter().collect::<Vec<_>>())),
+            claim: Claim::new(environment, p.map(|test| test.flipped.p_value), None, None),
+            tested: tested.map(Test::Flipped),
+            remarks,
+        });
+    }
+    for contrast in parameters.groups.iter().flat_map(|groups| &groups.compared.contrasts) {
+        let of = |level| {
+            let groups = parameters.groups.as_ref();
+            let is_of = |who: &ParticipantId| {
+                let own = groups.and_then(|groups| {
+                    groups.levels_of.get(who).map(|level| &groups.compared.levels[*level])
+                });
+                own == Some(level)
+            };
+            let own = people.who.iter().zip(&differences).filter(|(who, _)| is_of(who));
+            own.map(|(_, row)| row.clone()).collect::<Vec<Vec<f64>>>()
+        };
+        let [first, second] = [of(&contrast.group), of(&contrast.against)];
+        let means = [&first, &second].map(|rows| mean(&rows.iter().collect::<Vec<_>>()));
+        let tested = curve::groups([&first, &second], &lengths, parameters.level, SAMPLING);
+        rows.push(Row {
+            effect: effect.clone(),
+            groups: Some(contrast.clone()),
+            n: first.len(),
+            n_second: Some(second.len()),
+            places: places.clone(),
+            means,
+            tested: tested.map(Test::Permuted),
+            remarks: about.clone(),
+            claim: Claim::new(environment, None, None, None),
+        });
+    }
+    rows
+}
+
+impl Row {
+    /// Adds the rows of tables.
+    fn add_to(mut self, all: &mut Curves, curve: Curve, parameters: &CurveParameters) {
+        let environment = parameters.environments[self.claim.environment].clone();
+        let is_angle = curve.is_over_angle();
+        let split = |x: f64| if is_angle { (Some(x), None) } else { (None, Some(x)) };
+        let tested = self.tested.as_ref().ok();
+        let flipped = tested.and_then(|test| match test {
+            Test::Flipped(test) => Some(test),
+            Test::Permuted(_) => None,
+        });
+        let permutation = tested.map(|test| match test {
+            Test::Flipped(test) => test.flipped,
+            Test::Permuted(test) => test.permuted,
+        });
+        let (nodes, largest) = tested.map(Test::nodes).unwrap_or_default();
+        let place = tested.map(|_| self.places[largest]);
+        let (theta_rad, t_s) = place.map_or((None, None), |(_, x)| split(x));
+        let left_out = nodes.iter().filter(|node| node.statistic.is_none()).count();
+        let mut verdict = self.claim.verdict;
+        if let Some(test) = flipped.filter(|_| self.claim.p.is_some()) {
+            let is_found_by_mean = test.p_unstudentised < parameters.alpha;
+            if test.skewness > SKEWED {
+                let is_found = verdict == Verdict::Different;
+                let why = match is_found == is_found_by_mean {
+                    true => "the differences are skewed: the band covers less than it says",
+                    false => {
+                        "the differences are skewed, and only one of the two tests finds an effect; the band \
+                         covers less than it says"
+                    }
+                };
+                self.remarks.push(why.to_owned());
+                if is_found && !is_found_by_mean {
+                    verdict = Verdict::Undecided;
+                }
+            }
+        }
+        if let Err(why) = &self.tested {
+            self.remarks.push(why.to_string());
+        }
+        all.tests.push(CurveDifference {
+            curve,
+            unit: curve.unit().into(),
+            environment: environment.clone(),
+            effect: self.effect.clone(),
+            groups: self.groups.clone(),
+            n: self.n,
+            n_second: self.n_second,
+            nodes: nodes.len() - left_out,
+            left_out,
+            largest_t: tested.and_then(|_| nodes[largest].statistic),
+            branch: place.and_then(|(branch, _)| branch),
+            theta_rad,
+            t_s,
+            difference: tested.map(|_| nodes[largest].mean),
+            critical_t: flipped.map(|test| test.critical),
+            band_t: flipped.and_then(|test| test.band),
+            p_value: permutation.map(|test| test.p_value),
+            smallest_p: permutation.map(|test| test.smallest_p),
+            p_adjusted: self.claim.p_adjusted,
+            p_unstudentised: flipped.map(|test| test.p_unstudentised),
+            skewness: flipped.map(|test| test.skewness),
+            verdict: self.groups.is_none().then_some(verdict),
+            remark: (!self.remarks.is_empty()).then(|| self.remarks.join("; ").into()),
+        });
+        for (i, node) in nodes.iter().enumerate() {
+            let (branch, x) = self.places[i];
+            let (theta_rad, t_s) = split(x);
+            all.points.push(CurveNode {
+                curve,
+                unit: curve.unit().into(),
+                environment: environment.clone(),
+                effect: self.effect.clone(),
+                groups: self.groups.clone(),
+                branch,
+                theta_rad,
+                t_s,
+                mean_first: self.means[0][i],
+                mean_second: self.means[1][i],
+                difference: node.mean,
+                difference_std_error: node.std_error,
+                statistic: node.statistic,
+                band_low: node.ends.map(|ends| ends[0]),
+                band_high: node.ends.map(|ends| ends[1]),
+            });
+        }
+        for run in flipped.map(|test| test.runs.as_slice()).unwrap_or_default() {
+            let (branch, low) = self.places[run.first];
+            let (_, high) = self.places[run.last];
+            let [(theta_low_rad, begins_s), (theta_high_rad, ends_s)] = [split(low), split(high)];
+            all.runs.push(CurveRun {
+                curve,
+                environment: environment.clone(),
+                effect: self.effect.clone(),
+                branch,
+                theta_low_rad,
+                theta_high_rad,
+                begins_s,
+                ends_s,
+                nodes: run.last - run.first + 1,
+                mass: run.mass,
+                p_value: run.p_value,
+            });
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use zwidth_study::{GroupsCompared, LevelId};
+
+    /// A person's curve in a mode: of angles up to `end`, a line of that slope there and back.
+    fn session(who: usize, mode: &str, end: f64, slope: f64, returns: bool) -> SessionCurve {
+        let x: Vec<f64> = (0..=20).map(|i| end * f64::from(i) / 20.0).collect();
+        let y = x.iter().map(|x| slope * x + 0.1 * (x * who as f64).sin()).collect();
+        let course = Course { x, y };
+        let back = returns.then(|| (Some(LoopBranch::Out), course.clone()));
+        SessionCurve {
+            curve: Curve::ForceOverAngle,
+            participant: format!("P{who:02}").parse().unwrap(),
+            environment: "spring".parse().unwrap(),
+            mode: mode.parse().unwrap(),
+            branches: [(Some(LoopBranch::In), course)].into_iter().chain(back).collect(),
+        }
+    }
+
+    fn parameters() -> CurveParameters {
+        let contrast = |mode: &str| Contrast {
+            mode: mode.parse().unwrap(),
+            against: "active".parse().unwrap(),
+        };
+        CurveParameters {
+            curves: vec![Curve::ForceOverAngle],
+            nodes: 11,
+            environments: vec!["spring".parse().unwrap()],
+            modes: ["active", "passive", "hybrid"].map(|id| id.parse().unwrap()).to_vec(),
+            contrasts: vec![contrast("hybrid"), contrast("passive")],
+            effects: Vec::new(),
+            groups: None,
+            families: Families::Metric,
+            alpha: 0.05,
+            level: 0.95,
+        }
+    }
+
+    /// So many people in two modes, of which the second is steeper.
+    fn people(number: usize) -> Vec<SessionCurve> {
+        let both = |who| {
+            let more = 1.0 + 0.2 * (who as f64).cos();
+            let end = 0.5 + 0.01 * who as f64;
+            [session(who, "active", end, 2.0, true), session(who, "hybrid", end, 2.0 + more, true)]
+        };
+        (1..=number).flat_map(both).collect()
+    }
+
+    #[test]
+    fn people_meet_where_all_reach_and_who_lacks_a_mode_is_named() {
+        let mut sessions = people(8);
+        sessions.push(session(9, "active", 0.2, 2.0, true));
+        let found = compare_curves(&sessions, &parameters()).unwrap();
+        let [hybrid, passive] = found.tests.as_slice() else { panic!("{:?}", found.tests) };
+        assert_eq!(
+            (hybrid.n, hybrid.nodes, hybrid.left_out),
+            (8, 20, 2),
+            "nobody scatters at zero"
+        );
+        let remark = hybrid.remark.as_ref().unwrap().to_string();
+        assert_eq!(remark, "P09 without a curve in each mode");
+        let farthest = found.points.iter().filter_map(|point| point.theta_rad).fold(0.0, f64::max);
+        assert!((farthest - 0.51).abs() < 1e-12, "{farthest}");
+        // Nobody has the other mode.
+        assert_eq!((passive.n, passive.verdict), (0, Some(Verdict::NotTested)));
+        assert!(passive.remark.as_ref().unwrap().to_string().contains("0 participants"));
+        // One test has a p value: it is adjusted by itself. All have one sign: 2 of 256 flips.
+        assert_eq!(hybrid.verdict, Some(Verdict::Different));
+        assert!((hybrid.p_adjusted.unwrap() - 2.0 / 256.0).abs() < 1e-12);
+        assert!(found.runs.iter().all(|run| run.effect == hybrid.effect && run.nodes > 1));
+        let node = &found.points[5];
+        assert!((node.mean_first - node.mean_second - node.difference).abs() < 1e-12);
+    }
+
+    #[test]
+    fn sessions_of_a_person_have_the_same_weight_and_a_way_back_that_somebody_lacks_is_left_out() {
+        let mut sessions = people(6);
+        sessions.push(session(1, "hybrid", 0.6, 12.0, false));
+        let found = compare_curves(&sessions, &parameters()).unwrap();
+        let remark = found.tests[0].remark.as_ref().unwrap().to_string();
+        assert!(remark.starts_with("the way back is left out: not everybody returns"));
+        assert!(found.points.iter().all(|point| point.branch == Some(LoopBranch::In)));
+        let alone = compare_curves(&people(6), &parameters()).unwrap();
+        let at_the_end =
+            |found: &Curves| found.points[10].difference / found.points[10].theta_rad.unwrap();
+        let more = 1.0 + 0.2 * 1.0_f64.cos();
+        let expected = at_the_end(&alone) + ((12.0 - 2.0 + more) / 2.0 - more) / 6.0;
+        assert!((at_the_end(&found) - expected).abs() < 0.01, "{}", at_the_end(&found));
+    }
+
+    #[test]
+    fn five_people_claim_nothing() {
+        let found = compare_curves(&people(5), &parameters()).unwrap();
+        let test = &found.tests[0];
+        assert_eq!((test.verdict, test.p_adjusted), (Some(Verdict::NotTested), None));
+        assert!((test.p_value.unwrap() - 0.0625).abs() < 1e-12 && test.band_t.is_none());
+        let remark = test.remark.as_ref().unwrap().to_string();
+        assert!(
+            remark.starts_with(
+                "no claim: with 5 participants no p value of this test is below 0.0625"
+            )
+        );
+    }
+
+    #[test]
+    fn of_skewed_differences_both_tests_must_find_the_effect() {
+        let mut sessions = people(8);
+        let found = compare_curves(&sessions, &parameters()).unwrap();
+        assert_eq!(found.tests[0].verdict, Some(Verdict::Different));
+        // One person goes far the other way over the greater part: that hides the mean, but not what all have before.
+        let hybrid = sessions.iter_mut().filter(|one| one.mode.as_str() == "hybrid");
+        for course in hybrid.take(1).flat_map(|one| one.branches.values_mut()) {
+            course.y[8..].iter_mut().for_each(|y| *y -= 50.0);
+        }
+        let found = compare_curves(&sessions, &parameters()).unwrap();
+        let test = &found.tests[0];
+        assert!(test.skewness.unwrap() > SKEWED && test.p_unstudentised.unwrap() > 0.5, "{test:?}");
+        assert!(test.p_adjusted.unwrap() < 0.01 && test.verdict == Some(Verdict::Undecided));
+        assert!(test.remark.as_ref().unwrap().to_string().contains("are skewed"));
+    }
+
+    #[test]
+    fn groups_are_compared_in_modes_in_their_mean_and_in_differences() {
+        let level = |id: &str| -> LevelId { id.parse().unwrap() };
+        let levels = [level("novice"), level("expert")];
+        let [against, group] = levels.clone();
+        let compared = GroupsCompared {
+            column: "skill".parse().unwrap(),
+            levels: levels.to_vec(),
+            assigned: false,
+            contrasts: vec![GroupContrast { group, against }],
+        };
+        let levels_of = (1..=8).map(|who| (format!("P{who:02}").parse().unwrap(), who % 2));
+        let groups = Groups { compared, levels_of: levels_of.collect() };
+        let parameters = CurveParameters { groups: Some(groups), ..parameters() };
+        let found = compare_curves(&people(8), &parameters).unwrap();
+        let named: Vec<String> = found
+            .tests
+            .iter()
+            .filter(|test| test.groups.is_some() && test.n > 0)
+            .map(|test| format!("{} {} {:?}", test.effect, test.n, test.n_second))
+            .collect();
+        let expected = ["mean over modes", "hybrid − active", "active", "hybrid"];
+        assert_eq!(named, expected.map(|effect| format!("{effect} 4 Some(4)")));
+        assert!(found.tests.iter().all(|test| test.verdict.is_none() == test.groups.is_some()));
+    }
+}
