@@ -280,6 +280,7 @@ fn parameters(study: &Study, sat: &[Sat]) -> anyhow::Result<Parameters> {
         effect_sizes: study.compare.effect_sizes.clone(),
         groups: None,
         covariates: Vec::new(),
+        over: None,
         effects: Vec::new(),
         orders: sat.iter().map(order).collect(),
     })

@@ -25,7 +25,7 @@ use zwidth_results::{
     AnswerDifference, AnyGroup, Cell, Compared, CovariateSlope, EffectDifference, FactorTest,
     GivenAnswer, GroupDifference, GroupMean, GroupMember, GroupModeDifference, Learning, Mean,
     MetricNote, ModeDifference, Model, Omnibus, OrderTest, PersonDifference, PersonSuperiority,
-    PrintedDifference, RedrawnDifference, RepeatMean, Row, SessionChange,
+    PrintedDifference, RedrawnDifference, RepeatMean, Row, SessionChange, TrialSlope,
 };
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, Stage};
 use zwidth_store::{Layout, SessionLog, Signal, StudyData};
@@ -64,6 +64,8 @@ pub(crate) struct Comparison {
     pub(crate) has_groups: bool,
     /// Whether differences are compared over numbers of people.
     has_covariates: bool,
+    /// Whether means are adjusted along lines over trials.
+    has_lines: bool,
     /// Whether effects of factors are compared.
     pub(crate) has_effects: bool,
 }
@@ -74,7 +76,8 @@ impl Comparison {
         let has_covariates = !data.study.compare.covariates.is_empty();
         let has_effects = !data.study.effects().is_empty();
         let folder = derived(&data.layout, "compare");
-        Self { folder, has_groups, has_covariates, has_effects }
+        let has_lines = data.study.compare.over.is_some();
+        Self { folder, has_groups, has_covariates, has_lines, has_effects }
     }
 
     /// The table of rows `R`.
@@ -146,6 +149,9 @@ impl Inputs for Comparison {
         if self.has_covariates {
             names.push(CovariateSlope::NAME);
         }
+        if self.has_lines {
+            names.push(TrialSlope::NAME);
+        }
         if self.has_effects {
             names.extend(OF_FACTORS);
         }
@@ -192,6 +198,7 @@ pub fn comparison(data: &StudyData, by: By, metric: &str) -> Vec<Printed> {
         By::Participant => vec![PersonDifference::NAME],
         By::Group => OF_GROUPS.to_vec(),
         By::Session => vec![SessionChange::NAME],
+        By::Repeat if tables.has_lines => vec![TrialSlope::NAME, Learning::NAME],
         By::Repeat => vec![Learning::NAME],
     };
     names.into_iter().map(|name| Printed::of_metric(&tables.file(name), metric)).collect()
@@ -409,6 +416,7 @@ pub(crate) fn tables(data: &StudyData) -> Vec<Printed> {
             (several && of_contrasts, Model::NAME),
             (several && of_contrasts, PersonDifference::NAME),
             (several && comparison.has_covariates, CovariateSlope::NAME),
+            (comparison.has_lines, TrialSlope::NAME),
             (of_groups, GroupDifference::NAME),
             (of_groups, GroupMean::NAME),
             (of_groups, GroupModeDifference::NAME),
@@ -497,6 +505,7 @@ impl Comparing<Parameters> {
             effect_sizes: compare.effect_sizes.clone(),
             groups: compare.groups.as_ref().map(|compared| groups(data, compared)),
             covariates: compare.covariates.iter().map(|column| covariate(data, column)).collect(),
+            over: compare.over,
             effects: study.effects(),
             orders: data.sessions.iter().map(|log| order(log, study)).collect(),
         };
@@ -617,6 +626,9 @@ fn make(
     ];
     if !stage.covariates.is_empty() {
         tables.push(table_of(results.covariates)?);
+    }
+    if stage.over.is_some() {
+        tables.push(table_of(results.over_trials)?);
     }
     if has_groups {
         tables.extend([

@@ -6,11 +6,11 @@ use crate::comparison::{Size, Verdict};
 use crate::effects::FactorEffect;
 use crate::row::{of_metric, rows};
 use crate::sentence::Sentence;
-use crate::value::texts;
+use crate::value::{named, texts};
 use std::fmt;
 use std::str::FromStr;
 use zwidth_study::{
-    Contrast, GroupContrast, IdError, LevelId, ModeId, ParticipantId, PersonColumnId,
+    Contrast, GroupContrast, IdError, LevelId, ModeId, OverTrials, ParticipantId, PersonColumnId,
 };
 
 /// What of people is compared between groups.
@@ -56,6 +56,7 @@ impl FromStr for GroupEffect {
 }
 
 texts!(GroupEffect, GroupContrast, LevelId, PersonColumnId);
+named!(OverTrials);
 
 rows! {
     /// Who is of which group.
@@ -224,6 +225,29 @@ rows! {
         difference_at_mean_std_error: Option<f64> = UNIT_OF_ROW,
         /// why there is no slope
         remark: Option<Sentence>,
+    }
+
+    /// How the metric changes along everybody's own line over their trials, besides the modes.
+    TrialSlope = "over_trials", "Change over trials, besides the modes" {
+        ..of_metric,
+        /// what the line is over: the number of the trial, or its repeat
+        over: OverTrials,
+        /// participants with a line
+        n: usize,
+        /// change from one to the next, mean over participants
+        change_each: f64 = UNIT_OF_ROW,
+        /// its standard error
+        change_each_std_error: Option<f64> = UNIT_OF_ROW,
+        /// lower end of its interval
+        change_each_ci_low: Option<f64> = UNIT_OF_ROW,
+        /// upper end of its interval
+        change_each_ci_high: Option<f64> = UNIT_OF_ROW,
+        /// t statistic
+        statistic: Option<f64>,
+        /// degrees of freedom
+        df: Option<f64>,
+        /// p value of no change, no claim
+        p_value: Option<f64>,
     }
 
     /// Whether any of several groups differs from another.

@@ -24,6 +24,7 @@
 //! | [`Model`] | metric, environment, contrast | `compare` | `power` |
 //! | [`PersonDifference`] | metric, environment, contrast, participant | `compare` | figures |
 //! | [`CovariateSlope`] | metric, environment, contrast, covariate | `compare` | printed tables |
+//! | [`TrialSlope`] | metric, environment | `compare` | printed tables |
 //! | [`GroupMember`] | participant | `compare` | figures |
 //! | [`GroupMean`] | metric, environment, mode, group | `compare` | figures, printed tables |
 //! | [`GroupModeDifference`] | metric, environment, contrast, group | `compare` | printed tables |

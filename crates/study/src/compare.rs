@@ -43,6 +43,9 @@ pub struct Compare {
     /// Numbers of people with which differences between modes may change.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub covariates: Vec<PersonColumnId>,
+    /// What everybody's means are adjusted over, by a line of their own.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub over: Option<OverTrials>,
     /// Factors and interactions whose effects are compared.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub effects: Vec<Term>,
@@ -153,6 +156,14 @@ words! {
         DAv = "d_av",
         /// As `g_z`, as the sample has it.
         DZ = "d_z",
+    }
+
+    /// What of trials everybody's line is over, besides the modes.
+    OverTrials {
+        /// The number of the trial in its session.
+        Trial = "trial",
+        /// The repeat of its condition.
+        Repeat = "repeat",
     }
 
     /// A course of repeats' means that is compared as a whole.

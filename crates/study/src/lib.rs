@@ -45,7 +45,7 @@ pub use calibration::{Basis, Calibration, CalibrationError, Characteristic};
 pub use changes::{Affects, StudyChange, study_changes};
 pub use compare::{
     Better, Bound, Compare, Contrast, Curve, EffectSize, Families, GroupContrast, GroupsCompared,
-    Primary,
+    OverTrials, Primary,
 };
 pub use control::{Control, VelocityFilter};
 pub use counted::counted;

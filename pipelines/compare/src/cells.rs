@@ -1,7 +1,8 @@
 //! The metric's values by cell: one participant in one session, environment and mode.
 
 use crate::measure::Measure;
-use crate::trials::{place, sorted};
+use crate::over_trials::Lines;
+use crate::trials::{Trials, place, sorted};
 use crate::{CompareError, Parameters};
 use zwidth_frames::{Statistics, grouped};
 use zwidth_results as results;
@@ -40,6 +41,8 @@ pub(crate) struct Cells {
     pub(crate) sessions: Vec<SessionId>,
     /// The cells.
     pub(crate) cells: Vec<Cell>,
+    /// The lines along which their means are adjusted, if they are.
+    pub(crate) lines: Option<Lines>,
 }
 
 impl Cell {
@@ -50,14 +53,25 @@ impl Cell {
 }
 
 impl Cells {
-    /// The cells of a metric. Conditions that the study does not have are left out.
+    /// The cells of a metric, of which `trials` have the values. Conditions that the study does not have are left
+    /// out.
     pub(crate) fn of(
         metrics: &Measured,
         measure: &Measure,
+        trials: &Trials,
         parameters: &Parameters,
     ) -> Result<Self, CompareError> {
         let keys: Vec<ConditionKey> = metrics.trials().iter().map(TrialKey::condition).collect();
-        let values = metrics.numbers(measure.parameters.metric.as_str())?;
+        let mut values = metrics.numbers(measure.parameters.metric.as_str())?;
+        let lines = parameters.over.map(|over| (over, Lines::of(trials, over)));
+        if let Some((over, lines)) = &lines {
+            let mut adjusted = lines.adjusted(trials, *over).into_iter();
+            for (key, value) in keys.iter().zip(&mut values) {
+                // The trials are those in conditions of the study, in the same order.
+                let is_known = parameters.condition(&key.environment, &key.mode).is_some();
+                *value = if is_known { adjusted.next().flatten() } else { None };
+            }
+        }
         let participants = sorted(keys.iter().map(|key| &key.participant));
         let sessions = sorted(keys.iter().map(|key| &key.session));
         let mut cells = Vec::new();
@@ -79,7 +93,7 @@ impl Cells {
         }
         // `grouped` keeps the order of rows; readers take the cells of a participant as neighbours.
         cells.sort_by_key(|c| (c.participant, c.session, c.environment, c.mode));
-        Ok(Self { participants, sessions, cells })
+        Ok(Self { participants, sessions, cells, lines: lines.map(|(_, lines)| lines) })
     }
 
     /// The unit that n counts: the trials if there is one participant.

@@ -5,7 +5,8 @@ use crate::claim::Claim;
 use crate::differences::{Difference, of_everybody};
 use crate::measure::Measure;
 use crate::orders::{NoTest, SharpNull};
-use crate::split::{Split, TooFew};
+use crate::over_trials::Weighed;
+use crate::split::{Refused, Split};
 use crate::{CompareError, Parameters};
 use zwidth_results::{ModeDifference, Size, UnitOfAnalysis, Verdict};
 use zwidth_stats::effect;
@@ -38,8 +39,8 @@ pub(crate) struct Row {
     pub(crate) sharp_null: Result<Randomised, NoTest>,
     /// The just noticeable difference, in the metric's unit, where it is known.
     pub(crate) jnd: Option<f64>,
-    /// Why no claim is made of groups that are too small.
-    refused: Option<TooFew>,
+    /// Why no claim is made.
+    refused: Option<Refused>,
     /// Whether there is a difference.
     pub(crate) claim: Claim,
 }
@@ -55,8 +56,8 @@ impl Row {
 
     /// Why there is no test, or no claim can be made.
     fn remark(&self, alpha: f64) -> Option<String> {
-        if let Some(too_few) = &self.refused {
-            return Some(too_few.to_string());
+        if let Some(refused) = &self.refused {
+            return Some(refused.to_string());
         }
         if self.claim.verdict != Verdict::NotTested {
             let undecided = self.claim.verdict == Verdict::Undecided;
@@ -161,23 +162,28 @@ pub(crate) fn rows(
                     };
                     let groups: Vec<Group> = members.iter().map(of_group).collect();
                     let smallest = split.smallest(differences.iter().map(|one| one.participant));
-                    let refused = smallest.and_then(|(n, id)| TooFew::of(n, &id));
+                    let refused = smallest.and_then(|(n, id)| Refused::too_few(n, &id));
                     (groups::mean(&groups, parameters.level), refused)
                 }
                 // There is one participant, so the one difference is theirs.
                 (UnitOfAnalysis::TrialsOf(_), _) => (differences[0].within.clone(), None),
             };
             let of_people = unit == UnitOfAnalysis::Participants;
+            let weights = [1.0, -1.0].into_iter().zip(modes);
+            let weights: Vec<Weighed> =
+                weights.map(|(weight, mode)| (None, [environment, mode], weight)).collect();
+            let people = differences.iter().map(|one| one.participant);
+            let refused = refused.or_else(|| Refused::ordered(cells, people, &weights));
             // A claim rests on the p value of the participants' differences; with one participant, on that of the
             // sharp null, which the design's orders limit.
             let p = match of_people {
                 true => {
                     tested.as_ref().ok().filter(|_| refused.is_none()).map(|tested| tested.p_value)
                 }
-                false => null.as_ref().ok().map(|test| test.p_value),
+                false => null.as_ref().ok().filter(|_| refused.is_none()).map(|test| test.p_value),
             };
             let smallest_p = null.as_ref().ok().filter(|_| !of_people).map(|test| test.smallest_p);
-            let has_p = refused.as_ref().is_none_or(TooFew::has_p);
+            let has_p = refused.as_ref().is_none_or(Refused::has_p);
             let bound = measure.parameters.bounds[environment].filter(|_| has_p);
             let equivalence = tested.as_ref().ok().zip(bound);
             let equivalence = equivalence
@@ -222,7 +228,7 @@ pub(crate) fn named(
     let noticed = measure.parameters.noticed.as_ref();
     let named = rows.iter().map(|row| {
         let tested = row.tested.as_ref().ok();
-        let has_p = of_people && row.refused.as_ref().is_none_or(TooFew::has_p);
+        let has_p = of_people && row.refused.as_ref().is_none_or(Refused::has_p);
         let by_t = tested.filter(|_| has_p);
         let pairs = row.pairs();
         let level = parameters.level;

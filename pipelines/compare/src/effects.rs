@@ -4,7 +4,8 @@ use crate::cells::{Cell, Cells};
 use crate::claim::Claim;
 use crate::contrasts::size;
 use crate::measure::Measure;
-use crate::split::{Split, TooFew};
+use crate::over_trials::Weighed;
+use crate::split::{Refused, Split};
 use crate::{CompareError, Parameters};
 use std::collections::BTreeMap;
 use zwidth_results::{EffectDifference, EffectLevels, FactorEffect, FactorTest, UnitOfAnalysis};
@@ -27,8 +28,8 @@ pub(crate) struct Row<'a> {
     jnd: Option<f64>,
     /// The effect that is too small to matter, in the metric's unit.
     bound: Option<f64>,
-    /// Why no claim is made of groups that are too small.
-    refused: Option<TooFew>,
+    /// Why no claim is made.
+    refused: Option<Refused>,
     /// Whether it is a difference between two values, of which a bound or what is felt speaks.
     pub(crate) is_difference: bool,
     pub(crate) claim: Claim,
@@ -160,10 +161,13 @@ pub(crate) fn rows<'a>(
                 let levels = split.by_level(each).into_iter().filter(|level| !level.is_empty());
                 let levels: Vec<_> = levels.map(|level| groups::group(&level)).collect();
                 let smallest = split.smallest(values.keys().copied());
-                let refused = smallest.and_then(|(n, id)| TooFew::of(n, &id));
+                let refused = smallest.and_then(|(n, id)| Refused::too_few(n, &id));
                 (groups::mean(&levels, parameters.level), refused)
             }
         };
+        let weighed: Vec<Weighed> =
+            weights.iter().map(|((session, place), weight)| (*session, *place, *weight)).collect();
+        let refused = refused.or_else(|| Refused::ordered(cells, values.keys().copied(), &weighed));
         let environment = effect
             .environment
             .as_ref()
@@ -182,7 +186,7 @@ pub(crate) fn rows<'a>(
             levels => levels.iter().all(|level| matches!(level, LevelContrast::Pair(_))),
         };
         let bound = bound.filter(|_| is_difference);
-        let has_p = refused.as_ref().is_none_or(TooFew::has_p);
+        let has_p = refused.as_ref().is_none_or(Refused::has_p);
         let equivalence = tested.as_ref().ok().zip(bound.filter(|_| has_p));
         let equivalence = equivalence
             .map(|(tested, bound)| paired::equivalence(tested, bound, parameters.alpha))
@@ -231,7 +235,7 @@ pub(crate) fn named(
     let named = rows.iter().map(|row| {
         let Row { effect: Effect { term, levels, lacks, .. }, claim, .. } = row;
         let tested = row.tested.as_ref().ok();
-        let with_p = tested.filter(|_| row.refused.as_ref().is_none_or(TooFew::has_p));
+        let with_p = tested.filter(|_| row.refused.as_ref().is_none_or(Refused::has_p));
         let sides: Vec<[f64; 2]> = row.values.values().copied().collect();
         let differences = paired::differences(&sides);
         let mean = differences.iter().sum::<f64>() / differences.len() as f64;
@@ -242,7 +246,7 @@ pub(crate) fn named(
         let z = effect::d_z(&sides, parameters.level).ok();
         let ends = tested.zip(row.jnd).map(|(t, jnd)| [t.ci_low / jnd, t.ci_high / jnd]);
         let why = match (&row.refused, &row.tested) {
-            (Some(too_few), _) => Some(too_few.to_string()),
+            (Some(refused), _) => Some(refused.to_string()),
             _ if row.effect.weights.is_empty() => None,
             _ if sides.is_empty() => Some(row.nobody(cells)),
             (None, Err(why)) => Some(why.to_string()),
@@ -352,8 +356,8 @@ mod tests {
     use crate::{Groups, compare};
     use zwidth_results::{GroupEffect, TrialKey, Verdict};
     use zwidth_study::{
-        DoseScale, Factor, FactorId, FactorOf, GroupsCompared, LevelId, Mode, Source, Term, Trend,
-        Weight,
+        DoseScale, Factor, FactorId, FactorOf, GroupsCompared, LevelId, Mode, OverTrials, Source,
+        Term, Trend, Weight,
     };
 
     /// A number between −½ and ½: (h³ mod 9941)/9941 − ½.
@@ -515,6 +519,36 @@ mod tests {
         }
         // Of an interaction both sides are sums, which no spread within conditions stands for.
         assert!(found.effects[0].g_av.is_some() && found.effects[2].g_av.is_none());
+    }
+
+    /// NumPy: everybody's own line in each environment, least squares besides the means of the modes.
+    #[test]
+    fn effects_along_everybodys_own_line_over_trials_are_numpys() {
+        let (keys, values) = eight();
+        let parameters = Parameters { over: Some(OverTrials::Trial), ..of_eight() };
+        let found = compare(&measured(&keys, values.into_iter()), &parameters).unwrap();
+        let crossed = &found.effects[2];
+        near(crossed.difference, 0.14443999);
+        near(crossed.difference_std_error, 0.0546080023);
+        near(crossed.statistic, 2.6450334);
+        near(crossed.p_value, 0.0331800679);
+        near(crossed.difference_ci_low, 0.0153125832);
+        near(crossed.difference_ci_high, 0.273567396);
+        let motor = &found.effects[3];
+        near(motor.difference, 0.369108272);
+        near(motor.difference_std_error, 0.0576589951);
+        near(motor.p_value, 3.66732648e-4);
+        let [spring, wall] = &found.over_trials[..] else { panic!("{:?}", found.over_trials) };
+        near(Some(spring.change_each), -0.0219326312);
+        near(spring.change_each_std_error, 0.00377492312);
+        near(spring.p_value, 6.56743528e-4);
+        near(spring.change_each_ci_low, -0.0308589059);
+        near(spring.change_each_ci_high, -0.0130063564);
+        assert_eq!((wall.n, wall.over), (8, OverTrials::Trial));
+        // Learning is of the values as they are.
+        let as_they_are = compare(&measured(&keys, eight().1.into_iter()), &of_eight()).unwrap();
+        assert_eq!(found.learning, as_they_are.learning);
+        assert!(as_they_are.over_trials.is_empty());
     }
 
     #[test]

@@ -4,7 +4,7 @@ use crate::cells::Cells;
 use crate::claim::Claim;
 use crate::contrasts::{self, size};
 use crate::measure::Measure;
-use crate::split::{Split, TooFew};
+use crate::split::{Refused, Split};
 use crate::{CompareError, Parameters, effects};
 use std::collections::{BTreeMap, BTreeSet};
 use zwidth_results::{AnyGroup, GroupDifference, GroupEffect, GroupMean, GroupModeDifference};
@@ -28,7 +28,7 @@ pub(crate) struct Row<'a> {
     /// The difference that is too small to matter.
     bound: Option<f64>,
     /// Why no claim is made, where one could be.
-    refused: Option<TooFew>,
+    refused: Option<Refused>,
     /// Whether it is claimed, or only described.
     is_claimed: bool,
     pub(crate) claim: Claim,
@@ -144,8 +144,8 @@ pub(crate) fn rows<'a>(
                 let [a, b] = [group(&first), group(&second)];
                 let tested = groups::difference([a, b], parameters.level);
                 let smallest = [(a.n, &contrast.group), (b.n, &contrast.against)].into_iter().min();
-                let refused = smallest.and_then(|(n, id)| TooFew::of(n, id.as_str()));
-                let has_p = refused.as_ref().is_none_or(TooFew::has_p);
+                let refused = smallest.and_then(|(n, id)| Refused::too_few(n, id.as_str()));
+                let has_p = refused.as_ref().is_none_or(Refused::has_p);
                 let bound = measure.parameters.bounds[environment];
                 let bound = bound.filter(|_| has_p && is_difference);
                 let equivalence = tested.as_ref().ok().zip(bound);
@@ -187,7 +187,7 @@ pub(crate) fn named(
     let named = rows.iter().map(|row| {
         let [a, b] = [0, 1].map(|side| group(&row.values[side]));
         let tested = row.tested.as_ref().ok();
-        let with_p = tested.filter(|_| row.refused.as_ref().is_none_or(TooFew::has_p));
+        let with_p = tested.filter(|_| row.refused.as_ref().is_none_or(Refused::has_p));
         let both = (a.n > 0 && b.n > 0).then_some(a.mean - b.mean);
         let difference = tested.map(|t| t.estimate).or(both);
         let sized = groups::effect([a, b], parameters.level).ok().filter(|_| g_av || d_av);

@@ -41,6 +41,7 @@ mod models;
 mod notes;
 mod omnibus;
 mod orders;
+mod over_trials;
 mod parameters;
 mod people;
 mod preregistered;
@@ -72,7 +73,7 @@ use zwidth_results::{
     AnyGroup, Cell, Compared, CovariateSlope, EffectDifference, FactorTest, GroupDifference,
     GroupMean, GroupMember, GroupModeDifference, Learning, Mean, MetricNote, ModeDifference, Model,
     Omnibus, OrderTest, PersonDifference, RedrawnDifference, RepeatMean, Role, SessionChange,
-    UnitOfAnalysis,
+    TrialSlope, UnitOfAnalysis,
 };
 use zwidth_study::Families;
 use zwidth_tables::Measured;
@@ -99,6 +100,8 @@ pub struct Comparison {
     pub participants: Vec<PersonDifference>,
     /// Differences between modes over numbers of people.
     pub covariates: Vec<CovariateSlope>,
+    /// Changes along everybody's line over trials.
+    pub over_trials: Vec<TrialSlope>,
     /// Who is of which group.
     pub group_members: Vec<GroupMember>,
     /// Means of groups by condition.
@@ -165,6 +168,7 @@ pub fn compare(metrics: &Measured, parameters: &Parameters) -> Result<Comparison
         all.models.extend(metric.models);
         all.participants.extend(metric.participants);
         all.covariates.extend(metric.covariates);
+        all.over_trials.extend(metric.over_trials);
         all.group_means.extend(metric.group_means);
         all.group_contrasts.extend(metric.group_contrasts);
         all.groups.extend(metric.groups);
@@ -201,8 +205,8 @@ impl<'a> Tested<'a> {
         parameters: &'a Parameters,
     ) -> Result<Self, CompareError> {
         let measure = Measure::new(metrics, metric)?;
-        let cells = Cells::of(metrics, &measure, parameters)?;
         let trials = Trials::of(metrics, &measure, parameters)?;
+        let cells = Cells::of(metrics, &measure, &trials, parameters)?;
         let unit = cells.unit();
         let orders = orders::sharp_nulls(&trials, parameters, orders::SAMPLING);
         let split = Split::of(&cells, parameters);
@@ -238,6 +242,7 @@ impl<'a> Tested<'a> {
             notes::models(measure, &models),
             notes::sessions(measure, &sessions),
             notes::covariates(measure),
+            notes::over_trials(cells, measure, parameters),
             notes::learning(measure),
             notes::repeats(measure, unit),
             notes::order_tests(measure),
@@ -258,6 +263,7 @@ impl<'a> Tested<'a> {
             models,
             participants: people::differences(contrasts, cells, measure, parameters),
             covariates: covariates::slopes(contrasts, cells, measure, parameters),
+            over_trials: over_trials::slopes(cells, unit, measure, parameters),
             group_members: Vec::new(),
             group_means: match split {
                 Some(split) => groups::means(split, cells, measure, parameters)?,

@@ -11,10 +11,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use zwidth_results::{
     CovariateSlope, EffectDifference, FactorTest, GroupDifference, GroupModeDifference, Learning,
     Mean, MetricNote, ModeDifference, Model, NoteKind, Omnibus, OrderTest, RepeatMean, Row,
-    SessionChange, UnitOfAnalysis,
+    SessionChange, TrialSlope, UnitOfAnalysis,
 };
 use zwidth_stats::{design_guard, sign_flip};
-use zwidth_study::{Effect, Families, LevelId};
+use zwidth_study::{Effect, Families, LevelId, OverTrials, counted};
 
 /// A note, and what it is about.
 type Note = (NoteKind, String);
@@ -124,6 +124,45 @@ pub(crate) fn sessions(measure: &Measure, changes: &Changes) -> Vec<MetricNote> 
         ));
     }
     below::<SessionChange>(measure, notes)
+}
+
+/// Notes on lines over trials: that means are adjusted, and who has no line.
+pub(crate) fn over_trials(
+    cells: &Cells,
+    measure: &Measure,
+    parameters: &Parameters,
+) -> Vec<MetricNote> {
+    let Some(over) = parameters.over else { return Vec::new() };
+    let over = match over {
+        OverTrials::Trial => "the number of the trial",
+        OverTrials::Repeat => "the repeat",
+    };
+    let text = format!(
+        "Means are adjusted along everybody's own line over {over}, besides the modes, to the middle of each session; a \
+         participant who did each mode once has no line, and is left out. Tests over orders, mixed models, \
+         learning and repeats are of the values as they are."
+    );
+    let lacking = cells.lines.as_ref().map_or(0, |lines| lines.lacking(&cells.cells));
+    let left_out = (lacking > 0).then(|| {
+        let who = counted(lacking, "participants");
+        (
+            NoteKind::Care,
+            format!("{who} without a line in an environment: each mode was done once there."),
+        )
+    });
+    let notes = || [general(&text)].into_iter().chain(left_out.clone()).collect();
+    let below_all = [
+        below::<Mean>(measure, notes()),
+        below::<ModeDifference>(measure, notes()),
+        below::<TrialSlope>(
+            measure,
+            vec![general(
+                "Everybody's own line in each environment, least squares besides the means of the modes in each session; mean over \
+             participants, Student's t. Exploratory: no claim is made from this table, and p is not adjusted.",
+            )],
+        ),
+    ];
+    below_all.concat()
 }
 
 /// Notes on differences over numbers of people.

@@ -5,7 +5,7 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use zwidth_study::{
     Better, Contrast, Effect, EffectSize, EnvironmentId, Families, GroupsCompared, MetricId,
-    ModeId, ParticipantId, Perception, PersonColumnId,
+    ModeId, OverTrials, ParticipantId, Perception, PersonColumnId,
 };
 
 /// The parameters of a comparison.
@@ -33,6 +33,9 @@ pub struct Parameters {
     /// Numbers of people with which differences may change.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub covariates: Vec<Covariate>,
+    /// What everybody's means are adjusted over, by a line of their own.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub over: Option<OverTrials>,
     /// Effects of factors, and weighted contrasts.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub effects: Vec<Effect>,

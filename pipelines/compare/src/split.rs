@@ -1,6 +1,7 @@
 //! The people of a study by their groups, and when a group is too small.
 
 use crate::cells::Cells;
+use crate::over_trials::{MOST_INFLATED, Weighed};
 use crate::{Groups, Parameters};
 use std::fmt;
 use zwidth_results::UnitOfAnalysis;
@@ -50,29 +51,60 @@ impl<'a> Split<'a> {
     }
 }
 
-/// A group that is too small for a claim.
+/// Why nothing is claimed, though there is an estimate.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct TooFew {
-    n: usize,
-    group: String,
+pub(crate) enum Refused {
+    /// A group is too small.
+    TooFew {
+        /// Its people.
+        n: usize,
+        /// The group.
+        group: String,
+    },
+    /// The order of the modes leaves practice and modes hardly apart: a line over trials makes the variance so many
+    /// times larger.
+    Ordered(f64),
 }
 
-impl TooFew {
+impl Refused {
     /// Whether the smallest of the groups, which has `n` people, is too small.
-    pub(crate) fn of(n: usize, group: &str) -> Option<Self> {
-        (n < LEAST_FOR_A_CLAIM).then(|| Self { n, group: group.to_owned() })
+    pub(crate) fn too_few(n: usize, group: &str) -> Option<Self> {
+        (n < LEAST_FOR_A_CLAIM).then(|| Self::TooFew { n, group: group.to_owned() })
+    }
+
+    /// Whether the lines over trials, if there are any, tell practice and a weighted sum of somebody's conditions
+    /// apart.
+    pub(crate) fn ordered(
+        cells: &Cells,
+        people: impl Iterator<Item = usize>,
+        weights: &[Weighed],
+    ) -> Option<Self> {
+        let inflation = cells.lines.as_ref()?.inflation(people, weights);
+        (inflation > MOST_INFLATED).then_some(Self::Ordered(inflation))
     }
 
     /// Whether there is a p value all the same.
     pub(crate) fn has_p(&self) -> bool {
-        self.n >= LEAST_FOR_A_P
+        match self {
+            Self::TooFew { n, .. } => *n >= LEAST_FOR_A_P,
+            Self::Ordered(_) => true,
+        }
     }
 }
 
-impl fmt::Display for TooFew {
+impl fmt::Display for Refused {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { n, group } = self;
-        let people = counted(*n, "participants");
+        let (n, group) = match self {
+            Self::TooFew { n, group } => (*n, group),
+            Self::Ordered(times) => {
+                return write!(
+                    f,
+                    "no claim: the order of the modes makes the variance beside a line over trials {times:.1} times \
+                     larger, so the difference may be practice"
+                );
+            }
+        };
+        let people = counted(n, "participants");
         match self.has_p() {
             true => write!(
                 f,

@@ -52,6 +52,7 @@ pub(crate) fn parameters() -> Parameters {
         effect_sizes: Compare::EFFECT_SIZES.to_vec(),
         groups: None,
         covariates: Vec::new(),
+        over: None,
         effects: Vec::new(),
         orders: Vec::new(),
     }

@@ -52,7 +52,7 @@ impl Check<'_> {
             let problem = format!("'{metric}' is not compared; add it to compare.metrics");
             self.error(&format!("compare.better.{metric}"), problem);
         }
-        self.covariates(&table.covariates, people);
+        let (over, covariates) = self.covariates(table.covariates, people);
         let effects = self.effects(table.effects, factors);
         let bounds = table.bounds.iter().map(|(m, b)| (m.clone(), self.bound(m, b, compared(m))));
         Compare {
@@ -83,7 +83,8 @@ impl Check<'_> {
             ),
             curve_nodes: self.curve_nodes(table.curve_nodes),
             groups: self.groups(table.groups, table.group_contrasts, people),
-            covariates: table.covariates,
+            covariates,
+            over,
         }
     }
 
@@ -242,7 +243,12 @@ pub(super) fn table(study: &Study) -> CompareTable {
         better: compare.better.clone(),
         groups: compare.groups.as_ref().map(|groups| groups.column.clone()),
         group_contrasts: compare.groups.as_ref().and_then(chosen_contrasts),
-        covariates: compare.covariates.clone(),
+        covariates: compare
+            .over
+            .iter()
+            .map(|over| over.as_str().to_owned())
+            .chain(compare.covariates.iter().map(ToString::to_string))
+            .collect(),
         effects: (compare.effects != default_effects(&study.factors))
             .then(|| compare.effects.clone()),
         trend: compare.trend.clone(),

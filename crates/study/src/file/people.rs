@@ -3,7 +3,8 @@
 use super::check::Check;
 use crate::people::{Known, People, PeopleForm, Person, PersonColumn, PersonValue};
 use crate::{
-    GroupContrast, GroupsCompared, LevelId, ParticipantId, PersonColumnId, StudyError, locate,
+    GroupContrast, GroupsCompared, LevelId, OverTrials, ParticipantId, PersonColumnId, StudyError,
+    locate,
 };
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
@@ -163,22 +164,43 @@ impl Check<'_> {
         Some(GroupsCompared { column, levels: levels.clone(), assigned: *assigned, contrasts })
     }
 
-    /// `compare.covariates`.
-    pub(super) fn covariates(&mut self, covariates: &[PersonColumnId], people: &[PersonColumn]) {
+    /// `compare.covariates`: what of trials everybody's line is over, and numbers of people.
+    pub(super) fn covariates(
+        &mut self,
+        covariates: Vec<String>,
+        people: &[PersonColumn],
+    ) -> (Option<OverTrials>, Vec<PersonColumnId>) {
+        let mut over = None;
+        let mut of_people = Vec::new();
         for (i, id) in covariates.iter().enumerate() {
-            let found = people.iter().find(|column| column.id == *id).map(|column| &column.known);
-            let problem = match found {
-                None => format!("[[people]] has no column '{id}'; add it with its unit"),
+            let column = people.iter().find(|column| column.id.as_str() == id);
+            let of_trials = OverTrials::from_word(id).filter(|_| column.is_none());
+            if of_trials.is_some() && over.is_none() {
+                over = of_trials;
+                continue;
+            }
+            let problem = match column.map(|column| &column.known) {
+                None if of_trials.is_some() => {
+                    "a line is over 'trial' or over 'repeat', which is named once; leave one out"
+                        .to_owned()
+                }
+                None => format!(
+                    "[[people]] has no column '{id}'; add it with its unit, or name 'trial' or 'repeat'"
+                ),
                 Some(Known::Level { .. }) => {
                     format!("'{id}' has levels: name it in compare.groups")
                 }
                 Some(Known::Number { .. }) if covariates[..i].contains(id) => {
                     format!("'{id}' stands twice; leave one out")
                 }
-                Some(Known::Number { .. }) => continue,
+                Some(Known::Number { .. }) => {
+                    of_people.extend(column.map(|column| column.id.clone()));
+                    continue;
+                }
             };
             self.error(&format!("compare.covariates[{i}]"), problem);
         }
+        (over, of_people)
     }
 }
 
@@ -391,6 +413,14 @@ mod tests {
     }
 
     #[test]
+    fn a_line_over_trials_stands_among_the_covariates() {
+        let study = study("groups = \"group\"\ncovariates = [\"age_years\", \"trial\"]").unwrap();
+        assert_eq!(study.compare.over, Some(OverTrials::Trial));
+        assert_eq!(study.compare.covariates.len(), 1);
+        check_round_trip(&study);
+    }
+
+    #[test]
     fn columns_and_groups_that_cannot_be_meant_are_one_error_each() {
         for (compare, key, words) in [
             ("groups = \"crew\"", "compare.groups", "no column 'crew'"),
@@ -408,6 +438,7 @@ mod tests {
             ("groups = \"group\"\ngroup_contrasts = []", "compare.group_contrasts", "is empty"),
             ("covariates = [\"group\"]", "compare.covariates[0]", "compare.groups"),
             ("covariates = [\"age\"]", "compare.covariates[0]", "no column 'age'"),
+            ("covariates = [\"trial\", \"repeat\"]", "compare.covariates[1]", "named once"),
             (
                 "covariates = [\"age_years\", \"age_years\"]",
                 "compare.covariates[1]",

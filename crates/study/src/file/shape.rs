@@ -192,7 +192,7 @@ pub(super) struct CompareTable {
     pub(super) groups: Option<PersonColumnId>,
     pub(super) group_contrasts: Option<Vec<[LevelId; 2]>>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub(super) covariates: Vec<PersonColumnId>,
+    pub(super) covariates: Vec<String>,
     pub(super) effects: Option<Vec<Term>>,
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub(super) trend: BTreeMap<FactorId, Trend>,

@@ -3,8 +3,8 @@
 use super::recorded::{Recorded, plain};
 use super::sources::Cited;
 use zwidth_study::{
-    Bound, DoseScale, Effect, EffectSize, FactorOf, Families, GroupsCompared, LevelId, Study,
-    contrast_label, curve_label,
+    Bound, DoseScale, Effect, EffectSize, FactorOf, Families, GroupsCompared, LevelId, OverTrials,
+    Study, contrast_label, curve_label,
 };
 
 pub(super) fn paragraphs(study: &Study, recorded: &Recorded, cited: &mut Cited) -> Vec<String> {
@@ -195,9 +195,21 @@ fn between(study: &Study, recorded: &Recorded, cited: &mut Cited) -> String {
         ),
         false => String::new(),
     };
+    let over = match study.compare.over {
+        Some(over) => format!(
+            " Means were adjusted along each participant's own line over the {} in each environment, by least squares \
+             besides the means of the modes; no claim was made where that made a difference's variance more than \
+             five times larger.",
+            match over {
+                OverTrials::Trial => "number of the trial",
+                OverTrials::Repeat => "repeat",
+            }
+        ),
+        None => String::new(),
+    };
     format!(
         "The unit of analysis was the participant: each one's repeats were averaged{sessions}, \
-         and each participant gave {each}. {test}.{effects}{variance}{model}"
+         and each participant gave {each}.{over} {test}.{effects}{variance}{model}"
     )
 }
 

@@ -95,6 +95,7 @@ fn parameters() -> anyhow::Result<Parameters> {
         effect_sizes: Vec::new(),
         groups: None,
         covariates: Vec::new(),
+        over: None,
         effects: Vec::new(),
         orders: Vec::new(),
     })
