@@ -22,17 +22,18 @@ use zwidth_figures::{
     SESSIONS_COMPARED, VERDICTS, VerdictRow, answers_compared, verdict_rows,
 };
 use zwidth_results::{
-    AnswerDifference, AnyGroup, Cell, Compared, CovariateSlope, EffectDifference, FactorTest,
-    GivenAnswer, GroupDifference, GroupMean, GroupMember, GroupModeDifference, Learning, Mean,
-    MetricNote, ModeDifference, Model, Omnibus, OrderTest, PersonDifference, PersonSuperiority,
-    PrintedDifference, RedrawnDifference, RepeatMean, Row, SessionChange, TrialSlope,
+    AnswerDifference, AnyGroup, Cell, Column, Compared, CovariateSlope, EffectDifference,
+    FactorTest, GivenAnswer, GroupDifference, GroupMean, GroupMember, GroupModeDifference,
+    Learning, Mean, MetricNote, ModeDifference, Model, Omnibus, OrderTest, PersonDifference,
+    PersonSuperiority, PrintedDifference, RedrawnDifference, RepeatMean, Row, SessionChange,
+    TrialKey, TrialScore, TrialSlope,
 };
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, Stage};
-use zwidth_store::{Layout, SessionLog, Signal, StudyData};
+use zwidth_store::{Answer, Layout, SessionLog, Signal, StudyData};
 use zwidth_study::order::Rules;
 use zwidth_study::{
     Bound, Coordinate, Effect, Environment, Event, Families, GroupsCompared, IdError, Known,
-    MetricId, PersonColumnId, Source, Study,
+    MetricId, ParticipantId, PersonColumnId, Score, Source, Study,
 };
 use zwidth_tables::{Measured, Table, TableError};
 
@@ -227,7 +228,8 @@ pub fn effects(data: &StudyData, metric: &MetricId) -> Result<Vec<EffectDifferen
 /// The metrics that are compared: those that trials of this study can have, the primary ones first.
 /// Empty in a study with one mode, unless groups of people or factors are compared.
 pub fn compared(data: &StudyData) -> Vec<String> {
-    let has_modes = are_several(data.counting().map(|trial| &trial.meta.mode));
+    let of_answers = data.answers.iter().map(|answer| &answer.condition.mode);
+    let has_modes = are_several(data.counting().map(|trial| &trial.meta.mode).chain(of_answers));
     if !has_modes && !has_group_differences(data) && data.study.effects().is_empty() {
         return Vec::new();
     }
@@ -240,8 +242,7 @@ pub fn compared(data: &StudyData) -> Vec<String> {
 pub(crate) fn has_group_differences(data: &StudyData) -> bool {
     let Some(groups) = &data.study.compare.groups else { return false };
     are_several(
-        data.counting()
-            .filter_map(|trial| data.people.level(&trial.meta.participant, &groups.column)),
+        took_part(data).into_iter().filter_map(|who| data.people.level(who, &groups.column)),
     )
 }
 
@@ -252,6 +253,9 @@ fn are_several<T: PartialEq>(mut all: impl Iterator<Item = T>) -> bool {
 
 /// Whether some trial of the study can have a metric.
 fn is_possible(data: &StudyData, metric: &str) -> bool {
+    if let Some(score) = zwidth_metrics::score_of(&data.study, metric) {
+        return data.answers.iter().any(|answer| score.questions.contains(&answer.question));
+    }
     if data.study.device.lever_m.is_none() && zwidth_metrics::needs_lever(metric) {
         return false;
     }
@@ -271,7 +275,10 @@ fn requested_metrics(study: &Study) -> Vec<String> {
         None => {
             let default = MetricId::primary().to_string();
             let own = zwidth_metrics::own_metrics(study).map(|own| own.id.to_string());
-            std::iter::once(default).chain(OTHERS.map(str::to_owned)).chain(own).collect()
+            let scores =
+                study.scores.iter().filter_map(|score| Some(score.metric().ok()?.to_string()));
+            let all = std::iter::once(default).chain(OTHERS.map(str::to_owned));
+            all.chain(own).chain(scores).collect()
         }
     };
     let primary = study.compare.primary.metrics();
@@ -297,6 +304,13 @@ pub fn claims(study: &Study, metric: &str) -> usize {
     // The claims of a metric: of each environment that can have it, then those over several.
     let families = |metric: &str| -> Vec<usize> {
         let can_have = |environment: &Environment| {
+            if let Some(score) = zwidth_metrics::score_of(study, metric) {
+                // Answers that are imported need not be asked for anywhere.
+                let asks = |place: &Environment| {
+                    score.questions.iter().all(|id| place.questions().any(|own| own == id))
+                };
+                return asks(environment) || !study.environments.iter().any(asks);
+            }
             zwidth_metrics::is_possible(study, metric, &environment.scene, &signals)
         };
         let in_each = study.environments.iter().filter(|own| can_have(own)).map(|environment| {
@@ -349,7 +363,9 @@ pub fn asked_in_vain(study: &Study) -> Vec<String> {
         ));
     }
     if are_unknown {
-        let names: Vec<&str> = zwidth_metrics::names(study).collect();
+        let scores = study.scores.iter().filter_map(|score| Some(score.metric().ok()?.to_string()));
+        let names: Vec<String> =
+            zwidth_metrics::names(study).map(str::to_owned).chain(scores).collect();
         remarks.push(format!("[compare] of study.toml: the metrics are {}", names.join(", ")));
     }
     for (metric, bound) in &study.compare.bounds {
@@ -382,7 +398,9 @@ struct Attendance {
 
 fn attendance(data: &StudyData) -> Attendance {
     let metas = data.counting().map(|trial| &trial.meta);
-    let sessions: BTreeSet<_> = metas.map(|meta| (&meta.participant, &meta.session)).collect();
+    let answered = data.answers.iter().map(|answer| (&answer.participant, &answer.session));
+    let sessions: BTreeSet<_> =
+        metas.map(|meta| (&meta.participant, &meta.session)).chain(answered).collect();
     let people: BTreeSet<_> = sessions.iter().map(|(participant, _)| participant).collect();
     let several = people.len() > 1;
     Attendance { several, several_and_again: several && sessions.len() > people.len() }
@@ -457,7 +475,52 @@ struct Comparing<P> {
     simulated: bool,
 }
 
-impl Comparing<Parameters> {
+/// What a comparison of metrics depends on.
+#[derive(Serialize)]
+struct OfMetrics {
+    #[serde(flatten)]
+    parameters: Parameters,
+    /// The scores among the metrics.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    scores: Vec<ScoreColumn>,
+}
+
+/// A score as a metric.
+#[derive(Serialize)]
+struct ScoreColumn {
+    score: MetricId,
+    metric: MetricId,
+    words: String,
+}
+
+impl ScoreColumn {
+    /// The scores of trials, as a table of metrics has them.
+    fn measured(&self, rows: &[TrialScore]) -> Result<Measured, TableError> {
+        let own = || rows.iter().filter(|row| row.score == self.score);
+        let keys: Vec<TrialKey> = own()
+            .map(|row| TrialKey {
+                participant: row.participant.clone(),
+                session: row.session.clone(),
+                trial: row.trial,
+                repeat: row.repeat,
+                environment: row.environment.clone(),
+                mode: row.mode.clone(),
+                source: row.source,
+            })
+            .collect();
+        let mut columns = TrialKey::columns(&keys);
+        let mut column = Column::float("", Score::UNIT, "", own().map(|row| row.value));
+        column.field.name = self.metric.to_string().into();
+        column.field.description = self.words.clone().into();
+        columns.push(column);
+        Measured::of(Table::new(TrialScore::NAME, TrialScore::TITLE, columns)?)
+    }
+}
+
+/// The metrics of trials, and the scores of answers.
+type Compares = (Option<PathBuf>, Option<Derived<TrialScore>>);
+
+impl Comparing<OfMetrics> {
     fn of(data: &StudyData) -> Result<Self, IdError> {
         let (study, compare) = (&data.study, &data.study.compare);
         let compared = compared(data);
@@ -482,7 +545,7 @@ impl Comparing<Parameters> {
                 preregistered: if primary { preregistered(data, &compared) } else { None },
                 bounds: bounds.collect(),
                 // What cannot be felt is not noticed from any difference on.
-                noticed: zwidth_metrics::is_felt(&study.metrics, metric).then(|| Noticed {
+                noticed: is_felt(study, metric).then(|| Noticed {
                     perception: study.perception.clone(),
                     lever_m: study.device.lever_m.unwrap_or(0.0),
                     is_slide: matches!(study.coordinate, Coordinate::Linear { .. }),
@@ -494,7 +557,14 @@ impl Comparing<Parameters> {
                 }),
             });
         }
-        let stage = Parameters {
+        let is_compared =
+            |score: &ScoreColumn| compared.iter().any(|own| own == score.metric.as_str());
+        let scores = study.scores.iter().filter_map(|score| {
+            let metric = score.metric().ok()?;
+            Some(ScoreColumn { score: score.id.clone(), metric, words: score.in_words() })
+        });
+        let scores: Vec<ScoreColumn> = scores.filter(is_compared).collect();
+        let parameters = Parameters {
             metrics,
             environments: study.environments.iter().map(|e| e.id.clone()).collect(),
             modes: study.modes.iter().map(|m| m.id.clone()).collect(),
@@ -509,15 +579,27 @@ impl Comparing<Parameters> {
             effects: study.effects(),
             orders: data.sessions.iter().map(|log| order(log, study)).collect(),
         };
-        let simulated = data.counting().any(|trial| trial.meta.source.is_simulated());
-        Ok(Self { stage, simulated })
+        let trials = data.counting().any(|trial| trial.meta.source.is_simulated());
+        let sessions = data.sessions.iter().any(|log| log.record.source.is_simulated());
+        Ok(Self { stage: OfMetrics { parameters, scores }, simulated: trials || sessions })
     }
+}
+
+/// Who took part: who has a trial that counts, or an answer.
+fn took_part(data: &StudyData) -> BTreeSet<&ParticipantId> {
+    let of_trials = data.counting().map(|trial| &trial.meta.participant);
+    of_trials.chain(data.answers.iter().map(|answer| &answer.participant)).collect()
+}
+
+/// Whether a metric describes something that a person could feel.
+fn is_felt(study: &Study, metric: &str) -> bool {
+    let is_score = zwidth_metrics::score_of(study, metric).is_some();
+    !is_score && zwidth_metrics::is_felt(&study.metrics, metric)
 }
 
 /// The groups of those who took part.
 pub(crate) fn groups(data: &StudyData, compared: &GroupsCompared) -> Groups {
-    let took_part: BTreeSet<_> = data.counting().map(|trial| &trial.meta.participant).collect();
-    let levels_of = took_part.into_iter().filter_map(|who| {
+    let levels_of = took_part(data).into_iter().filter_map(|who| {
         let own = data.people.level(who, &compared.column)?;
         Some((who.clone(), compared.levels.iter().position(|level| level == own)?))
     });
@@ -531,8 +613,7 @@ fn covariate(data: &StudyData, id: &PersonColumnId) -> Covariate {
         Some(Known::Number { unit }) => unit.clone(),
         _ => String::new(),
     };
-    let took_part: BTreeSet<_> = data.counting().map(|trial| &trial.meta.participant).collect();
-    let numbers = took_part.into_iter();
+    let numbers = took_part(data).into_iter();
     let numbers = numbers.filter_map(|who| Some((who.clone(), data.people.number(who, id)?)));
     Covariate { column: id.clone(), unit, numbers: numbers.collect() }
 }
@@ -574,10 +655,10 @@ fn repeated(events: &[Event]) -> Vec<[u32; 2]> {
 pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
     let mut jobs = Vec::new();
     // Every metric that there is has a name that is an id: the parameters are never an error.
-    if let (Some(metrics), Some(tables), Ok(parameters)) =
-        (metrics::of_study(data), of_study(data), Comparing::of(data))
-    {
-        jobs.push(Job::new(STAGE, "compare metrics", parameters, metrics, tables.files(), make));
+    if let (Some(tables), Ok(parameters)) = (of_study(data), Comparing::of(data)) {
+        let scores = likert::scores(data).map(|(scores, _)| scores);
+        let inputs = (metrics::of_study(data), scores);
+        jobs.push(Job::new(STAGE, "compare metrics", parameters, inputs, tables.files(), make));
     }
     if answers(data).is_some() {
         let study = &data.study;
@@ -598,13 +679,26 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
 }
 
 fn make(
-    Comparing { stage, simulated }: &Comparing<Parameters>,
-    metrics: &PathBuf,
+    Comparing { stage, simulated }: &Comparing<OfMetrics>,
+    (metrics, scores): &Compares,
     making: &Making,
 ) -> Result<Made, JobError> {
-    let compared: Vec<&str> = stage.metrics.iter().map(|metric| metric.metric.as_str()).collect();
-    let metrics = Measured::read(metrics, &compared)?;
-    let results = zwidth_compare::compare(&metrics, stage)?;
+    let mut tables = Vec::new();
+    if let Some(scores) = scores {
+        let rows = scores.read()?;
+        for score in &stage.scores {
+            tables.push(score.measured(&rows)?);
+        }
+    }
+    if let Some(metrics) = metrics {
+        let names = stage.parameters.metrics.iter().map(|metric| metric.metric.as_str());
+        let is_score =
+            |name: &&str| stage.scores.iter().any(|score| score.metric.as_str() == *name);
+        let names: Vec<&str> = names.filter(|name| !is_score(name)).collect();
+        tables.push(Measured::read(metrics, &names)?);
+    }
+    let stage = &stage.parameters;
+    let results = zwidth_compare::compare_tables(&tables, stage)?;
     let has_groups = stage.groups.is_some();
     let printed =
         zwidth_compare::together(&results.metrics, &results.contrasts, stage.families, has_groups)?;
@@ -708,8 +802,7 @@ pub(crate) fn verdict_figures(data: &StudyData) -> Vec<Drawing> {
             is_narrow: column.is_some(),
         };
         let tables = Comparison::of(data);
-        Drawing::new(data, VERDICTS, column, drawn, tables, draw_verdicts)
-            .of(data.counting().count())
+        Drawing::new(data, VERDICTS, column, drawn, tables, draw_verdicts).of(trial_count(data))
     });
     forms.into()
 }
@@ -725,10 +818,19 @@ pub fn verdicts(data: &StudyData) -> Result<Vec<VerdictRow>, JobError> {
     Ok(verdict_rows(&About::of(&data.study), &data.study.environments, &metrics))
 }
 
+/// How many trials are compared: those with samples, or those of a questionnaire.
+fn trial_count(data: &StudyData) -> usize {
+    let key = |answer: &Answer| (answer.participant.clone(), answer.session.clone(), answer.trial);
+    match data.counting().count() {
+        0 => data.answers.iter().map(key).collect::<BTreeSet<_>>().len(),
+        trials => trials,
+    }
+}
+
 /// The figures of every metric.
 pub(crate) fn figures(data: &StudyData) -> Vec<Drawing> {
     let Attendance { several, several_and_again } = attendance(data);
-    let trials = data.counting().count();
+    let trials = trial_count(data);
     let sources = trial_sources(data);
     let tables = Comparison::of(data);
     // One repeat shows no learning.

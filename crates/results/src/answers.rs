@@ -1,8 +1,11 @@
 //! What the stage `likert` finds: the answers, their tallies, and who knew the mode. The scales of
 //! the study determine the columns of counts and sums, and whether answers are whole numbers.
 
-use crate::row::rows;
-use zwidth_study::{AnswerValue, EnvironmentId, ModeId, ParticipantId, QuestionId, SessionId};
+use crate::row::{of_trial, rows};
+use crate::sentence::Sentence;
+use zwidth_study::{
+    AnswerValue, EnvironmentId, MetricId, ModeId, ParticipantId, QuestionId, SessionId,
+};
 
 rows! {
     /// An answer as it was given.
@@ -27,6 +30,45 @@ rows! {
         counts: bool,
         /// why it does not count; null if it does
         why_not: Option<String>,
+    }
+
+    /// A score of several answers after a trial.
+    TrialScore = "scores", "Scores by trial" {
+        ..of_trial,
+        /// which score
+        score: MetricId,
+        /// questions of it that were answered
+        answered: usize,
+        /// questions that it has
+        questions: usize,
+        /// the score; null where answers are missing
+        value: Option<f64> = "points",
+        /// why there is none
+        remark: Option<Sentence>,
+    }
+
+    /// How far the answers of a score hang together, over people in a condition and session.
+    Reliability = "reliability", "Reliability of scores" {
+        /// which score
+        score: MetricId,
+        /// what was rendered
+        environment: EnvironmentId,
+        /// how it was rendered
+        mode: ModeId,
+        /// in which session
+        session: SessionId,
+        /// participants who answered every question
+        n: usize,
+        /// questions that it has
+        questions: usize,
+        /// Cronbach's α of participants' mean answers
+        alpha: Option<f64>,
+        /// lower end of its interval
+        alpha_ci_low: Option<f64>,
+        /// upper end of its interval
+        alpha_ci_high: Option<f64>,
+        /// why there is none
+        remark: Option<Sentence>,
     }
 
     /// The answers to a question, or to a group of questions together, after a condition's trials.

@@ -42,6 +42,8 @@
 //! | [`RedrawnDifference`] | metric, environment, contrast, place | `compare` | figures |
 //! | [`AnswerDifference`] | question, environment, contrast | `compare` | figures, printed tables |
 //! | [`PersonSuperiority`] | question, environment, contrast, participant | `compare` | figures |
+//! | [`TrialScore`] | score, participant, session, trial | `likert` | `compare`, printed tables |
+//! | [`Reliability`] | score, environment, mode, session | `likert` | printed tables |
 //! | [`MetricNote`] | metric, table, place | `compare` | figures, summary, printed tables |
 //! | [`LadderModel`] | scene, terms | `ladder` | figures, the choice's own fit |
 //! | [`TermEffect`] | scene, quantity, term | `ladder` | figures |

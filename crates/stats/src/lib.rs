@@ -33,6 +33,7 @@ pub mod power;
 mod profile;
 pub mod recording;
 mod reference;
+pub mod reliability;
 pub mod rm_anova;
 mod rounded;
 pub mod sensitivity;

@@ -45,8 +45,8 @@ impl std::fmt::Display for StudyChange {
 }
 
 /// The lists of a study, whose elements have ids.
-const LISTS: [&str; 7] =
-    ["environments", "modes", "questions", "channels", "people", "metrics", "factors"];
+const LISTS: [&str; 8] =
+    ["environments", "modes", "questions", "channels", "people", "metrics", "scores", "factors"];
 
 /// Every value that differs between two versions of a study, by key. Empty if the two are equal: a
 /// file whose bytes differ all the same differs in comments and form alone.
@@ -122,7 +122,7 @@ fn affects(key: &str) -> Affects {
         | ["analysis", ..]
         | ["compare", ..]
         | ["perception", ..]
-        | ["people" | "metrics" | "factors", ..]
+        | ["people" | "metrics" | "scores" | "factors", ..]
         | ["replay", ..]
         | ["figures" | "scenes", ..] => Affects::Nothing,
         ["environments" | "modes", _, "label" | "factors", ..]

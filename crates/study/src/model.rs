@@ -3,7 +3,7 @@
 use crate::{
     ActuatorKind, AnswerScale, Channel, Compare, Control, EnvironmentId, Factor, Figures, Levels,
     ModeId, ModeLaw, OwnMetric, Perception, PersonColumn, QuestionId, ReplayModel, Scene,
-    SceneFigure, Schema, StudyId,
+    SceneFigure, Schema, Score, StudyId,
 };
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -53,6 +53,8 @@ pub struct Study {
     pub people: Vec<PersonColumn>,
     /// The study's own metrics, in the order of the file.
     pub metrics: Vec<OwnMetric>,
+    /// Scores of several answers, in the order of the file.
+    pub scores: Vec<Score>,
     /// What modes and environments have in common, in the order of the file.
     pub factors: Vec<Factor>,
 }

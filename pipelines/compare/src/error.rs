@@ -10,6 +10,9 @@ pub enum CompareError {
     /// A query was refused.
     #[error(transparent)]
     Frame(#[from] FrameError),
+    /// There is no table.
+    #[error("there is no table of metrics or scores to compare")]
+    NoTable,
     /// A table was refused.
     #[error(transparent)]
     Table(#[from] TableError),

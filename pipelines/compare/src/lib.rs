@@ -130,23 +130,34 @@ pub struct Comparison {
     pub notes: Vec<MetricNote>,
 }
 
-/// Compares the modes, participants and sessions in each metric.
+/// Compares the modes, participants and sessions in each metric of a table.
 ///
 /// # Errors
 /// A table that lacks a column; a level or bound that cannot be one.
 pub fn compare(metrics: &Measured, parameters: &Parameters) -> Result<Comparison, CompareError> {
+    compare_tables(std::slice::from_ref(metrics), parameters)
+}
+
+/// The same of metrics each of which one of several tables has, such as scores of answers beside metrics of trials.
+///
+/// # Errors
+/// Those of [`compare`]; no table.
+pub fn compare_tables(
+    tables: &[Measured],
+    parameters: &Parameters,
+) -> Result<Comparison, CompareError> {
     let (claiming, others) = parameters
         .metrics
         .iter()
         .partition::<Vec<_>, _>(|metric| metric.primary && parameters.families == Families::Study);
-    let tested = claiming.par_iter().map(|metric| Tested::of(metrics, metric, parameters));
+    let tested = claiming.par_iter().map(|metric| Tested::of(tables, metric, parameters));
     // `par_iter` keeps the order of the metrics, so rows are the same with any number of threads.
     let mut tested = tested.collect::<Result<Vec<Tested>, CompareError>>()?;
     let Parameters { families, alpha, .. } = *parameters;
     judge(tested.iter_mut().flat_map(Tested::claims).collect(), families, alpha)?;
     let found = tested.into_par_iter().map(|metric| metric.judged(parameters));
     let others = others.par_iter().map(|metric| {
-        let mut metric = Tested::of(metrics, metric, parameters)?;
+        let mut metric = Tested::of(tables, metric, parameters)?;
         judge(metric.claims().collect(), families, alpha)?;
         metric.judged(parameters)
     });
@@ -200,10 +211,13 @@ struct Tested<'a> {
 
 impl<'a> Tested<'a> {
     fn of(
-        metrics: &Measured,
+        tables: &[Measured],
         metric: &'a MetricParameters,
         parameters: &'a Parameters,
     ) -> Result<Self, CompareError> {
+        let has = |table: &&Measured| table.metric(metric.metric.as_str()).is_some();
+        // The first one says that it has no such column.
+        let metrics = tables.iter().find(has).or(tables.first()).ok_or(CompareError::NoTable)?;
         let measure = Measure::new(metrics, metric)?;
         let trials = Trials::of(metrics, &measure, parameters)?;
         let cells = Cells::of(metrics, &measure, &trials, parameters)?;

@@ -19,6 +19,9 @@
 //! The question which mode it was is different: its answers are names, and are in no tally.
 //! [`blinding`] counts how often they were right.
 //!
+//! [`scores`] makes one number of several answers after a trial (TLX, SUS, means, sums); it is compared as a
+//! metric. [`reliability`] says how far these answers hang together.
+//!
 //! Pure: answers in memory, rows out. Only answers that count may come into a tally
 //! (`StudyData::answers` gives those).
 
@@ -27,12 +30,14 @@ mod counts;
 mod long;
 #[cfg(test)]
 mod real_data;
+mod scores;
 mod tally;
 #[cfg(test)]
 mod tests;
 
 pub use blinding::{Blinding, Guess, blinding, blinding_table};
 pub use long::{long, long_table};
+pub use scores::{AnsweredTrial, Scoring, reliability, scores};
 pub use tally::{LikertError, Scheme, tally, tally_table};
 
 /// Version of the algorithms here: a change of any number they give raises it.

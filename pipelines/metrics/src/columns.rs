@@ -5,7 +5,8 @@ use zwidth_numerics::spectrum::BandPower;
 use zwidth_results::{ConditionTrials, RecordedStability, Row as _, TrialKey};
 use zwidth_store::Signal;
 use zwidth_study::{
-    Better, CURRENT_BRAKE, CURRENT_MOTOR, MetricId, OwnMetric, REFERENCE, Scene, Study, TrialPart,
+    Better, CURRENT_BRAKE, CURRENT_MOTOR, MetricId, OwnMetric, REFERENCE, Scene, Score, Study,
+    TrialPart,
 };
 
 /// Version of the algorithms here: a change of any number they give, or a further metric, raises it.
@@ -104,12 +105,18 @@ pub(crate) fn is_taken(name: &str) -> bool {
     of_trial.chain(of_plant).any(|taken| taken == name) || keys.any(|taken| taken == name)
 }
 
-/// Whether a study has a metric of that name that is a number with a unit.
-pub fn is_number(study: &Study, metric: &str) -> bool {
-    names(study).any(|name| name == metric)
+/// The score that is compared as that metric.
+pub fn score_of<'a>(study: &'a Study, metric: &str) -> Option<&'a Score> {
+    let id = metric.strip_prefix("score_")?;
+    study.scores.iter().find(|score| score.id.as_str() == id)
 }
 
-/// The names of all metrics that can be compared, in the order of the table.
+/// Whether a study has a metric of that name that is a number with a unit.
+pub fn is_number(study: &Study, metric: &str) -> bool {
+    names(study).any(|name| name == metric) || score_of(study, metric).is_some()
+}
+
+/// The names of all metrics of trials that can be compared, in the order of the table.
 pub fn names(study: &Study) -> impl Iterator<Item = &str> {
     numbers().map(|(name, _)| name).chain(own(study).map(|own| own.id.as_str()))
 }
@@ -123,6 +130,9 @@ pub fn is_of_plant(metric: &str) -> bool {
 pub fn in_words(study: &Study, metric: &str) -> Option<String> {
     if let Some(own) = own_of(study, metric) {
         return Some(format!("{}: {}", own.label, own.rule()));
+    }
+    if let Some(score) = score_of(study, metric) {
+        return Some(score.in_words());
     }
     let of_trial = GROUPS.into_iter().flatten().map(|spec| (spec.name, spec.description));
     let of_plant = PLANT_GROUPS.into_iter().flatten().map(|spec| (spec.name, spec.description));
@@ -173,6 +183,9 @@ const HIGHER_IS_BETTER: [&str; 7] = [
 pub fn better(study: &Study, metric: &str) -> Better {
     if let Some(own) = own_of(study, metric) {
         return own.better;
+    }
+    if let Some(score) = score_of(study, metric) {
+        return score.better();
     }
     match metric {
         _ if LOWER_IS_BETTER.contains(&metric) => Better::Lower,

@@ -45,6 +45,7 @@ mod rig;
 mod running;
 mod said;
 mod schema;
+mod scores;
 mod shards;
 mod shipped;
 mod small;

@@ -6,14 +6,14 @@ pub(crate) mod figures;
 use crate::shared::handle::{Derived, write_named};
 use crate::shared::trials::origins;
 use serde::Serialize;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
-use zwidth_likert::{Blinding, Guess, Scheme};
-use zwidth_results::{AnswerTally, BlindingIndex, GivenAnswer};
+use zwidth_likert::{AnsweredTrial, Blinding, Guess, Scheme, Scoring};
+use zwidth_results::{AnswerTally, BlindingIndex, GivenAnswer, Reliability, TrialScore};
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, Stage};
 use zwidth_store::{Answer, LeftOutAnswer, StudyData};
 use zwidth_study::{AnswerValue, Kind, ModeId, ParticipantId, SessionId, Status, Study, TrialMeta};
-use zwidth_tables::TableError;
+use zwidth_tables::{Table, TableError};
 
 const STAGE: Stage = Stage { name: "likert", version: zwidth_likert::VERSION };
 
@@ -46,7 +46,8 @@ pub(crate) fn blinding(data: &StudyData) -> Option<Derived<BlindingIndex>> {
 
 /// The tables of the stage that people read.
 pub(crate) fn printed(data: &StudyData) -> Vec<PathBuf> {
-    [tally(data).files(), blinding(data).files(), long(data).files()].concat()
+    let scores = scores(data);
+    [tally(data).files(), blinding(data).files(), long(data).files(), scores.files()].concat()
 }
 
 /// Every answer of the study, one row each, if there is one.
@@ -123,8 +124,82 @@ fn guesses(data: &StudyData) -> Option<Blinding> {
     is_answered.then_some(Blinding { modes, guesses, sealed, level })
 }
 
+/// The scores of a study and how far their answers hang together, if one of their questions was answered.
+pub(crate) fn scores(data: &StudyData) -> Option<(Derived<TrialScore>, Derived<Reliability>)> {
+    let scoring = Scoring::of(&data.study);
+    let folder = data.layout.derived();
+    let is_any = data.answers.iter().any(|answer| scoring.takes(answer));
+    is_any.then(|| (Derived::within(&folder), Derived::within(&folder)))
+}
+
+/// The trials after which something was answered.
+fn answered(data: &StudyData) -> Vec<AnsweredTrial> {
+    let planned = data.sessions.iter().flat_map(|log| {
+        let record = &log.record;
+        record.trials.iter().map(move |trial| AnsweredTrial {
+            participant: record.participant.clone(),
+            session: record.session.clone(),
+            trial: trial.trial,
+            repeat: trial.repeat,
+            source: record.source,
+        })
+    });
+    // Trials done again have files, and no place in the plan.
+    let recorded = data.counting().map(|entry| AnsweredTrial {
+        participant: entry.meta.participant.clone(),
+        session: entry.meta.session.clone(),
+        trial: entry.meta.trial,
+        repeat: entry.meta.repeat,
+        source: entry.meta.source,
+    });
+    let key = |own: &AnsweredTrial| (own.participant.clone(), own.session.clone(), own.trial);
+    let all: BTreeMap<_, AnsweredTrial> =
+        planned.chain(recorded).map(|own| (key(&own), own)).collect();
+    let given: BTreeSet<_> = data
+        .answers
+        .iter()
+        .map(|answer| (answer.participant.clone(), answer.session.clone(), answer.trial))
+        .collect();
+    all.into_iter().filter(|(key, _)| given.contains(key)).map(|(_, own)| own).collect()
+}
+
+/// What scores depend on.
+#[derive(Serialize)]
+struct ScoreParameters {
+    scoring: Scoring,
+    answers: Vec<Answer>,
+    trials: Vec<AnsweredTrial>,
+    simulated: bool,
+}
+
+fn make_scores(parameters: &ScoreParameters, (): &(), making: &Making) -> Result<Made, JobError> {
+    let ScoreParameters { scoring, answers, trials, simulated } = parameters;
+    let tables = vec![
+        Table::of_rows(&zwidth_likert::scores(answers, trials, scoring))?,
+        Table::of_rows(&zwidth_likert::reliability(answers, scoring))?.with_note(
+            "Cronbach's α of participants' mean answers in a condition and session; its interval after Feldt, Woodruff and Salih \
+             1987. Conditions are never taken for people.",
+        ),
+    ];
+    write_named(tables, making, *simulated)
+}
+
 pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
     let Some(long) = long(data) else { return Vec::new() };
+    let mut jobs = Vec::new();
+    if let Some(results) = scores(data) {
+        let scoring = Scoring::of(&data.study);
+        let answers = data.answers.iter().filter(|answer| scoring.takes(answer)).cloned();
+        let parameters = ScoreParameters {
+            answers: answers.collect(),
+            trials: answered(data),
+            simulated: data.sessions.iter().any(|log| log.record.source.is_simulated()),
+            scoring,
+        };
+        let outputs = results.files();
+        let job = Job::new(STAGE, "likert scores", parameters, (), outputs, make_scores);
+        jobs.push(job.told_by(origins(data)));
+    }
     let parameters = TallyParameters {
         scheme: Scheme::of(&data.study),
         answers: data.answers.clone(),
@@ -134,7 +209,10 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
     let outputs = [tally(data).files(), long.files(), blinding(data).files()].concat();
     // Where answers stand. No inputs: the job is made again when an answer changes, and not when anything
     // else in these files does.
-    vec![Job::new(STAGE, "likert tallies", parameters, (), outputs, make).told_by(origins(data))]
+    jobs.push(
+        Job::new(STAGE, "likert tallies", parameters, (), outputs, make).told_by(origins(data)),
+    );
+    jobs
 }
 
 fn make(parameters: &TallyParameters, (): &(), making: &Making) -> Result<Made, JobError> {

@@ -37,8 +37,8 @@ pub(crate) struct Page {
     pub(crate) planned: Setup,
     /// The figures' captions, in the order of their files.
     captions: Vec<Caption>,
-    /// The metrics that are compared, the primary ones first.
-    compared: Vec<String>,
+    /// The metrics of trials that are compared, the primary ones first.
+    of_trials: Vec<String>,
     pub(crate) primary: Primaries,
     /// The level below which p values count.
     alpha: f64,
@@ -126,7 +126,9 @@ pub(crate) fn job(data: &StudyData, findings: &Findings, figures: &[Drawing]) ->
 
 /// What the summary depends on.
 pub(crate) fn inputs(data: &StudyData, findings: &Findings, figures: &[Drawing]) -> (Page, Files) {
-    let compared = compare::compared(data);
+    let mut compared = compare::compared(data);
+    // Scores are in a table of their own.
+    compared.retain(|metric| zwidth_metrics::score_of(&data.study, metric).is_none());
     let files = Files {
         noted: [average::at_onset(data), freemotion::tables(data)].concat(),
         remarks: metrics::remarks(data),
@@ -145,7 +147,7 @@ pub(crate) fn inputs(data: &StudyData, findings: &Findings, figures: &[Drawing])
         facts: facts(data, findings),
         planned: Setup::of(&data.study),
         captions: figures.iter().map(|figure| figure.caption.clone()).collect(),
-        compared,
+        of_trials: compared,
         primary: Primaries::of(&data.study),
         alpha: data.study.compare.alpha,
         doubted: doubted(data, findings),
@@ -217,7 +219,8 @@ pub(crate) fn gather(page: &Page, files: &Files, making: &Making) -> Result<Gath
     let limits: BTreeSet<String> = limits.map(|note| note.note.to_string()).collect();
     summary.limits.extend(limits);
     let metrics = files.metrics.as_deref().filter(|file| file.exists());
-    let metrics = metrics.map(|file| metrics::read_for_report(file, &page.compared)).transpose()?;
+    let metrics =
+        metrics.map(|file| metrics::read_for_report(file, &page.of_trials)).transpose()?;
     if let Some(metrics) = &metrics {
         summary.limits.extend(uneven_ranges(&page.planned, metrics)?);
     }

@@ -132,7 +132,10 @@ pub(crate) fn is_any(data: &StudyData) -> bool {
 
 /// Where the trials that count come from, each source once.
 pub(crate) fn trial_sources(data: &StudyData) -> Vec<Source> {
-    let sources: BTreeSet<Source> = data.counting().map(|trial| trial.meta.source).collect();
+    let of_trials = data.counting().map(|trial| trial.meta.source);
+    // A questionnaire has trials without samples.
+    let asked = data.sessions.iter().filter(|log| log.record.trials.iter().any(|t| !t.samples));
+    let sources: BTreeSet<Source> = of_trials.chain(asked.map(|log| log.record.source)).collect();
     sources.into_iter().collect()
 }
 

@@ -11,6 +11,7 @@ mod perception;
 mod questions;
 mod read;
 mod scenes;
+mod scores;
 mod shape;
 mod units;
 mod write;

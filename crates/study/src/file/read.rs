@@ -183,6 +183,8 @@ impl Check<'_> {
             },
             &analysis,
         );
+        let questions = self.questions(file.questions, &labels);
+        self.scores(&file.scores, &questions);
         Study {
             id: file.study.id,
             title: file.study.title,
@@ -206,11 +208,12 @@ impl Check<'_> {
             },
             environments,
             modes: file.modes.clone(),
-            questions: self.questions(file.questions, &labels),
+            questions,
             schema,
             channels: file.channels,
             people,
             metrics: file.metrics,
+            scores: file.scores,
             factors: file.factors,
             analysis,
             compare,

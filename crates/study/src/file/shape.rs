@@ -5,7 +5,9 @@ use super::environment::EnvironmentTable;
 use super::people::PersonColumnTable;
 use super::perception::PerceptionTable;
 use crate::model::{Analysis, Design, Mode, Resistances};
-use crate::{AnswerScale, Better, LevelId, MetricId, ModeId, PersonColumnId, QuestionId, StudyId};
+use crate::{
+    AnswerScale, Better, LevelId, MetricId, ModeId, PersonColumnId, QuestionId, Score, StudyId,
+};
 use crate::{
     Channel, Control, Curve, EffectSize, Factor, FactorId, Families, OwnMetric, Primary,
     ReplayModel, SceneFigure, Term, Trend, VelocityFilter,
@@ -57,6 +59,8 @@ pub(super) struct File {
     pub(super) people: Vec<PersonColumnTable>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(super) metrics: Vec<OwnMetric>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(super) scores: Vec<Score>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(super) factors: Vec<Factor>,
 }

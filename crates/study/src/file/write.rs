@@ -62,6 +62,7 @@ impl From<&Study> for File {
             channels: s.channels.clone(),
             people: s.people.iter().map(PersonColumnTable::of).collect(),
             metrics: s.metrics.clone(),
+            scores: s.scores.clone(),
             factors: s.factors.clone(),
         }
     }

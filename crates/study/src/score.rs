@@ -1,0 +1,146 @@
+//! `[[scores]]` of a `study.toml`: one number of several answers.
+
+use crate::words::words;
+use crate::{AnswerScale, AnswerValue, Better, IdError, MetricId, Question, QuestionId};
+use serde::{Deserialize, Serialize};
+
+words! {
+    /// How answers become one number.
+    ScoreKind {
+        /// NASA-TLX with weights: Σ w r / 15, r from 0 to 100 (Hart & Staveland 1988).
+        NasaTlx = "nasa_tlx",
+        /// Raw TLX: the mean of the six, from 0 to 100.
+        NasaTlxRaw = "nasa_tlx_raw",
+        /// System Usability Scale, from 0 to 100 (Brooke 1996).
+        Sus = "sus",
+        /// The mean of the answers.
+        Mean = "mean",
+        /// Their sum.
+        Sum = "sum",
+    }
+}
+
+/// One number of several answers after a trial.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, expecting = "struct ScoreTable")]
+pub struct Score {
+    /// Its name: it is compared as the metric `score_` and this.
+    pub id: MetricId,
+    /// How it is made.
+    pub kind: ScoreKind,
+    /// Of which questions.
+    pub questions: Vec<QuestionId>,
+    /// The questions whose answers are the weights of these, of the weighted TLX alone.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub weights: Vec<QuestionId>,
+    /// Of a mean: the share of the questions that must be answered; by default all of them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub min_answered: Option<f64>,
+    /// What people call it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub label: Option<String>,
+    /// Which values are better: of workload lower ones, of usability higher ones, of others neither unless it is
+    /// said.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub better: Option<Better>,
+}
+
+/// Weights of the TLX: each of six against each other, so often chosen in all.
+const TLX_WEIGHTS: f64 = 15.0;
+
+impl Score {
+    /// The unit of scores.
+    pub const UNIT: &str = "points";
+
+    /// The metric as which it is compared.
+    ///
+    /// # Errors
+    /// An id that is too long with what stands before it.
+    pub fn metric(&self) -> Result<MetricId, IdError> {
+        MetricId::new(format!("score_{}", self.id))
+    }
+
+    /// What it is called, and how it is made: `Workload (weighted NASA-TLX)`.
+    pub fn in_words(&self) -> String {
+        let n = self.questions.len();
+        let rule = match self.kind {
+            ScoreKind::NasaTlx => "weighted NASA-TLX".to_owned(),
+            ScoreKind::NasaTlxRaw => "raw NASA-TLX".to_owned(),
+            ScoreKind::Sus => "System Usability Scale".to_owned(),
+            ScoreKind::Mean => format!("mean of {n} answers"),
+            ScoreKind::Sum => format!("sum of {n} answers"),
+        };
+        format!("{} ({rule})", self.label.as_deref().unwrap_or(self.id.as_str()))
+    }
+
+    /// Which values of it are better.
+    pub fn better(&self) -> Better {
+        self.better.unwrap_or(match self.kind {
+            ScoreKind::NasaTlx | ScoreKind::NasaTlxRaw => Better::Lower,
+            ScoreKind::Sus => Better::Higher,
+            ScoreKind::Mean | ScoreKind::Sum => Better::Neither,
+        })
+    }
+
+    /// The score of answers to its questions, turned where their question is `reversed`, in their order, and of
+    /// answers that are weights; or why there is none.
+    ///
+    /// # Errors
+    /// A question without an answer, beyond what `min_answered` allows; weights that do not add up to 15.
+    pub fn of(
+        &self,
+        answers: &[Option<(&Question, AnswerValue)>],
+        weights: &[Option<AnswerValue>],
+    ) -> Result<f64, String> {
+        let number = self.questions.len();
+        let turned: Vec<Option<f64>> = answers
+            .iter()
+            .map(|answer| {
+                let (question, value) = (*answer)?;
+                Some(self.item(&question.scale, question.scale.score(value, question.reversed)))
+            })
+            .collect();
+        let given: Vec<f64> = turned.iter().copied().flatten().collect();
+        let needed = match (self.kind, self.min_answered) {
+            (ScoreKind::Mean, Some(share)) => {
+                (share * number as f64 - 1e-9).ceil().max(1.0) as usize
+            }
+            _ => number,
+        };
+        if given.len() < needed {
+            return Err(format!(
+                "{} of {number} questions are answered, {needed} are needed",
+                given.len()
+            ));
+        }
+        let sum: f64 = given.iter().sum();
+        Ok(match self.kind {
+            ScoreKind::NasaTlxRaw | ScoreKind::Mean => sum / given.len() as f64,
+            ScoreKind::Sum | ScoreKind::Sus => sum,
+            ScoreKind::NasaTlx => {
+                let weights: Vec<f64> =
+                    weights.iter().filter_map(|w| Some(w.as_ref()?.get())).collect();
+                let all: f64 = weights.iter().sum();
+                if weights.len() < number {
+                    return Err(format!("{} of {number} weights are answered", weights.len()));
+                }
+                if (all - TLX_WEIGHTS).abs() > 1e-9 {
+                    return Err(format!("the weights add up to {all}, and not to {TLX_WEIGHTS}"));
+                }
+                given.iter().zip(&weights).map(|(item, weight)| item * weight).sum::<f64>() / all
+            }
+        })
+    }
+
+    /// What an answer counts: of a TLX as a share of its scale of 100, of a SUS 2.5 for each point above the lowest.
+    fn item(&self, scale: &AnswerScale, answer: AnswerValue) -> f64 {
+        let [low, high] = [scale.lowest(), scale.highest()].map(f64::from);
+        match self.kind {
+            ScoreKind::NasaTlx | ScoreKind::NasaTlxRaw => {
+                100.0 * (answer.get() - low) / (high - low)
+            }
+            ScoreKind::Sus => 2.5 * (answer.get() - low),
+            ScoreKind::Mean | ScoreKind::Sum => answer.get(),
+        }
+    }
+}

@@ -1,0 +1,263 @@
+//! Scores of several answers, trial by trial, and how far the answers of each hang together.
+
+use serde::Serialize;
+use std::collections::BTreeMap;
+use zwidth_results::{Reliability, TrialScore};
+use zwidth_stats::reliability::alpha;
+use zwidth_store::Answer;
+use zwidth_study::{
+    AnswerValue, Condition, EnvironmentId, ModeId, ParticipantId, Question, QuestionId, Score,
+    SessionId, Source, Study,
+};
+
+/// What scores are made of.
+#[derive(Debug, Clone, Serialize)]
+pub struct Scoring {
+    /// The scores.
+    pub scores: Vec<Score>,
+    /// The questions.
+    pub questions: Vec<Question>,
+    /// Level of intervals, as a fraction.
+    pub level: f64,
+}
+
+impl Scoring {
+    /// The scores of a study.
+    pub fn of(study: &Study) -> Self {
+        let (scores, questions) = (study.scores.clone(), study.questions.clone());
+        Self { scores, questions, level: study.compare.level }
+    }
+
+    /// Whether an answer enters a score.
+    pub fn takes(&self, answer: &Answer) -> bool {
+        let has = |ids: &[QuestionId]| ids.contains(&answer.question);
+        self.scores.iter().any(|score| has(&score.questions) || has(&score.weights))
+    }
+
+    fn question(&self, id: &QuestionId) -> Option<&Question> {
+        self.questions.iter().find(|question| question.id == *id)
+    }
+}
+
+/// A trial, and what was answered after it.
+type Trial<'a> = (&'a ParticipantId, &'a SessionId, u32);
+
+/// A trial with answers: which repeat of its condition it is, and where it is from.
+#[derive(Debug, Clone, Serialize)]
+pub struct AnsweredTrial {
+    /// Who.
+    pub participant: ParticipantId,
+    /// Which session.
+    pub session: SessionId,
+    /// Its number in the session.
+    pub trial: u32,
+    /// The repeat.
+    pub repeat: u32,
+    /// Where it is from.
+    pub source: Source,
+}
+
+/// Every score of every trial after which one of its questions was answered, in the order of scores, then of
+/// people, sessions and trials. An answer that its scale does not have is refused by [`tally`](crate::tally())
+/// first.
+pub fn scores(
+    answers: &[Answer],
+    answered: &[AnsweredTrial],
+    scoring: &Scoring,
+) -> Vec<TrialScore> {
+    let known: BTreeMap<Trial, &AnsweredTrial> =
+        answered.iter().map(|own| ((&own.participant, &own.session, own.trial), own)).collect();
+    let mut trials: BTreeMap<Trial, (&Condition, BTreeMap<&QuestionId, AnswerValue>)> =
+        BTreeMap::new();
+    for answer in answers {
+        let trial = (&answer.participant, &answer.session, answer.trial);
+        let (_, given) =
+            trials.entry(trial).or_insert_with(|| (&answer.condition, BTreeMap::new()));
+        given.insert(&answer.question, answer.value);
+    }
+    let mut rows = Vec::new();
+    for score in &scoring.scores {
+        for (trial, (condition, given)) in &trials {
+            let Some(known) = known.get(trial) else { continue };
+            let answers = score.questions.iter();
+            let answers = answers.map(|id| Some((scoring.question(id)?, *given.get(id)?)));
+            let answers: Vec<_> = answers.collect();
+            let weights: Vec<_> = score.weights.iter().map(|id| given.get(id).copied()).collect();
+            let answered = answers.iter().flatten().count();
+            if answered == 0 {
+                continue;
+            }
+            let value = score.of(&answers, &weights);
+            rows.push(TrialScore {
+                score: score.id.clone(),
+                participant: known.participant.clone(),
+                session: known.session.clone(),
+                trial: known.trial,
+                repeat: known.repeat,
+                source: known.source,
+                environment: condition.environment.clone(),
+                mode: condition.mode.clone(),
+                answered,
+                questions: score.questions.len(),
+                value: value.as_ref().ok().copied(),
+                remark: value.err().map(Into::into),
+            });
+        }
+    }
+    rows
+}
+
+/// Everybody's answers to each question.
+type OfPeople<'a> = BTreeMap<&'a ParticipantId, BTreeMap<&'a QuestionId, Vec<f64>>>;
+
+/// A score in a session and condition.
+type Place<'a> = (usize, &'a EnvironmentId, &'a ModeId, &'a SessionId);
+
+/// Cronbach's α of each score in every condition and session: of people's mean answers there, never of all
+/// conditions as if they were people.
+pub fn reliability(answers: &[Answer], scoring: &Scoring) -> Vec<Reliability> {
+    let mut places: BTreeMap<Place, OfPeople> = BTreeMap::new();
+    for answer in answers {
+        let Some(question) = scoring.question(&answer.question) else { continue };
+        for (i, score) in scoring.scores.iter().enumerate() {
+            if !score.questions.contains(&answer.question) {
+                continue;
+            }
+            let Condition { environment, mode } = &answer.condition;
+            let people = places.entry((i, environment, mode, &answer.session)).or_default();
+            let own = people.entry(&answer.participant).or_default();
+            let turned = question.scale.score(answer.value, question.reversed).get();
+            own.entry(&answer.question).or_default().push(turned);
+        }
+    }
+    let rows = places.into_iter().map(|((i, environment, mode, session), people)| {
+        let score = &scoring.scores[i];
+        let whole = people.values().filter_map(|own| {
+            let answers = score.questions.iter().map(|id| {
+                let answers = own.get(id)?;
+                Some(answers.iter().sum::<f64>() / answers.len() as f64)
+            });
+            answers.collect::<Option<Vec<f64>>>()
+        });
+        let whole: Vec<Vec<f64>> = whole.collect();
+        let found = alpha(&whole, scoring.level);
+        let alpha = found.as_ref().ok();
+        Reliability {
+            score: score.id.clone(),
+            environment: environment.clone(),
+            mode: mode.clone(),
+            session: session.clone(),
+            n: whole.len(),
+            questions: score.questions.len(),
+            alpha: alpha.map(|found| found.alpha),
+            alpha_ci_low: alpha.map(|found| found.ends[0]),
+            alpha_ci_high: alpha.map(|found| found.ends[1]),
+            remark: found.err().map(|why| why.to_string().into()),
+        }
+    });
+    rows.collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use zwidth_study::{AnswerScale, NumberScale, ScoreKind};
+
+    /// Questions on a scale from 0 to 100, of which the second is the other way round.
+    fn questions(ids: &[&str]) -> Vec<Question> {
+        let scale = NumberScale { points: 21, from: 0, step: 5, labels: Vec::new() };
+        let question = |(i, id): (usize, &&str)| Question {
+            id: id.parse().unwrap(),
+            text: String::new(),
+            group: None,
+            scale: AnswerScale::Numbers(scale.clone()),
+            reversed: i == 1,
+        };
+        ids.iter().enumerate().map(question).collect()
+    }
+
+    fn answer(who: &str, trial: u32, question: &str, value: i16) -> Answer {
+        Answer {
+            participant: who.parse().unwrap(),
+            session: "S01".parse().unwrap(),
+            trial,
+            condition: Condition {
+                environment: "spring".parse().unwrap(),
+                mode: "active".parse().unwrap(),
+            },
+            question: question.parse().unwrap(),
+            value: value.into(),
+            time_ms: None,
+        }
+    }
+
+    fn answered(answers: &[Answer]) -> Vec<AnsweredTrial> {
+        let trial = |answer: &Answer| AnsweredTrial {
+            participant: answer.participant.clone(),
+            session: answer.session.clone(),
+            trial: answer.trial,
+            repeat: answer.trial,
+            source: Source::Imported,
+        };
+        answers.iter().map(trial).collect()
+    }
+
+    fn scoring(kind: ScoreKind, min_answered: Option<f64>) -> Scoring {
+        let score = Score {
+            id: "load".parse().unwrap(),
+            kind,
+            questions: ["a", "b", "c"].map(|id| id.parse().unwrap()).to_vec(),
+            weights: Vec::new(),
+            min_answered,
+            label: None,
+            better: None,
+        };
+        Scoring { scores: vec![score], questions: questions(&["a", "b", "c", "d"]), level: 0.95 }
+    }
+
+    #[test]
+    fn a_score_turns_what_is_reversed_and_a_missing_answer_leaves_none() {
+        let mut answers = vec![
+            answer("P01", 1, "a", 20),
+            answer("P01", 1, "b", 90),
+            answer("P01", 1, "c", 30),
+            answer("P01", 2, "a", 20),
+            answer("P01", 2, "c", 40),
+            answer("P02", 1, "d", 100),
+        ];
+        answers.reverse();
+        let rows = scores(&answers, &answered(&answers), &scoring(ScoreKind::Mean, None));
+        let values: Vec<Option<f64>> = rows.iter().map(|row| row.value).collect();
+        assert_eq!((values, rows[1].answered), (vec![Some(20.0), None], 2));
+        let why = rows[1].remark.as_ref().unwrap().to_string();
+        assert_eq!(why, "2 of 3 questions are answered, 3 are needed");
+        let rows = scores(&answers, &answered(&answers), &scoring(ScoreKind::Mean, Some(0.6)));
+        assert_eq!(rows[1].value, Some(30.0));
+        assert_eq!(
+            scores(&answers, &answered(&answers), &scoring(ScoreKind::Sum, None))[0].value,
+            Some(60.0)
+        );
+    }
+
+    #[test]
+    fn reliability_is_of_people_in_a_condition() {
+        let mut answers = Vec::new();
+        for person in 0..5_i16 {
+            for (trial, more) in [(1, 0), (2, 10)] {
+                let who = format!("P{person:02}");
+                for (question, own) in
+                    [("a", 5 * person), ("b", 100 - 5 * person), ("c", 10 * (person % 3))]
+                {
+                    let turned = if question == "b" { -more } else { more };
+                    answers.push(answer(&who, trial, question, own + turned));
+                }
+            }
+        }
+        let [row] = &reliability(&answers, &scoring(ScoreKind::Mean, None))[..] else { panic!() };
+        assert_eq!((row.n, row.questions), (5, 3));
+        // Variances 62.5, 62.5, 70 and 370 of the sums of (0, 0, 0), (5, 5, 10), (10, 10, 20), (15, 15, 0), (20, 20, 10).
+        let expected = 1.5 * (1.0 - (62.5 + 62.5 + 70.0) / 370.0);
+        assert!((row.alpha.unwrap() - expected).abs() < 1e-12, "{row:?}");
+        assert!(row.alpha_ci_low < row.alpha && row.alpha < row.alpha_ci_high);
+    }
+}
