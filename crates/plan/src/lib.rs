@@ -19,6 +19,7 @@ mod likert;
 mod metrics;
 mod page;
 mod rehearsed;
+mod relations;
 mod replay;
 mod report;
 mod responses;
@@ -55,7 +56,7 @@ use zwidth_store::{Findings, StudyData};
 type OfData = (&'static str, fn(&StudyData) -> Vec<Job>);
 
 /// Each stage stands after those whose results it reads.
-const OF_DATA: [OfData; 14] = [
+const OF_DATA: [OfData; 15] = [
     ("characterise", characterise::jobs),
     ("identify", identify::jobs),
     // Some of them rest on the identified plant.
@@ -69,6 +70,7 @@ const OF_DATA: [OfData; 14] = [
     ("likert", likert::jobs),
     ("compare", compare::jobs),
     ("compare", curves::jobs),
+    ("compare", relations::jobs),
     ("trade", trade::jobs),
     ("simulate", scenes::jobs),
 ];

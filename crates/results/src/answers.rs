@@ -3,6 +3,7 @@
 
 use crate::row::{of_trial, rows};
 use crate::sentence::Sentence;
+use std::sync::Arc;
 use zwidth_study::{
     AnswerValue, EnvironmentId, MetricId, ModeId, ParticipantId, QuestionId, SessionId,
 };
@@ -43,6 +44,34 @@ rows! {
         questions: usize,
         /// the score; null where answers are missing
         value: Option<f64> = "points",
+        /// why there is none
+        remark: Option<Sentence>,
+    }
+
+    /// How a metric goes together with an answer or a score, within people.
+    Relation = "relations", "What was said and what was measured, within participants" {
+        /// what was measured
+        metric: MetricId,
+        /// unit of the metric
+        unit: Arc<str>,
+        /// what was rendered
+        environment: EnvironmentId,
+        /// the question, or the score
+        said: String,
+        /// participants with several pairs
+        n: usize,
+        /// pairs of means, by session and mode
+        pairs: usize,
+        /// repeated-measures correlation
+        correlation: Option<f64>,
+        /// lower end of its interval
+        correlation_ci_low: Option<f64>,
+        /// upper end of its interval
+        correlation_ci_high: Option<f64>,
+        /// degrees of freedom
+        df: Option<f64>,
+        /// p value of no correlation, no claim
+        p_value: Option<f64>,
         /// why there is none
         remark: Option<Sentence>,
     }

@@ -44,6 +44,7 @@
 //! | [`PersonSuperiority`] | question, environment, contrast, participant | `compare` | figures |
 //! | [`TrialScore`] | score, participant, session, trial | `likert` | `compare`, printed tables |
 //! | [`Reliability`] | score, environment, mode, session | `likert` | printed tables |
+//! | [`Relation`] | metric, environment, question or score | `compare` | printed tables |
 //! | [`MetricNote`] | metric, table, place | `compare` | figures, summary, printed tables |
 //! | [`LadderModel`] | scene, terms | `ladder` | figures, the choice's own fit |
 //! | [`TermEffect`] | scene, quantity, term | `ladder` | figures |

@@ -34,6 +34,7 @@ mod profile;
 pub mod recording;
 mod reference;
 pub mod reliability;
+pub mod repeated_correlation;
 pub mod rm_anova;
 mod rounded;
 pub mod sensitivity;

@@ -3,7 +3,7 @@
 //!
 //! `ZWIDTH_PYTHON=… cargo test -p zwidth-stats --test exact -- --ignored`, with the Python that has
 //! what `tests/interop/requirements.txt` lists. `ZWIDTH_EXACT_CASES` sets how many data sets are
-//! drawn at least (one round of 139), `ZWIDTH_EXACT_SEED` the seed they are drawn from.
+//! drawn at least (one round of 144), `ZWIDTH_EXACT_SEED` the seed they are drawn from.
 
 // Helpers of tests stand outside of `#[test]` functions, where clippy.toml's exemption does not
 // reach.
@@ -19,7 +19,9 @@ use zwidth_stats::agreement::agreement;
 use zwidth_stats::null::Sampling;
 use zwidth_stats::rm_anova::rm_anova;
 use zwidth_stats::sharp_null::{Statistic, Trials};
-use zwidth_stats::{bca, curve, effect, friedman, holm, paired, sign_flip, signed_rank};
+use zwidth_stats::{
+    bca, curve, effect, friedman, holm, paired, repeated_correlation, sign_flip, signed_rank,
+};
 
 const SAMPLING: Sampling = Sampling { draws: 999, seed: 1 };
 const SCRIPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/interop/stats/exact.py");
@@ -49,7 +51,7 @@ fn every_number_is_that_of_scipy_statsmodels_pingouin_and_spm1d() {
     }
     let words = format!(
         "SciPy, statsmodels, pingouin and spm1d: {checked} data sets for the exact tests, Holm's p values, the \
-         paired t, equivalence, orders, BCa intervals, repeated measures, agreement and whole curves."
+         paired t, equivalence, orders, BCa intervals, repeated measures, agreement, whole curves and correlations."
     );
     println!("{words}");
     note("r-3", &words);
@@ -61,7 +63,7 @@ const PACKAGES: &str = "what tests/interop/requirements.txt lists";
 type Check = fn(&Value);
 
 /// The kinds of cases, and how many of each a round has.
-const KINDS: [(&str, usize, Check); 8] = [
+const KINDS: [(&str, usize, Check); 9] = [
     ("differences", 61, differences),
     ("paired", 10, paired_t),
     ("friedman", 24, friedmans),
@@ -70,9 +72,10 @@ const KINDS: [(&str, usize, Check); 8] = [
     ("bca", 9, bcas),
     ("repeated", 12, repeated),
     ("curves", 5, curves),
+    ("correlations", 5, correlations),
 ];
 /// Cases of a round.
-const ROUND: usize = 139;
+const ROUND: usize = 144;
 
 fn differences(case: &Value) {
     let d = numbers(&case["d"]);
@@ -225,6 +228,21 @@ fn curves(case: &Value) {
     let (a, b) = rows.split_at(rows.len() / 2);
     let groups = curve::groups([a, b], &[nodes], 0.95, SAMPLING).unwrap();
     near(groups.permuted.p_value, &case["groups"], 1e-9, case);
+}
+
+fn correlations(case: &Value) {
+    let [x, y]: [Vec<Vec<f64>>; 2] =
+        ["x", "y"].map(|name| case[name].as_array().unwrap().iter().map(numbers).collect());
+    let pairs = |(x, y): (&Vec<f64>, &Vec<f64>)| x.iter().zip(y).map(|(x, y)| [*x, *y]).collect();
+    let people: Vec<Vec<[f64; 2]>> = x.iter().zip(&y).map(pairs).collect();
+    let found = repeated_correlation::within_people(&people, 0.95).unwrap();
+    near(found.r, &case["r"], 1e-9, case);
+    near(found.df, &case["df"], 1e-12, case);
+    near(found.p_value, &case["p"], 1e-7, case);
+    // pingouin gives two digits of the ends.
+    for (end, expected) in found.ends.iter().zip(numbers(&case["ci"])) {
+        assert!((end - expected).abs() < 0.005_001, "{end} {expected}: {case}");
+    }
 }
 
 /// Checks a number to a share of its size.

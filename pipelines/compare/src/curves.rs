@@ -384,7 +384,12 @@ fn rows(
             n_second: None,
             places: places.clone(),
             means: [0, 1].map(|side| mean(&people.sides[side].iter().collect::<Vec<_>>())),
-            claim: Claim::new(environment, p.map(|test| test.flipped.p_value), None, None),
+            claim: Claim::new(
+                environment,
+                p.map(|test| test.flipped.p_value),
+                p.map(|test| test.flipped.smallest_p),
+                None,
+            ),
             tested: tested.map(Test::Flipped),
             remarks,
         });
@@ -455,6 +460,13 @@ impl Row {
                     verdict = Verdict::Undecided;
                 }
             }
+        }
+        if verdict == Verdict::Undecided
+            && let Some(least) = self.claim.out_of_reach(parameters.alpha)
+        {
+            let people = counted(self.n, "participants");
+            self.remarks
+                .push(format!("the signs of {people} reach an adjusted p of {least:.4} at best"));
         }
         if let Err(why) = &self.tested {
             self.remarks.push(why.to_string());

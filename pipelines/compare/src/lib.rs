@@ -46,6 +46,7 @@ mod parameters;
 mod people;
 mod preregistered;
 mod quantity;
+mod relations;
 mod repeats;
 mod sessions;
 mod split;
@@ -60,6 +61,7 @@ pub use drawn::{DrawnOrder, SessionOrder};
 pub use error::CompareError;
 pub use parameters::{Covariate, Groups, MetricParameters, Noticed, Parameters};
 pub use preregistered::Preregistered;
+pub use relations::{Said, relations};
 pub use together::together;
 
 use cells::Cells;

@@ -228,6 +228,17 @@ def curves(rng):
                "groups": np.mean(permuted)}
 
 
+def correlations(rng):
+    """Repeated-measures correlations by pingouin."""
+    for n, k in ((3, 3), (6, 2), (8, 4), (20, 3), (5, 9)):
+        level = rng.normal(size=(n, 1)) * 3
+        x = level + rng.normal(size=(n, k))
+        y = rng.normal(size=(n, k)) - 2 * level + rng.uniform(-2, 2) * x
+        long = pd.DataFrame({"who": np.repeat(np.arange(n), k), "x": x.ravel(), "y": y.ravel()})
+        found = pingouin.rm_corr(long, x="x", y="y", subject="who").iloc[0]
+        yield {"x": x, "y": y, "r": found.r, "df": found.dof, "p": found.iloc[2], "ci": [*found.iloc[3]]}
+
+
 def plain(value):
     """Arrays and NumPy's numbers as JSON has them."""
     return value.tolist()
@@ -235,6 +246,6 @@ def plain(value):
 
 rounds, seed = (int(given) for given in (sys.argv[1:] + ["1", "20240601"][len(sys.argv) - 1:])[:2])
 rng = np.random.default_rng(seed)
-kinds = (differences, paired, friedman, holm, orders, bca, repeated, curves)
+kinds = (differences, paired, friedman, holm, orders, bca, repeated, curves, correlations)
 cases = {f.__name__: [case for _ in range(rounds) for case in f(rng)] for f in kinds}
 print(json.dumps(cases, default=plain, allow_nan=False))

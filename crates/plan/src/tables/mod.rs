@@ -8,7 +8,8 @@ use crate::characterise::{self, Characterisation};
 use crate::tables::long::for_programs;
 use crate::tables::printed::Printed;
 use crate::{
-    compare, curves, freemotion, identify, ladder, likert, metrics, replay, report, trade,
+    compare, curves, freemotion, identify, ladder, likert, metrics, relations, replay, report,
+    trade,
 };
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -35,6 +36,7 @@ pub fn printed(data: &StudyData) -> Vec<Printed> {
         // These are marked by themselves.
         compare::tables(data),
         curves::tables(data),
+        relations::tables(data),
         mark(trade::tables(data), false),
         mark(of_sweeps(data), sweeps),
         mark(report::of_data(data), any),
