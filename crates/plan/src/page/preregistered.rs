@@ -31,7 +31,10 @@ pub fn analysis(study: &Study) -> Value {
         "families": compare.families,
         "groups": compare.groups,
         "effects": (!study.factors.is_empty()).then_some(&compare.effects),
+        "trend": (!compare.trend.is_empty()).then_some(&compare.trend),
         "weighted": (!compare.weighted.is_empty()).then_some(&compare.weighted),
+        "over": compare.over,
+        "scores": (!study.scores.is_empty()).then_some(&study.scores),
     })
 }
 
