@@ -1,7 +1,7 @@
 //! `[[scores]]` of a `study.toml`: one number of several answers.
 
 use crate::words::words;
-use crate::{AnswerScale, AnswerValue, Better, IdError, MetricId, Question, QuestionId};
+use crate::{AnswerScale, AnswerValue, Better, IdError, MetricId, QuestionId};
 use serde::{Deserialize, Serialize};
 
 words! {
@@ -82,25 +82,19 @@ impl Score {
         })
     }
 
-    /// The score of answers to its questions, turned where their question is `reversed`, in their order, and of
-    /// answers that are weights; or why there is none.
+    /// The score of answers to its questions in their order, each with its scale and turned where the question is
+    /// reversed, and of answers that are weights; or why there is none.
     ///
     /// # Errors
     /// A question without an answer, beyond what `min_answered` allows; weights that do not add up to 15.
     pub fn of(
         &self,
-        answers: &[Option<(&Question, AnswerValue)>],
+        answers: &[Option<(&AnswerScale, AnswerValue)>],
         weights: &[Option<AnswerValue>],
     ) -> Result<f64, String> {
         let number = self.questions.len();
-        let turned: Vec<Option<f64>> = answers
-            .iter()
-            .map(|answer| {
-                let (question, value) = (*answer)?;
-                Some(self.item(&question.scale, question.scale.score(value, question.reversed)))
-            })
-            .collect();
-        let given: Vec<f64> = turned.iter().copied().flatten().collect();
+        let given = answers.iter().flatten().map(|(scale, value)| self.item(scale, *value));
+        let given: Vec<f64> = given.collect();
         let needed = match (self.kind, self.min_answered) {
             (ScoreKind::Mean, Some(share)) => {
                 (share * number as f64 - 1e-9).ceil().max(1.0) as usize

@@ -279,7 +279,7 @@ impl<'a> Tested<'a> {
             models,
             participants: people::differences(contrasts, cells, measure, parameters),
             covariates: covariates::slopes(contrasts, cells, measure, parameters),
-            over_trials: over_trials::slopes(cells, unit, measure, parameters),
+            over_trials: over_trials::slopes(cells.lines.as_ref(), unit, measure, parameters),
             group_members: Vec::new(),
             group_means: match split {
                 Some(split) => groups::means(split, cells, measure, parameters)?,

@@ -142,7 +142,9 @@ pub(crate) fn over_trials(
          participant who did each mode once has no line, and is left out. Tests over orders, mixed models, \
          learning and repeats are of the values as they are."
     );
-    let lacking = cells.lines.as_ref().map_or(0, |lines| lines.lacking(&cells.cells));
+    let places = cells.cells.iter().filter(|cell| cell.trials > 0);
+    let places = places.map(|cell| [cell.participant, cell.environment]);
+    let lacking = cells.lines.as_ref().map_or(0, |lines| lines.lacking(places));
     let left_out = (lacking > 0).then(|| {
         let who = counted(lacking, "participants");
         (

@@ -1,7 +1,6 @@
 //! Means of modes adjusted for practice: everybody's own line over their trials, besides the modes.
 
 use crate::Parameters;
-use crate::cells::{Cell, Cells};
 use crate::measure::Measure;
 use crate::trials::{Trial, Trials};
 use std::collections::{BTreeMap, BTreeSet};
@@ -56,12 +55,10 @@ impl Lines {
         trials.trials.iter().map(value).collect()
     }
 
-    /// How many participants have trials somewhere, and no line there.
-    pub(crate) fn lacking(&self, cells: &[Cell]) -> usize {
-        let without = cells.iter().filter(|cell| {
-            cell.trials > 0 && !self.0.contains_key(&[cell.participant, cell.environment])
-        });
-        without.map(|cell| cell.participant).collect::<BTreeSet<_>>().len()
+    /// How many participants have trials in one of these environments, and no line there.
+    pub(crate) fn lacking(&self, places: impl Iterator<Item = [usize; 2]>) -> usize {
+        let without = places.filter(|place| !self.0.contains_key(place));
+        without.map(|[participant, _]| participant).collect::<BTreeSet<_>>().len()
     }
 
     /// How many times the line makes the variance of a weighted sum of somebody's conditions larger, mean over
@@ -144,14 +141,12 @@ fn place(trial: &Trial, over: OverTrials) -> f64 {
 
 /// How the metric changes along everybody's line: Student's t over participants, in each environment.
 pub(crate) fn slopes(
-    cells: &Cells,
+    lines: Option<&Lines>,
     unit: &UnitOfAnalysis,
     measure: &Measure,
     parameters: &Parameters,
 ) -> Vec<TrialSlope> {
-    let Some((over, lines)) = parameters.over.zip(cells.lines.as_ref()) else {
-        return Vec::new();
-    };
+    let Some((over, lines)) = parameters.over.zip(lines) else { return Vec::new() };
     let rows = parameters.environments.iter().enumerate().filter_map(|(place, environment)| {
         let own = lines.0.iter().filter(|([_, own], _)| *own == place);
         let slopes: Vec<f64> = own.map(|(_, line)| line.slope).collect();

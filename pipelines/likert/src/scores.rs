@@ -79,8 +79,11 @@ pub fn scores(
     for score in &scoring.scores {
         for (trial, (condition, given)) in &trials {
             let Some(known) = known.get(trial) else { continue };
-            let answers = score.questions.iter();
-            let answers = answers.map(|id| Some((scoring.question(id)?, *given.get(id)?)));
+            let answers = score.questions.iter().map(|id| {
+                let question = scoring.question(id)?;
+                let turned = question.scale.score(*given.get(id)?, question.reversed);
+                Some((&question.scale, turned))
+            });
             let answers: Vec<_> = answers.collect();
             let weights: Vec<_> = score.weights.iter().map(|id| given.get(id).copied()).collect();
             let answered = answers.iter().flatten().count();
