@@ -42,12 +42,16 @@ struct Comparing {
     simulated: bool,
 }
 
-/// The environments in which several people have a course of a movement.
+/// The environments in which several people have a course of a movement, in several modes unless groups are
+/// compared.
 fn environments(data: &StudyData) -> impl Iterator<Item = &Environment> {
-    data.study.environments.iter().filter(|environment| {
+    let has_groups = data.study.compare.groups.is_some();
+    data.study.environments.iter().filter(move |environment| {
         let own = data.counting().filter(|trial| trial.meta.environment == environment.id);
-        let people: BTreeSet<_> = own.map(|trial| &trial.meta.participant).collect();
-        people.len() > 1 && !matches!(environment.scene.kind(), SceneKind::Free | SceneKind::None)
+        let (people, modes): (BTreeSet<_>, BTreeSet<_>) =
+            own.map(|trial| (&trial.meta.participant, &trial.meta.mode)).unzip();
+        let is_moved = !matches!(environment.scene.kind(), SceneKind::Free | SceneKind::None);
+        is_moved && people.len() > 1 && (has_groups || modes.len() > 1)
     })
 }
 
