@@ -323,6 +323,8 @@ struct Row {
     means: [Vec<f64>; 2],
     tested: Result<Test, Unestimable>,
     remarks: Vec<String>,
+    /// Whether there is no place that all reach, which the remarks say.
+    is_nowhere: bool,
     claim: Claim,
 }
 
@@ -357,6 +359,11 @@ fn rows(
         about.push("the way back is left out: not everybody returns".to_owned());
     }
     let lengths = people.lengths();
+    // Where all reach no place there is nothing that could scatter.
+    let is_nowhere = lengths.is_empty() && people.who.len() > 1;
+    if is_nowhere {
+        about.push("there is no place that all of them reach".to_owned());
+    }
     let differences = people.differences();
     let mean = |rows: &[&Vec<f64>]| -> Vec<f64> {
         let nodes = lengths.iter().sum();
@@ -392,6 +399,7 @@ fn rows(
             ),
             tested: tested.map(Test::Flipped),
             remarks,
+            is_nowhere,
         });
     }
     for contrast in parameters.groups.iter().flat_map(|groups| &groups.compared.contrasts) {
@@ -418,6 +426,7 @@ fn rows(
             means,
             tested: tested.map(Test::Permuted),
             remarks: about.clone(),
+            is_nowhere,
             claim: Claim::new(environment, None, None, None),
         });
     }
@@ -468,7 +477,9 @@ impl Row {
             self.remarks
                 .push(format!("the signs of {people} reach an adjusted p of {least:.4} at best"));
         }
-        if let Err(why) = &self.tested {
+        if let Err(why) = self.tested.as_ref()
+            && !self.is_nowhere
+        {
             self.remarks.push(why.to_string());
         }
         all.tests.push(CurveDifference {
@@ -627,6 +638,18 @@ mod tests {
         let more = 1.0 + 0.2 * 1.0_f64.cos();
         let expected = at_the_end(&alone) + ((12.0 - 2.0 + more) / 2.0 - more) / 6.0;
         assert!((at_the_end(&found) - expected).abs() < 0.01, "{}", at_the_end(&found));
+    }
+
+    #[test]
+    fn people_who_reach_no_place_together_are_told_so() {
+        let mut sessions = people(6);
+        for course in sessions.iter_mut().take(2).flat_map(|one| one.branches.values_mut()) {
+            course.x.iter_mut().for_each(|x| *x += 2.0);
+        }
+        let found = compare_curves(&sessions, &parameters()).unwrap();
+        let remark = found.tests[0].remark.as_ref().unwrap().to_string();
+        assert_eq!(remark, "there is no place that all of them reach");
+        assert_eq!((found.tests[0].n, found.tests[0].nodes, found.points.len()), (6, 0, 0));
     }
 
     #[test]
