@@ -167,6 +167,14 @@ rows! {
         p_gg: f64,
         /// partial η²: the effect's sum of squares over that and its error's
         eta_squared_partial: f64,
+        /// of a dose: Hotelling's F of what its line, or its parabola, leaves
+        f_lack_of_fit: Option<f64>,
+        /// its degrees of freedom
+        df_lack_of_fit: Option<f64>,
+        /// its degrees of freedom for error
+        df_lack_of_fit_error: Option<f64>,
+        /// its p value
+        p_lack_of_fit: Option<f64>,
     }
 }
 

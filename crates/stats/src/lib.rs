@@ -22,6 +22,7 @@ pub mod friedman;
 pub mod groups;
 pub mod hac;
 pub mod holm;
+pub mod hotelling;
 pub mod incomplete;
 pub mod interval;
 pub mod line;

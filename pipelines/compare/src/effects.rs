@@ -8,9 +8,12 @@ use crate::over_trials::Weighed;
 use crate::split::{Refused, Split};
 use crate::{CompareError, Parameters};
 use std::collections::BTreeMap;
+use zwidth_numerics::dense::dot;
 use zwidth_results::{EffectDifference, EffectLevels, FactorEffect, FactorTest, UnitOfAnalysis};
 use zwidth_stats::null::Sampling;
-use zwidth_stats::{Tested, Unestimable, effect, groups, paired, rm_anova, sign_flip};
+use zwidth_stats::{
+    FTest, Tested, Unestimable, effect, groups, hotelling, paired, rm_anova, sign_flip,
+};
 use zwidth_study::{Effect, EffectSize, LevelContrast};
 
 /// Flips that are drawn where there are too many participants to count all.
@@ -290,6 +293,48 @@ pub(crate) fn named(
     named.collect()
 }
 
+/// What the line over a dose, or its parabola, leaves of the differences between its levels, of which `contrasts` weigh
+/// people's means in `conditions`: all contrasts that are orthogonal to its trend, tested together.
+fn lack_of_fit(
+    table: &[Vec<f64>],
+    contrasts: &[Vec<f64>],
+    conditions: &[Condition],
+    dose: &Effect,
+    cells: &Cells,
+    parameters: &Parameters,
+) -> Option<FTest> {
+    let is_trend = |effect: &&Effect| {
+        (&effect.term, &effect.environment) == (&dose.term, &dose.environment)
+            && matches!(effect.levels[..], [LevelContrast::Trend(_)])
+    };
+    let trends = parameters.effects.iter().filter(is_trend).map(|effect| {
+        let weights = placed(effect, cells, parameters)?;
+        let of = |condition: &Condition| weights.iter().find(|w| w.0 == *condition);
+        Some(conditions.iter().map(|condition| of(condition).map_or(0.0, |w| w.1)).collect())
+    });
+    let trends: Vec<Vec<f64>> = trends.collect::<Option<_>>()?;
+    if trends.is_empty() {
+        return None;
+    }
+    // After Gram and Schmidt: what a trend explains, then what is left of each contrast.
+    let mut basis: Vec<Vec<f64>> = Vec::new();
+    for vector in trends.iter().chain(contrasts) {
+        let mut left = vector.clone();
+        for own in &basis {
+            let along = dot(own, vector);
+            left.iter_mut().zip(own).for_each(|(left, own)| *left -= along * own);
+        }
+        let [size, whole] = [dot(&left, &left).sqrt(), dot(vector, vector).sqrt()];
+        if size > SAME * whole {
+            left.iter_mut().for_each(|left| *left /= size);
+            basis.push(left);
+        }
+    }
+    let rest = basis.get(trends.len()..)?;
+    let left = |row: &Vec<f64>| rest.iter().map(|vector| dot(vector, row)).collect();
+    hotelling::test(&table.iter().map(left).collect::<Vec<Vec<f64>>>()).ok()
+}
+
 /// The analysis of variance: a line for each factor and interaction, over the participants who have every
 /// condition of it, each the mean of their complete sessions.
 pub(crate) fn tests(
@@ -331,6 +376,7 @@ pub(crate) fn tests(
             people.into_iter().filter(|(who, _)| speaks(who)).map(|(_, row)| row).collect();
         let Ok(found) = rm_anova::effect(&table, &contrasts) else { continue };
         let explained = found.test.statistic * found.test.df_num;
+        let lack = lack_of_fit(&table, &contrasts, &conditions, first, cells, parameters);
         lines.push(FactorTest {
             metric: measure.parameters.metric.clone(),
             unit: measure.unit.clone(),
@@ -344,6 +390,10 @@ pub(crate) fn tests(
             epsilon_gg: found.greenhouse_geisser,
             p_gg: found.p_greenhouse_geisser,
             eta_squared_partial: explained / (explained + found.test.df_den),
+            f_lack_of_fit: lack.map(|test| test.statistic),
+            df_lack_of_fit: lack.map(|test| test.df_num),
+            df_lack_of_fit_error: lack.map(|test| test.df_den),
+            p_lack_of_fit: lack.map(|test| test.p_value),
         });
     }
     lines
@@ -614,12 +664,12 @@ mod tests {
         parameters.environments = vec![study.environments[0].id.clone()];
         parameters.modes = study.modes.iter().map(|mode| mode.id.clone()).collect();
         parameters.contrasts = Vec::new();
-        let mut found = |scale| {
-            study.compare.trend.insert(dose.clone(), Trend { degree: 2, scale });
+        let mut found = |degree, scale| {
+            study.compare.trend.insert(dose.clone(), Trend { degree, scale });
             parameters.effects = study.effects();
             compare(&measured(&keys, values.iter().copied()), &parameters).unwrap()
         };
-        let linear = found(DoseScale::Linear);
+        let linear = found(2, DoseScale::Linear);
         let [slope, bend] = &linear.effects[..] else { panic!("{:?}", linear.effects) };
         let per = |row: &EffectDifference| row.levels.as_ref().unwrap().to_string();
         assert_eq!([per(slope), per(bend)], ["per 100 N/m", "bend per (100 N/m)²"]);
@@ -635,7 +685,18 @@ mod tests {
         near(Some(line.f), 57.8715542);
         near(Some(line.epsilon_gg), 0.606297844);
         near(Some(line.p_gg), 5.58186273e-7);
-        let doubled = found(DoseScale::Log2);
+        // Beyond the parabola one contrast is left: the t of everybody's cubic, squared.
+        assert_eq!((line.df_lack_of_fit, line.df_lack_of_fit_error), (Some(1.0), Some(7.0)));
+        // NumPy: T² of the quadratic and the cubic over the true spacing.
+        let straight = found(1, DoseScale::Linear);
+        let [line_alone] = &straight.factor_tests[..] else { panic!() };
+        near(line_alone.f_lack_of_fit, 1.25454713);
+        near(line_alone.p_lack_of_fit, 0.350593408);
+        assert_eq!(
+            (line_alone.df_lack_of_fit, line_alone.df_lack_of_fit_error),
+            (Some(2.0), Some(6.0))
+        );
+        let doubled = found(2, DoseScale::Log2);
         assert_eq!(per(&doubled.effects[0]), "per doubling");
         near(doubled.effects[0].difference, 0.403832306);
         near(doubled.effects[0].difference_std_error, 0.0431339221);
