@@ -27,6 +27,7 @@ pub(super) fn paragraphs(study: &Study, recorded: &Recorded, cited: &mut Cited) 
             cited.cite("welch")
         )
     });
+    sentences.extend(study.compare.over.map(adjusted));
     sentences.push(claims(study, recorded, cited));
     if recorded.curves {
         sentences.push(curves(study, cited));
@@ -195,21 +196,21 @@ fn between(study: &Study, recorded: &Recorded, cited: &mut Cited) -> String {
         ),
         false => String::new(),
     };
-    let over = match study.compare.over {
-        Some(over) => format!(
-            " Means were adjusted along each participant's own line over the {} in each environment, by least squares \
-             besides the means of the modes; no claim was made where that made a difference's variance more than \
-             five times larger.",
-            match over {
-                OverTrials::Trial => "number of the trial",
-                OverTrials::Repeat => "repeat",
-            }
-        ),
-        None => String::new(),
-    };
     format!(
         "The unit of analysis was the participant: each one's repeats were averaged{sessions}, \
-         and each participant gave {each}.{over} {test}.{effects}{variance}{model}"
+         and each participant gave {each}. {test}.{effects}{variance}{model}"
+    )
+}
+
+/// How means were adjusted for practice.
+fn adjusted(over: OverTrials) -> String {
+    let over = match over {
+        OverTrials::Trial => "number of the trial",
+        OverTrials::Repeat => "repeat",
+    };
+    format!(
+        "Means were adjusted along each participant's own line over the {over} in each environment, by least squares besides the \
+         means of the modes; no claim was made where that made the variance of a difference more than five times larger."
     )
 }
 
