@@ -154,6 +154,8 @@ struct Drawn {
     curve: Curve,
     /// Whether groups are shown, or everybody.
     of_groups: bool,
+    alpha: f64,
+    level: f64,
     sources: Vec<Source>,
 }
 
@@ -177,6 +179,8 @@ pub(crate) fn figures(data: &StudyData) -> Vec<Drawing> {
                     environment: environment.clone(),
                     curve: *curve,
                     of_groups,
+                    alpha: data.study.compare.alpha,
+                    level: data.study.compare.level,
                     sources: trial_sources(data),
                 };
                 let subject = [curve.as_str(), environment.id.as_str()].into_iter();
@@ -191,7 +195,7 @@ pub(crate) fn figures(data: &StudyData) -> Vec<Drawing> {
 }
 
 fn draw(drawn: &Drawn, tables: &OfCurves) -> Figured {
-    let Drawn { about, environment, curve, of_groups, sources } = drawn;
+    let Drawn { about, environment, curve, of_groups, alpha, level, sources } = drawn;
     let is_own =
         |own: Curve, place: &zwidth_study::EnvironmentId| own == *curve && *place == environment.id;
     let mut points = tables.points.read()?;
@@ -200,6 +204,13 @@ fn draw(drawn: &Drawn, tables: &OfCurves) -> Figured {
     tests.retain(|row| is_own(row.curve, &row.environment) && row.groups.is_some() == *of_groups);
     let mut runs = tables.runs.read()?;
     runs.retain(|row| is_own(row.curve, &row.environment));
-    let shown = CurvesShown { curve: *curve, points: &points, tests: &tests, runs: &runs };
+    let shown = CurvesShown {
+        curve: *curve,
+        points: &points,
+        tests: &tests,
+        runs: &runs,
+        alpha: *alpha,
+        level: *level,
+    };
     Ok((curves_compared(about, environment, sources, &shown), Vec::new()))
 }

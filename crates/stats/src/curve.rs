@@ -121,6 +121,14 @@ pub fn differences(
         rows
     };
     let (values, residuals) = (scaled(&|_| 0.0), scaled(&|node| here[node].mean));
+    // Nodes without scatter are left out of every statistic.
+    let plain: Vec<Vec<f64>> = curves
+        .iter()
+        .map(|row| {
+            let kept = row.iter().zip(&scatters);
+            kept.map(|(value, scatters)| if *scatters { *value } else { 0.0 }).collect()
+        })
+        .collect();
     let people = n as f64;
     let t_of = |sum: f64| {
         let left = (people - sum * sum).max(people * f64::EPSILON);
@@ -141,7 +149,7 @@ pub fn differences(
         Flip {
             t: largest(&t),
             mass,
-            mean: largest(&sums(curves)),
+            mean: largest(&sums(&plain)),
             of_residuals: t_of(largest(&sums(&residuals))),
         }
     };
@@ -197,7 +205,9 @@ pub fn differences(
             }
         })
         .collect();
-    let t: Vec<f64> = nodes.iter().map(|node| node.statistic.unwrap_or(0.0)).collect();
+    // As flips have it: what is computed in two ways could differ by more than a tie.
+    let t: Vec<f64> =
+        (0..nodes.len()).map(|node| t_of(values.iter().map(|row| row[node]).sum())).collect();
     let found = runs(&t, lengths, pointwise).map(|(first, last, mass)| Run {
         first,
         last,

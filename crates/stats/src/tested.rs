@@ -68,6 +68,9 @@ pub enum Unestimable {
         /// The least number that the statistic takes.
         needed: usize,
     },
+    /// Values along a line, whose own error is not among theirs.
+    #[error("the values are along a line over trials, whose error they do not tell")]
+    Adjusted,
     /// Values that are equal up to their rounding.
     #[error("there is no difference beyond the rounding of the values")]
     NoDifference,

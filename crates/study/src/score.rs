@@ -126,14 +126,14 @@ impl Score {
         })
     }
 
-    /// What an answer counts: of a TLX as a share of its scale of 100, of a SUS 2.5 for each point above the lowest.
-    fn item(&self, scale: &AnswerScale, answer: AnswerValue) -> f64 {
+    /// What an answer counts: of a TLX as a share of its scale of 100, of a SUS of 10.
+    pub fn item(&self, scale: &AnswerScale, answer: AnswerValue) -> f64 {
         let [low, high] = [scale.lowest(), scale.highest()].map(f64::from);
         match self.kind {
             ScoreKind::NasaTlx | ScoreKind::NasaTlxRaw => {
                 100.0 * (answer.get() - low) / (high - low)
             }
-            ScoreKind::Sus => 2.5 * (answer.get() - low),
+            ScoreKind::Sus => 10.0 * (answer.get() - low) / (high - low),
             ScoreKind::Mean | ScoreKind::Sum => answer.get(),
         }
     }

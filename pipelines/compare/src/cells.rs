@@ -63,7 +63,11 @@ impl Cells {
     ) -> Result<Self, CompareError> {
         let keys: Vec<ConditionKey> = metrics.trials().iter().map(TrialKey::condition).collect();
         let mut values = metrics.numbers(measure.parameters.metric.as_str())?;
-        let lines = parameters.over.map(|over| (over, Lines::of(trials, over)));
+        let participants = sorted(keys.iter().map(|key| &key.participant));
+        let sessions = sorted(keys.iter().map(|key| &key.session));
+        // One participant's claims are of the trials as they are.
+        let over = parameters.over.filter(|_| participants.len() > 1);
+        let lines = over.map(|over| (over, Lines::of(trials, over)));
         if let Some((over, lines)) = &lines {
             let mut adjusted = lines.adjusted(trials, *over).into_iter();
             for (key, value) in keys.iter().zip(&mut values) {
@@ -72,8 +76,6 @@ impl Cells {
                 *value = if is_known { adjusted.next().flatten() } else { None };
             }
         }
-        let participants = sorted(keys.iter().map(|key| &key.participant));
-        let sessions = sorted(keys.iter().map(|key| &key.session));
         let mut cells = Vec::new();
         for group in grouped(&keys, &[&values])? {
             let key = group.key;

@@ -54,6 +54,11 @@ impl Row {
         }
     }
 
+    /// Why nothing is claimed, where the order of the modes is why.
+    pub(crate) fn ordered(&self) -> Option<Refused> {
+        self.refused.clone().filter(|why| matches!(why, Refused::Ordered(_)))
+    }
+
     /// Why there is no test, or no claim can be made.
     fn remark(&self, alpha: f64) -> Option<String> {
         if let Some(refused) = &self.refused {

@@ -12,9 +12,10 @@ use zwidth_results::{
 };
 use zwidth_stats::curve::{self, CurveTest, GroupCurveTest, LEAST_FOR_A_CLAIM, Node, SKEWED};
 use zwidth_stats::null::Sampling;
-use zwidth_stats::{Unestimable, sign_flip};
+use zwidth_stats::{Unestimable, paired, sign_flip};
 use zwidth_study::{
-    Contrast, Curve, Effect, EnvironmentId, Families, GroupContrast, ModeId, ParticipantId, counted,
+    Contrast, Curve, Effect, EnvironmentId, Families, GroupContrast, ModeId, ParticipantId,
+    SessionId, counted,
 };
 use zwidth_tables::{Table, TableError};
 
@@ -58,6 +59,7 @@ struct Course {
 pub struct SessionCurve {
     curve: Curve,
     participant: ParticipantId,
+    session: SessionId,
     environment: EnvironmentId,
     mode: ModeId,
     /// By branch; one over time has none.
@@ -105,7 +107,7 @@ impl SessionCurve {
                 out.x.reverse();
                 out.y.reverse();
             }
-            points.into_iter().next().map(|p| (p.participant, p.environment, p.mode))
+            points.into_iter().next().map(|p| (p.participant, p.session, p.environment, p.mode))
         } else {
             let points: Vec<AveragePoint> = table.to_rows()?;
             let all = points.first().map_or(0, |point| point.n);
@@ -116,12 +118,13 @@ impl SessionCurve {
                 course.x.push(point.t_s);
                 course.y.push(value);
             }
-            points.into_iter().next().map(|p| (p.participant, p.environment, p.mode))
+            points.into_iter().next().map(|p| (p.participant, p.session, p.environment, p.mode))
         };
         let condition = condition.filter(|_| !branches.is_empty());
-        Ok(condition.map(|(participant, environment, mode)| Self {
+        Ok(condition.map(|(participant, session, environment, mode)| Self {
             curve,
             participant,
+            session,
             environment,
             mode,
             branches,
@@ -165,7 +168,7 @@ pub fn compare_curves(
         }
         // The order of results is that of the questions, on any number of threads.
         let rows = asked.par_iter().map(|(place, (effect, weights), here)| {
-            let people = People::of(here, weights, parameters.nodes);
+            let people = People::of(here, weights, parameters);
             rows(*place, effect, &people, parameters)
         });
         let mut rows: Vec<Row> = rows.collect::<Vec<Vec<Row>>>().into_iter().flatten().collect();
@@ -222,52 +225,82 @@ struct People {
     lacking: Vec<ParticipantId>,
     /// The branches that all have, with the angles or times of their nodes.
     branches: Vec<(Option<LoopBranch>, Vec<f64>)>,
-    /// Whether some return, and others do not.
-    some_stay: bool,
+    /// Which branches are left out, and why.
+    left_out: Vec<String>,
     /// The sum over modes of positive weight and that over the others, person by person, over the nodes of all
     /// branches; the second is taken from the first.
     sides: [Vec<Vec<f64>>; 2],
 }
 
 impl People {
-    fn of(here: &[&SessionCurve], weights: &[(ModeId, f64)], nodes: usize) -> Self {
-        let mut by_person: BTreeMap<&ParticipantId, BTreeMap<&ModeId, Vec<&SessionCurve>>> =
-            BTreeMap::new();
-        for one in here.iter().filter(|one| weights.iter().any(|(mode, _)| *mode == one.mode)) {
-            by_person.entry(&one.participant).or_default().entry(&one.mode).or_default().push(one);
+    fn of(here: &[&SessionCurve], weights: &[(ModeId, f64)], parameters: &CurveParameters) -> Self {
+        // Of groups nobody speaks who has none.
+        let in_group = |who: &ParticipantId| {
+            parameters.groups.as_ref().is_none_or(|groups| groups.levels_of.contains_key(who))
+        };
+        let nodes = parameters.nodes;
+        // A session that lacks one of the modes would bring its own practice into a difference.
+        let mut by_person: BTreeMap<
+            &ParticipantId,
+            BTreeMap<&SessionId, BTreeMap<&ModeId, &SessionCurve>>,
+        > = BTreeMap::new();
+        let is_weighed = |one: &&&SessionCurve| {
+            weights.iter().any(|(mode, _)| *mode == one.mode) && in_group(&one.participant)
+        };
+        for one in here.iter().filter(is_weighed) {
+            let sessions = by_person.entry(&one.participant).or_default();
+            sessions.entry(&one.session).or_default().insert(&one.mode, one);
         }
-        let (all, lacking): (Vec<_>, Vec<_>) =
-            by_person.into_iter().partition(|(_, modes)| modes.len() == weights.len());
+        let mut lacking = Vec::new();
+        by_person.retain(|who, sessions| {
+            sessions.retain(|_, modes| modes.len() == weights.len());
+            if sessions.is_empty() {
+                lacking.push((*who).clone());
+            }
+            !sessions.is_empty()
+        });
         let curves: Vec<&SessionCurve> =
-            all.iter().flat_map(|(_, modes)| modes.values().flatten().copied()).collect();
+            by_person.values().flatten().flat_map(|(_, modes)| modes.values().copied()).collect();
         let kinds: BTreeSet<Option<LoopBranch>> =
             curves.iter().flat_map(|one| one.branches.keys().copied()).collect();
         let mut branches = Vec::new();
-        let mut some_stay = false;
+        let mut left_out = Vec::new();
         for branch in kinds {
             let courses: Vec<&Course> =
                 curves.iter().filter_map(|one| one.branches.get(&branch)).collect();
-            if courses.len() < curves.len() {
-                some_stay |= branch == Some(LoopBranch::Out);
-            } else if let Some(shared) = shared(&courses, nodes) {
-                branches.push((branch, shared));
+            let way = match branch {
+                Some(LoopBranch::Out) => "the way back",
+                _ => "the way there",
+            };
+            match shared(&courses, nodes) {
+                _ if courses.len() < curves.len() && branch == Some(LoopBranch::Out) => {
+                    left_out.push("the way back is left out: not everybody returns".to_owned());
+                }
+                _ if courses.len() < curves.len() => {
+                    left_out.push(format!("{way} is left out: not everybody has it"));
+                }
+                Some(shared) => branches.push((branch, shared)),
+                None => {
+                    left_out.push(format!("{way} is left out: there is no place that all reach"))
+                }
             }
         }
         let side = |sign: f64| -> Vec<Vec<f64>> {
-            let people = all.iter().map(|(_, modes)| {
+            let people = by_person.values().map(|sessions| {
                 let mut sum = vec![0.0; branches.iter().map(|(_, x)| x.len()).sum()];
-                for (mode, weight) in weights.iter().filter(|(_, weight)| weight * sign > 0.0) {
-                    let sessions = modes.get(mode).map(Vec::as_slice).unwrap_or_default();
+                let of_side = weights.iter().filter(|(_, weight)| weight * sign > 0.0);
+                for ((mode, weight), modes) in
+                    of_side.flat_map(|own| sessions.values().map(move |modes| (own, modes)))
+                {
+                    let session = modes[mode];
                     let share = weight.abs() / sessions.len() as f64;
-                    for session in sessions {
-                        let values = branches.iter().flat_map(|(branch, x)| {
-                            let course = &session.branches[branch];
-                            interpolate_all(&course.x, &course.y, x)
-                        });
-                        // Nodes lie within what every course covers.
-                        for (sum, value) in sum.iter_mut().zip(values) {
-                            *sum += share * value.unwrap_or(f64::NAN);
-                        }
+                    let values = branches.iter().flat_map(|(branch, x)| {
+                        let course = &session.branches[branch];
+                        interpolate_all(&course.x, &course.y, x)
+                    });
+                    // Nodes lie within what every course covers.
+                    for (sum, value) in sum.iter_mut().zip(values) {
+                        *sum += share * value.unwrap_or(f64::NAN);
                     }
                 }
                 sum
@@ -276,10 +309,10 @@ impl People {
         };
         Self {
             sides: [side(1.0), side(-1.0)],
-            who: all.iter().map(|(who, _)| (*who).clone()).collect(),
-            lacking: lacking.iter().map(|(who, _)| (*who).clone()).collect(),
+            who: by_person.keys().map(|who| (*who).clone()).collect(),
+            lacking,
             branches,
-            some_stay,
+            left_out,
         }
     }
 
@@ -287,10 +320,17 @@ impl People {
         self.branches.iter().map(|(_, x)| x.len()).collect()
     }
 
+    /// Everybody's differences; values that differ by their rounding do not differ.
     fn differences(&self) -> Vec<Vec<f64>> {
-        let [first, second] = &self.sides;
-        let pairs = first.iter().zip(second);
-        pairs.map(|(a, b)| a.iter().zip(b).map(|(a, b)| a - b).collect()).collect()
+        let mut rows = self.sides[0].clone();
+        for node in 0..self.lengths().iter().sum() {
+            let pairs = self.sides[0].iter().zip(&self.sides[1]);
+            let pairs: Vec<[f64; 2]> = pairs.map(|(a, b)| [a[node], b[node]]).collect();
+            for (row, difference) in rows.iter_mut().zip(paired::differences(&pairs)) {
+                row[node] = difference;
+            }
+        }
+        rows
     }
 
     /// The branch and the place of each node.
@@ -355,15 +395,10 @@ fn rows(
         let names: Vec<String> = people.lacking.iter().map(ToString::to_string).collect();
         about.push(format!("{} without a curve in each mode", names.join(", ")));
     }
-    if people.some_stay {
-        about.push("the way back is left out: not everybody returns".to_owned());
-    }
+    about.extend(people.left_out.iter().cloned());
     let lengths = people.lengths();
     // Where all reach no place there is nothing that could scatter.
     let is_nowhere = lengths.is_empty() && people.who.len() > 1;
-    if is_nowhere {
-        about.push("there is no place that all of them reach".to_owned());
-    }
     let differences = people.differences();
     let mean = |rows: &[&Vec<f64>]| -> Vec<f64> {
         let nodes = lengths.iter().sum();
@@ -383,7 +418,20 @@ fn rows(
                 counted(n, "participants")
             ));
         }
-        let p = tested.as_ref().ok().filter(|_| n >= LEAST_FOR_A_CLAIM);
+        // Of skewed differences both tests must find the effect, and the larger p is adjusted.
+        let p = tested.as_ref().ok().filter(|_| n >= LEAST_FOR_A_CLAIM).map(|test| {
+            let p = test.flipped.p_value;
+            (
+                if test.skewness > SKEWED { p.max(test.p_unstudentised) } else { p },
+                test.flipped.smallest_p,
+            )
+        });
+        if tested.as_ref().is_ok_and(|test| test.skewness > SKEWED) {
+            remarks.push(
+                "the differences are skewed: the larger p of both tests counts, and the band covers less than it says"
+                    .to_owned(),
+            );
+        }
         rows.push(Row {
             effect: effect.clone(),
             groups: None,
@@ -391,12 +439,7 @@ fn rows(
             n_second: None,
             places: places.clone(),
             means: [0, 1].map(|side| mean(&people.sides[side].iter().collect::<Vec<_>>())),
-            claim: Claim::new(
-                environment,
-                p.map(|test| test.flipped.p_value),
-                p.map(|test| test.flipped.smallest_p),
-                None,
-            ),
+            claim: Claim::new(environment, p.map(|p| p.0), p.map(|p| p.1), None),
             tested: tested.map(Test::Flipped),
             remarks,
             is_nowhere,
@@ -452,24 +495,7 @@ impl Row {
         let place = tested.map(|_| self.places[largest]);
         let (theta_rad, t_s) = place.map_or((None, None), |(_, x)| split(x));
         let left_out = nodes.iter().filter(|node| node.statistic.is_none()).count();
-        let mut verdict = self.claim.verdict;
-        if let Some(test) = flipped.filter(|_| self.claim.p.is_some()) {
-            let is_found_by_mean = test.p_unstudentised < parameters.alpha;
-            if test.skewness > SKEWED {
-                let is_found = verdict == Verdict::Different;
-                let why = match is_found == is_found_by_mean {
-                    true => "the differences are skewed: the band covers less than it says",
-                    false => {
-                        "the differences are skewed, and only one of the two tests finds an effect; the band \
-                         covers less than it says"
-                    }
-                };
-                self.remarks.push(why.to_owned());
-                if is_found && !is_found_by_mean {
-                    verdict = Verdict::Undecided;
-                }
-            }
-        }
+        let verdict = self.claim.verdict;
         if verdict == Verdict::Undecided
             && let Some(least) = self.claim.out_of_reach(parameters.alpha)
         {
@@ -563,6 +589,7 @@ mod tests {
         SessionCurve {
             curve: Curve::ForceOverAngle,
             participant: format!("P{who:02}").parse().unwrap(),
+            session: "S01".parse().unwrap(),
             environment: "spring".parse().unwrap(),
             mode: mode.parse().unwrap(),
             branches: [(Some(LoopBranch::In), course)].into_iter().chain(back).collect(),
@@ -627,7 +654,13 @@ mod tests {
     #[test]
     fn sessions_of_a_person_have_the_same_weight_and_a_way_back_that_somebody_lacks_is_left_out() {
         let mut sessions = people(6);
-        sessions.push(session(1, "hybrid", 0.6, 12.0, false));
+        let again = |mode: &str, slope: f64, id: &str| SessionCurve {
+            session: id.parse().unwrap(),
+            ..session(1, mode, 0.6, slope, false)
+        };
+        // A third session, without the other mode, is in no difference.
+        sessions.extend([again("active", 2.0, "S02"), again("hybrid", 12.0, "S02")]);
+        sessions.push(again("hybrid", 900.0, "S03"));
         let found = compare_curves(&sessions, &parameters()).unwrap();
         let remark = found.tests[0].remark.as_ref().unwrap().to_string();
         assert!(remark.starts_with("the way back is left out: not everybody returns"));
@@ -636,7 +669,7 @@ mod tests {
         let at_the_end =
             |found: &Curves| found.points[10].difference / found.points[10].theta_rad.unwrap();
         let more = 1.0 + 0.2 * 1.0_f64.cos();
-        let expected = at_the_end(&alone) + ((12.0 - 2.0 + more) / 2.0 - more) / 6.0;
+        let expected = at_the_end(&alone) + ((10.0 + more) / 2.0 - more) / 6.0;
         assert!((at_the_end(&found) - expected).abs() < 0.01, "{}", at_the_end(&found));
     }
 
@@ -648,7 +681,9 @@ mod tests {
         }
         let found = compare_curves(&sessions, &parameters()).unwrap();
         let remark = found.tests[0].remark.as_ref().unwrap().to_string();
-        assert_eq!(remark, "there is no place that all of them reach");
+        assert!(
+            remark.starts_with("the way there is left out: there is no place that all reach; ")
+        );
         assert_eq!((found.tests[0].n, found.tests[0].nodes, found.points.len()), (6, 0, 0));
     }
 
@@ -679,7 +714,8 @@ mod tests {
         let found = compare_curves(&sessions, &parameters()).unwrap();
         let test = &found.tests[0];
         assert!(test.skewness.unwrap() > SKEWED && test.p_unstudentised.unwrap() > 0.5, "{test:?}");
-        assert!(test.p_adjusted.unwrap() < 0.01 && test.verdict == Some(Verdict::Undecided));
+        assert!(test.p_value.unwrap() < 0.01 && test.p_adjusted == test.p_unstudentised);
+        assert_eq!(test.verdict, Some(Verdict::Undecided));
         assert!(test.remark.as_ref().unwrap().to_string().contains("are skewed"));
     }
 

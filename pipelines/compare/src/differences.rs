@@ -41,7 +41,13 @@ pub(crate) fn of_everybody(
         .collect();
     pairs
         .chunk_by(|a, b| a[0].participant == b[0].participant)
-        .map(|own| difference(own, level))
+        .map(|own| {
+            let difference = difference(own, level);
+            match cells.lines {
+                Some(_) => Difference { within: Err(Unestimable::Adjusted), ..difference },
+                None => difference,
+            }
+        })
         .collect()
 }
 

@@ -46,6 +46,11 @@ impl Row<'_> {
         FactorEffect { term: term.clone(), levels }
     }
 
+    /// Why nothing is claimed, where the order of the modes is why.
+    pub(crate) fn ordered(&self) -> Option<Refused> {
+        self.refused.clone().filter(|why| matches!(why, Refused::Ordered(_)))
+    }
+
     /// Why nobody has such an effect.
     fn nobody(&self, cells: &Cells) -> String {
         let mut sessions = self.effect.weights.iter().filter_map(|weight| weight.session.as_ref());

@@ -49,6 +49,8 @@ struct Compared {
     noticed_from: Option<f64>,
     /// Whether it is a difference between two values, of which a bound or what is felt speaks.
     is_difference: bool,
+    /// Why nothing is claimed of it anywhere.
+    refused: Option<Refused>,
 }
 
 /// What is compared between groups in an environment, with everybody's values.
@@ -79,6 +81,7 @@ fn compared(
             is_claimed: true,
             noticed_from: None,
             is_difference: true,
+            refused: None,
         });
     }
     for row in contrasts.iter().filter(|row| row.claim.environment == environment) {
@@ -91,6 +94,7 @@ fn compared(
             is_claimed: true,
             noticed_from,
             is_difference: true,
+            refused: row.ordered(),
         });
     }
     for row in of_factors.iter().filter(|row| row.claim.environment == environment) {
@@ -104,6 +108,7 @@ fn compared(
                 is_claimed: true,
                 noticed_from,
                 is_difference,
+                refused: row.ordered(),
             });
         }
     }
@@ -116,6 +121,7 @@ fn compared(
             is_claimed,
             noticed_from: None,
             is_difference: true,
+            refused: None,
         });
     }
     effects
@@ -134,7 +140,14 @@ pub(crate) fn rows<'a>(
     let mut rows = Vec::new();
     for environment in 0..parameters.environments.len() {
         for compared in compared(environment, cells, contrasts, of_factors, parameters) {
-            let Compared { effect, values, is_claimed, noticed_from, is_difference } = compared;
+            let Compared {
+                effect,
+                values,
+                is_claimed,
+                noticed_from,
+                is_difference,
+                refused: ordered,
+            } = compared;
             let by_level = split.by_level(values.into_iter());
             for contrast in &split.groups.compared.contrasts {
                 let [first, second] = [&contrast.group, &contrast.against].map(|id| {
@@ -145,6 +158,7 @@ pub(crate) fn rows<'a>(
                 let tested = groups::difference([a, b], parameters.level);
                 let smallest = [(a.n, &contrast.group), (b.n, &contrast.against)].into_iter().min();
                 let refused = smallest.and_then(|(n, id)| Refused::too_few(n, id.as_str()));
+                let refused = refused.or_else(|| ordered.clone());
                 let has_p = refused.as_ref().is_none_or(Refused::has_p);
                 let bound = measure.parameters.bounds[environment];
                 let bound = bound.filter(|_| has_p && is_difference);

@@ -138,24 +138,34 @@ pub(crate) fn over_trials(
         OverTrials::Repeat => "the repeat",
     };
     let text = format!(
-        "Means are adjusted along everybody's own line over {over}, besides the modes, to the middle of each session; a \
-         participant who did each mode once has no line, and is left out. Tests over orders, mixed models, \
-         learning and repeats are of the values as they are."
+        "Means are adjusted along everybody's own line over {over}, besides the modes, to the middle of each session in \
+         an environment. Tests over orders, mixed models, learning and repeats are of the values as they are."
     );
     let places = cells.cells.iter().filter(|cell| cell.trials > 0);
     let places = places.map(|cell| [cell.participant, cell.environment]);
-    let lacking = cells.lines.as_ref().map_or(0, |lines| lines.lacking(places));
+    let (nobody, lacking) =
+        cells.lines.as_ref().map(|lines| lines.lacking(places)).unwrap_or_default();
     let left_out = (lacking > 0).then(|| {
         let who = counted(lacking, "participants");
-        (
-            NoteKind::Care,
-            format!("{who} without a line in an environment: each mode was done once there."),
-        )
+        let text =
+            format!("{who} without a line where others have one, each mode done once: left out.");
+        (NoteKind::Care, text)
     });
-    let notes = || [general(&text)].into_iter().chain(left_out.clone()).collect();
+    let as_they_are = nobody.into_iter().map(|place| {
+        let environment = &parameters.environments[place];
+        let text = format!(
+            "{environment}: nobody has a line, each mode was done once in a session; means are not adjusted."
+        );
+        (NoteKind::Care, text)
+    });
+    let care: Vec<Note> = left_out.into_iter().chain(as_they_are).collect();
+    let notes = || [general(&text)].into_iter().chain(care.iter().cloned()).collect();
     let below_all = [
         below::<Mean>(measure, notes()),
         below::<ModeDifference>(measure, notes()),
+        below::<EffectDifference>(measure, notes()),
+        below::<FactorTest>(measure, notes()),
+        below::<GroupDifference>(measure, notes()),
         below::<TrialSlope>(
             measure,
             vec![general(

@@ -19,11 +19,12 @@ pub(crate) type Weighed = (Option<usize>, [usize; 2], f64);
 struct Line {
     /// Change of the metric from trial to trial, over all sessions: modes have means of their own in each.
     slope: f64,
-    /// Sum of squares of the trials' places about the mean of their session and mode.
-    squares: f64,
     /// The middle of each session's trials with the metric.
     centres: BTreeMap<usize, f64>,
-    /// Trials with the metric in each session and mode, and the middle of them.
+    /// Sum of squares of the trials' numbers about the mean of their session and mode. Whatever the line is over, the
+    /// numbers say how far modes and practice hang together.
+    squares: f64,
+    /// Trials with the metric in each session and mode, and the middle of their numbers.
     cells: BTreeMap<[usize; 2], (usize, f64)>,
 }
 
@@ -43,9 +44,14 @@ impl Lines {
         Self(lines.collect())
     }
 
-    /// The values of trials in the middle of their session, along everybody's own line; none of who has no line.
+    /// The values of trials in the middle of their session, along everybody's own line; none of who has no line, unless
+    /// nobody has one there: then they are as they were.
     pub(crate) fn adjusted(&self, trials: &Trials, over: OverTrials) -> Vec<Option<f64>> {
+        let with_lines: BTreeSet<usize> = self.0.keys().map(|[_, place]| *place).collect();
         let value = |trial: &Trial| {
+            if !with_lines.contains(&trial.environment) {
+                return trial.value;
+            }
             let line = self.0.get(&[trial.participant, trial.environment])?;
             Some(
                 trial.value?
@@ -55,10 +61,18 @@ impl Lines {
         trials.trials.iter().map(value).collect()
     }
 
-    /// How many participants have trials in one of these environments, and no line there.
-    pub(crate) fn lacking(&self, places: impl Iterator<Item = [usize; 2]>) -> usize {
+    /// Environments, among these of participants, in which nobody has a line, and how many participants have none where
+    /// others do.
+    pub(crate) fn lacking(
+        &self,
+        places: impl Iterator<Item = [usize; 2]>,
+    ) -> (BTreeSet<usize>, usize) {
+        let with_lines: BTreeSet<usize> = self.0.keys().map(|[_, place]| *place).collect();
         let without = places.filter(|place| !self.0.contains_key(place));
-        without.map(|[participant, _]| participant).collect::<BTreeSet<_>>().len()
+        let (left_out, nobody): (Vec<_>, Vec<_>) =
+            without.partition(|[_, environment]| with_lines.contains(environment));
+        let people: BTreeSet<usize> = left_out.into_iter().map(|[who, _]| who).collect();
+        (nobody.into_iter().map(|[_, environment]| environment).collect(), people.len())
     }
 
     /// How many times the line makes the variance of a weighted sum of somebody's conditions larger, mean over
@@ -85,7 +99,7 @@ impl Lines {
             let share = weight / own.len().max(1) as f64;
             for ([session, _], (n, middle)) in own {
                 without += share * share / *n as f64;
-                *moved.entry(*environment).or_default() += share * (middle - line.centres[session]);
+                *moved.entry(*environment).or_default() += share * (middle - line.middle(*session));
             }
         }
         let by_lines: f64 = moved
@@ -100,30 +114,42 @@ impl Lines {
 
 impl Line {
     fn of(trials: &[(&Trial, f64)], over: OverTrials) -> Option<Self> {
-        let mut cells: BTreeMap<[usize; 2], Vec<[f64; 2]>> = BTreeMap::new();
+        // Place, number and value of each trial.
+        let mut cells: BTreeMap<[usize; 2], Vec<[f64; 3]>> = BTreeMap::new();
         let mut sessions: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
         for (trial, value) in trials {
             let place = place(trial, over);
-            cells.entry([trial.session, trial.mode]).or_default().push([place, *value]);
+            let own = cells.entry([trial.session, trial.mode]).or_default();
+            own.push([place, f64::from(trial.number), *value]);
             sessions.entry(trial.session).or_default().push(place);
         }
-        let (mut squares, mut products) = (0.0, 0.0);
+        let (mut along, mut products, mut squares) = (0.0, 0.0, 0.0);
         let mut middles = BTreeMap::new();
         for (cell, points) in cells {
-            let [x, y] = [0, 1].map(|i| mean(points.iter().map(|point| point[i])));
+            let [x, number, y] = [0, 1, 2].map(|i| mean(points.iter().map(|point| point[i])));
             for point in &points {
-                squares += (point[0] - x).powi(2);
-                products += (point[0] - x) * (point[1] - y);
+                along += (point[0] - x).powi(2);
+                squares += (point[1] - number).powi(2);
+                products += (point[0] - x) * (point[2] - y);
             }
-            middles.insert(cell, (points.len(), x));
+            middles.insert(cell, (points.len(), number));
         }
         let centres = sessions.into_iter().map(|(id, places)| (id, mean(places.iter().copied())));
-        (squares > 0.0).then(|| Self {
-            slope: products / squares,
-            squares,
+        (along > 0.0 && squares > 0.0).then(|| Self {
+            slope: products / along,
             centres: centres.collect(),
+            squares,
             cells: middles,
         })
+    }
+
+    /// The middle of the numbers of a session's trials.
+    fn middle(&self, session: usize) -> f64 {
+        let own = self.cells.iter().filter(|([id, _], _)| *id == session).map(|(_, cell)| cell);
+        let [sum, n] = own.fold([0.0, 0.0], |[sum, n], (count, middle)| {
+            [sum + *count as f64 * middle, n + *count as f64]
+        });
+        sum / n
     }
 }
 
@@ -225,17 +251,31 @@ mod tests {
 
     #[test]
     fn who_did_each_mode_once_has_no_line() {
-        let trials: Vec<Trial> =
-            vec![("P01", "S01", "active", 1, Some(1.0)), ("P01", "S01", "hybrid", 1, Some(2.0))];
+        let once = |who: &'static str| -> [Trial; 2] {
+            [(who, "S01", "active", 1, Some(1.0)), (who, "S01", "hybrid", 1, Some(2.0))]
+        };
+        let trials = [once("P01"), once("P02")].concat();
         let over = Some(OverTrials::Repeat);
         let found = compare(&metrics(&trials), &Parameters { over, ..parameters() }).unwrap();
-        assert!(found.contrasts.is_empty() && found.over_trials.is_empty());
+        // Nobody has one: the values stay as they are, and the note says so.
+        assert!(found.contrasts[0].n == 2 && found.over_trials.is_empty());
         let notes: Vec<String> = found.notes.iter().map(|note| note.note.to_string()).collect();
         assert!(
-            notes.contains(
-                &"1 participant without a line in an environment: each mode was done once there."
-                    .to_owned()
-            )
+            notes.iter().any(|note| note.starts_with("spring: nobody has a line")),
+            "{notes:?}"
+        );
+        // Where others have one, who has none is left out.
+        let mut more = trials.clone();
+        more.extend([
+            ("P01", "S01", "active", 2, Some(1.5)),
+            ("P01", "S01", "hybrid", 2, Some(2.0)),
+        ]);
+        let found = compare(&metrics(&more), &Parameters { over, ..parameters() }).unwrap();
+        assert_eq!((found.contrasts[0].n, found.over_trials[0].n), (1, 1));
+        let notes: Vec<String> = found.notes.iter().map(|note| note.note.to_string()).collect();
+        assert!(
+            notes.iter().any(|note| note.starts_with("1 participant without a line")),
+            "{notes:?}"
         );
     }
 }

@@ -100,7 +100,7 @@ impl fmt::Display for Refused {
                 return write!(
                     f,
                     "no claim: the order of the modes makes the variance beside a line over trials {times:.1} times \
-                     larger, so the difference may be practice"
+                     larger"
                 );
             }
         };

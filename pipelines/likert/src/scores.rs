@@ -58,8 +58,8 @@ pub struct AnsweredTrial {
 }
 
 /// Every score of every trial after which one of its questions was answered, in the order of scores, then of
-/// people, sessions and trials. An answer that its scale does not have is refused by [`tally`](crate::tally())
-/// first.
+/// people, sessions and trials. An answer that its scale does not have counts as none. Weights that were given once
+/// in a session stand for each of its trials.
 pub fn scores(
     answers: &[Answer],
     answered: &[AnsweredTrial],
@@ -81,11 +81,23 @@ pub fn scores(
             let Some(known) = known.get(trial) else { continue };
             let answers = score.questions.iter().map(|id| {
                 let question = scoring.question(id)?;
+                if !question.scale.has(*given.get(id)?) {
+                    return None;
+                }
                 let turned = question.scale.score(*given.get(id)?, question.reversed);
                 Some((&question.scale, turned))
             });
             let answers: Vec<_> = answers.collect();
-            let weights: Vec<_> = score.weights.iter().map(|id| given.get(id).copied()).collect();
+            // Asked once for a session, weights stand after one of its trials alone.
+            let once = |id: &QuestionId| {
+                let mut all = trials.range((trial.0, trial.1, 0)..=(trial.0, trial.1, u32::MAX));
+                let mut own = all.by_ref().filter_map(|(_, (_, given))| given.get(id).copied());
+                let first = own.next()?;
+                own.next().is_none().then_some(first)
+            };
+            let weights = score.weights.iter();
+            let weights: Vec<_> =
+                weights.map(|id| given.get(id).copied().or_else(|| once(id))).collect();
             let answered = answers.iter().flatten().count();
             if answered == 0 {
                 continue;
@@ -121,7 +133,8 @@ type Place<'a> = (usize, &'a EnvironmentId, &'a ModeId, &'a SessionId);
 pub fn reliability(answers: &[Answer], scoring: &Scoring) -> Vec<Reliability> {
     let mut places: BTreeMap<Place, OfPeople> = BTreeMap::new();
     for answer in answers {
-        let Some(question) = scoring.question(&answer.question) else { continue };
+        let question = scoring.question(&answer.question);
+        let Some(question) = question.filter(|own| own.scale.has(answer.value)) else { continue };
         for (i, score) in scoring.scores.iter().enumerate() {
             if !score.questions.contains(&answer.question) {
                 continue;
@@ -129,7 +142,8 @@ pub fn reliability(answers: &[Answer], scoring: &Scoring) -> Vec<Reliability> {
             let Condition { environment, mode } = &answer.condition;
             let people = places.entry((i, environment, mode, &answer.session)).or_default();
             let own = people.entry(&answer.participant).or_default();
-            let turned = question.scale.score(answer.value, question.reversed).get();
+            let turned = question.scale.score(answer.value, question.reversed);
+            let turned = score.item(&question.scale, turned);
             own.entry(&answer.question).or_default().push(turned);
         }
     }

@@ -14,6 +14,15 @@ pub fn plan_file(layout: &Layout) -> PathBuf {
     layout.raw().join("plan.json")
 }
 
+/// The covariates as study.toml names them; none is as in a plan of an earlier version.
+fn covariates(study: &Study) -> Option<Vec<String>> {
+    let compare = &study.compare;
+    let over = compare.over.map(|over| over.as_str().to_owned());
+    let all: Vec<String> =
+        over.into_iter().chain(compare.covariates.iter().map(ToString::to_string)).collect();
+    (!all.is_empty()).then_some(all)
+}
+
 /// The parts of a study on which its claims rest, as a plan keeps them: what is compared, in which
 /// design.
 pub fn analysis(study: &Study) -> Value {
@@ -33,7 +42,7 @@ pub fn analysis(study: &Study) -> Value {
         "effects": (!study.factors.is_empty()).then_some(&compare.effects),
         "trend": (!compare.trend.is_empty()).then_some(&compare.trend),
         "weighted": (!compare.weighted.is_empty()).then_some(&compare.weighted),
-        "over": compare.over,
+        "covariates": covariates(study),
         "scores": (!study.scores.is_empty()).then_some(&study.scores),
     })
 }
@@ -244,8 +253,11 @@ fn of_study_toml(
 /// `compare.bounds.duration_s` as one of `bounds`.
 fn is_listed(change: &StudyChange, listed: &[Deviation]) -> bool {
     let mut parts = change.key.split('.');
-    let (Some("compare" | "design"), Some(name)) = (parts.next(), parts.next()) else {
-        return false;
+    let name = match (parts.next(), parts.next()) {
+        (Some("compare" | "design"), Some(name)) => name,
+        // `scores[load].kind`
+        (Some(list), _) => list.split('[').next().unwrap_or(list),
+        (None, _) => return false,
     };
     listed.iter().any(|deviation| deviation.key == name)
 }

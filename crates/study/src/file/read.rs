@@ -184,7 +184,7 @@ impl Check<'_> {
             &analysis,
         );
         let questions = self.questions(file.questions, &labels);
-        self.scores(&file.scores, &questions);
+        self.scores(&file.scores, &questions, &file.metrics);
         Study {
             id: file.study.id,
             title: file.study.title,

@@ -1,7 +1,7 @@
 //! The checks of `[[scores]]` of a `study.toml`.
 
 use super::check::Check;
-use crate::{Question, Score, ScoreKind};
+use crate::{OwnMetric, Question, Score, ScoreKind};
 use std::collections::BTreeSet;
 
 /// No study has more scores.
@@ -10,9 +10,19 @@ const MOST_SCORES: usize = 32;
 const TLX: usize = 6;
 const SUS: usize = 10;
 
+/// Whether answers to a question can say how often something was chosen.
+fn is_weight(question: &Question) -> bool {
+    question.scale.lowest() == 0 && question.scale.step() == 1 && !question.reversed
+}
+
 impl Check<'_> {
     /// Scores of questions that there are, on scales that can be added.
-    pub(super) fn scores(&mut self, scores: &[Score], questions: &[Question]) {
+    pub(super) fn scores(
+        &mut self,
+        scores: &[Score],
+        questions: &[Question],
+        metrics: &[OwnMetric],
+    ) {
         self.unique("scores", scores.iter().map(|score| score.id.as_str()));
         if scores.len() > MOST_SCORES {
             let n = scores.len();
@@ -20,17 +30,23 @@ impl Check<'_> {
             self.error("scores", problem);
         }
         for (i, score) in scores.iter().enumerate() {
-            self.score(&format!("scores[{i}]"), score, questions);
+            self.score(&format!("scores[{i}]"), score, questions, metrics);
         }
     }
 
-    fn score(&mut self, key: &str, score: &Score, questions: &[Question]) {
-        if let Err(why) = score.metric() {
-            self.error(&format!("{key}.id"), why.to_string());
+    fn score(&mut self, key: &str, score: &Score, questions: &[Question], metrics: &[OwnMetric]) {
+        match score.metric() {
+            Err(why) => self.error(&format!("{key}.id"), why.to_string()),
+            Ok(metric) if metrics.iter().any(|own| own.id == metric) => {
+                let problem = format!("[[metrics]] has '{metric}', too; choose another id");
+                self.error(&format!("{key}.id"), problem);
+            }
+            Ok(_) => {}
         }
         if let Some(label) = &score.label {
             self.line(&format!("{key}.label"), label);
         }
+        let is_weighted = score.kind == ScoreKind::NasaTlx;
         let mut seen = BTreeSet::new();
         let mut found = Vec::new();
         let lists = [("questions", &score.questions), ("weights", &score.weights)];
@@ -42,6 +58,11 @@ impl Check<'_> {
                     Some(_) if !seen.insert(id) => format!("'{id}' stands twice; leave one out"),
                     Some(question) if !question.is_rating() => {
                         format!("'{id}' asks for the mode, which is no number; leave it out")
+                    }
+                    Some(question) if list == "weights" && is_weighted && !is_weight(question) => {
+                        format!(
+                            "'{id}' must count from 0 in steps of 1, and not be reversed: it says how often another one was chosen"
+                        )
                     }
                     Some(question) => {
                         if list == "questions" {
@@ -91,7 +112,6 @@ impl Check<'_> {
             }
             ScoreKind::NasaTlx | ScoreKind::NasaTlxRaw => {}
         }
-        let is_weighted = score.kind == ScoreKind::NasaTlx;
         if is_weighted != (score.weights.len() == n) || (!is_weighted && !score.weights.is_empty())
         {
             let problem = match is_weighted {
@@ -142,7 +162,9 @@ mod tests {
     fn with(number: usize, keys: &str) -> Result<Study, Vec<StudyError>> {
         let question = |i: usize| {
             let reversed = if i.is_multiple_of(2) { "reversed = true\n" } else { "" };
-            format!("[[questions]]\nid = \"q{i}\"\ntext = \"Question {i}\"\n{reversed}")
+            // From 0 on: answers can be weights, where they are not the other way round.
+            let weights = if i > 10 { "from = 0\npoints = 6\n" } else { reversed };
+            format!("[[questions]]\nid = \"q{i}\"\ntext = \"Question {i}\"\n{weights}")
         };
         let questions: String = (1..=number).map(question).collect();
         let id = if keys.contains("id =") { "" } else { "id = \"load\"\n" };
@@ -164,9 +186,9 @@ mod tests {
         let tlx = format!(
             "kind = \"nasa_tlx\"\nquestions = [{}]\nweights = [{}]\nlabel = \"Workload\"",
             list(1..=6),
-            list(7..=12)
+            list(11..=16)
         );
-        let tlx = with(12, &tlx).unwrap();
+        let tlx = with(16, &tlx).unwrap();
         check_round_trip(&tlx);
         assert_eq!(tlx.scores[0].better(), Better::Lower);
         let mean = format!("kind = \"mean\"\nquestions = [{}]\nmin_answered = 0.8", list(1..=5));

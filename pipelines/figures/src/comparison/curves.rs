@@ -36,6 +36,10 @@ pub struct CurvesShown<'a> {
     pub tests: &'a [CurveDifference],
     /// Its runs.
     pub runs: &'a [CurveRun],
+    /// Below which p runs count.
+    pub alpha: f64,
+    /// Level of the bands, as a fraction.
+    pub level: f64,
 }
 
 /// A row of panels for each comparison: at the left the two means, then their difference with its band on each
@@ -140,7 +144,7 @@ pub fn curves_compared(
                 ..Line::default()
             };
             let is_here = |run: &&CurveRun| {
-                let is_large = run.p_value < 1.0 - about.confidence;
+                let is_large = run.p_value < shown.alpha;
                 let is_found = test.verdict == Some(Verdict::Different);
                 is_found && run.effect == test.effect && run.branch == *branch && is_large
             };
@@ -166,13 +170,13 @@ pub fn curves_compared(
                 Axis { label: format!("difference of {}", difference.label), ..difference };
             let cell = Cell::at(row, column + 1);
             let panel = match layers.is_empty() {
-                true => Panel::with_note(cell, x_axis(), difference, "not everybody returns"),
+                true => Panel::with_note(cell, x_axis(), difference, "left out: see below"),
                 false => Panel::new(cell, x_axis(), difference.linked("difference"), layers),
             };
             panels.push(panel.titled(*way).tall(PANEL_MM));
         }
     }
-    let level = percent(about.confidence);
+    let level = percent(shown.level);
     let note = match shown.tests.iter().any(|test| test.groups.is_some()) {
         true => format!(
             "Left: means of groups. Right: their difference; grey: pointwise {level} intervals. p: largest t, labels \
@@ -180,9 +184,9 @@ pub fn curves_compared(
         ),
         false => format!(
             "Left: means over people. Right: their difference; grey: its {level} band, which covers the whole curve (of \
-             fewer than six people pointwise). Thick on zero: runs of large t with p below {}: a difference is \
+             fewer than six people pointwise). Thick on zero, where there is a difference: runs of large t with p below {}: it is \
              somewhere in one, not where it begins. p: largest t, signs flipped, after Holm.",
-            percent(1.0 - about.confidence)
+            percent(shown.alpha)
         ),
     };
     Figure {
@@ -321,6 +325,8 @@ mod tests {
             points: &points,
             tests: &tests,
             runs: std::slice::from_ref(&run),
+            alpha: 0.05,
+            level: 0.95,
         };
         let figure = curves_compared(&About::of(&study), &study.environments[0], &[], &shown);
         let [means, there, back, untested] = figure.panels.as_slice() else {
@@ -330,7 +336,7 @@ mod tests {
         let lines = there.lines().filter(|line| line.y.iter().all(|y| y.abs() < 1e-12)).count();
         assert_eq!(lines, 1, "the run lies on zero");
         assert!(there.layers.iter().any(|layer| matches!(layer, Layer::Band(_))));
-        assert_eq!(back.note.as_deref(), Some("not everybody returns"));
+        assert_eq!(back.note.as_deref(), Some("left out: see below"));
         assert_eq!(untested.note.as_deref(), Some("not tested"));
         assert!(figure.footnotes[0].contains("different, p\u{a0}=\u{a0}0.03"));
     }

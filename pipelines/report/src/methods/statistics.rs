@@ -314,10 +314,8 @@ fn curves(study: &Study, cited: &mut Cited) -> String {
     let compare = &study.compare;
     let curves: Vec<String> =
         compare.curves.iter().map(|curve| curve_label(*curve, study.coordinate)).collect();
-    let branches = match compare.curves.iter().any(|curve| curve.is_over_angle()) {
-        true => " on the way there and back",
-        false => "",
-    };
+    let each =
+        if compare.curves.iter().any(|curve| curve.is_over_angle()) { " of each way" } else { "" };
     let groups = match &compare.groups {
         Some(_) => format!(
             " Between groups Welch's t was taken and labels were permuted {}; these are descriptions.",
@@ -325,8 +323,19 @@ fn curves(study: &Study, cited: &mut Cited) -> String {
         ),
         None => String::new(),
     };
+    let family = match compare.families {
+        Families::Environment => "the comparisons of a curve in an environment",
+        Families::Metric | Families::Study => "all comparisons of a curve",
+    };
     format!(
-        "Whole curves ({}) were compared at {} nodes{branches} that all participants reach in all modes of a          comparison. The largest |t| of the participants' differences over all nodes was compared with that of other          signs of their curves {}: of all of them up to 14 participants, else of 9,999; with fewer than six no          difference was claimed. p values were adjusted by Holm's method over the comparisons of a curve,          which are exploratory. Bands cover the whole curve: their width is from flips of the differences from their          mean. Runs of |t| above its pointwise critical value were tested by the sum of |t| {}; they say          that there is a difference somewhere in them {}. Where differences are skewed a difference was claimed          if the largest mean difference, not divided by its standard error, showed it too.{groups}",
+        "Whole curves ({}) were compared at {} nodes{each} that all participants reach in all modes of a comparison. The \
+         largest |t| of the participants' differences over all nodes was compared with that of other signs of their \
+         curves {}: of all of them up to 14 participants, else of 9,999; with fewer than six no difference was \
+         claimed, and intervals are pointwise. Where the median skewness over nodes exceeded 0.7 the larger p of this and of the largest mean \
+         difference, not divided by its standard error, counted. p values were adjusted by Holm's method over {family}, which are \
+         exploratory. Bands cover the whole curve: their width is from flips of the differences from their mean. Runs of |t| \
+         above its pointwise critical value were tested by their sum of |t| {}, not adjusted; they say that there is a \
+         difference somewhere in them {}.{groups}",
         curves.join("; "),
         compare.curve_nodes,
         cited.cite("nichols"),
