@@ -49,6 +49,21 @@ fn interpolated(
     Some(y0 + (at - t0) / (t1 - t0) * (y1 - y0))
 }
 
+/// So many even points over all that every one of these rising courses covers; `None` if that is nothing. The last is
+/// never beyond the shortest course, where rounding could put it. Unit as theirs.
+pub fn common_grid<'a>(
+    courses: impl Iterator<Item = &'a [f64]>,
+    points: usize,
+) -> Option<Vec<f64>> {
+    let [mut low, mut high] = [f64::NEG_INFINITY, f64::INFINITY];
+    for course in courses {
+        low = low.max(*course.first()?);
+        high = high.min(*course.last()?);
+    }
+    let at = |i: usize| (low + (high - low) * (i as f64 / (points - 1) as f64)).min(high);
+    (low < high && low.is_finite()).then(|| (0..points).map(at).collect())
+}
+
 /// [`interpolate`] at every point of `grid`, in its order; it is faster if fewer samples lie
 /// between successive points.
 pub fn interpolate_all(t: &[f64], y: &[f64], grid: &[f64]) -> Vec<Option<f64>> {

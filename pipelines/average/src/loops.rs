@@ -6,7 +6,7 @@
 
 use crate::average::{Parameters, Placed, place, source_of};
 use crate::{AverageError, LeftOut};
-use zwidth_numerics::series::interpolate_all;
+use zwidth_numerics::series::{common_grid, interpolate_all};
 use zwidth_results::LoopBranch as Branch;
 use zwidth_stats::band::{Band, band};
 use zwidth_store::{Recorded, Signal};
@@ -198,18 +198,7 @@ pub(crate) fn branches(
 
 /// Even angles over all that every course covers, rising; `None` if that is nothing.
 fn shared(courses: &[Course]) -> Option<Vec<f64>> {
-    let mut low = f64::NEG_INFINITY;
-    let mut high = f64::INFINITY;
-    for course in courses {
-        low = low.max(*course.theta_rad.first()?);
-        high = high.min(*course.theta_rad.last()?);
-    }
-    // Rounding must not put the last angle beyond the shortest course, where its force is missing.
-    (low < high && low.is_finite()).then(|| {
-        (0..NODES)
-            .map(|i| (low + (high - low) * (i as f64 / (NODES - 1) as f64)).min(high))
-            .collect()
-    })
+    common_grid(courses.iter().map(|course| course.theta_rad.as_slice()), NODES)
 }
 
 /// The courses at these angles.

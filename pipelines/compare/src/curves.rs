@@ -5,7 +5,7 @@ use crate::{CompareError, Groups};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
-use zwidth_numerics::series::interpolate_all;
+use zwidth_numerics::series::{common_grid, interpolate_all};
 use zwidth_results::{
     AveragePoint, CurveDifference, CurveNode, CurveRun, EffectLevels, FactorEffect, GroupEffect,
     LoopBranch, LoopPoint, Row as _, Verdict,
@@ -272,7 +272,7 @@ impl People {
                 Some(LoopBranch::Out) => "the way back",
                 _ => "the way there",
             };
-            match shared(&courses, nodes) {
+            match common_grid(courses.iter().map(|course| course.x.as_slice()), nodes) {
                 _ if courses.len() < curves.len() && branch == Some(LoopBranch::Out) => {
                     left_out.push("the way back is left out: not everybody returns".to_owned());
                 }
@@ -337,18 +337,6 @@ impl People {
     fn nodes(&self) -> impl Iterator<Item = (Option<LoopBranch>, f64)> + '_ {
         self.branches.iter().flat_map(|(branch, x)| x.iter().map(|x| (*branch, *x)))
     }
-}
-
-/// Even places over what every course covers; `None` if that is nothing.
-fn shared(courses: &[&Course], nodes: usize) -> Option<Vec<f64>> {
-    let [mut low, mut high] = [f64::NEG_INFINITY, f64::INFINITY];
-    for course in courses {
-        low = low.max(*course.x.first()?);
-        high = high.min(*course.x.last()?);
-    }
-    // Rounding must not put the last node beyond the shortest course.
-    let at = |i: usize| (low + (high - low) * (i as f64 / (nodes - 1) as f64)).min(high);
-    (low < high).then(|| (0..nodes).map(at).collect())
 }
 
 /// One comparison, not judged yet.
