@@ -95,9 +95,9 @@ pub fn scores(
                 let first = own.next()?;
                 own.next().is_none().then_some(first)
             };
-            let weights = score.weights.iter();
-            let weights: Vec<_> =
-                weights.map(|id| given.get(id).copied().or_else(|| once(id))).collect();
+            let has_own = score.weights.iter().any(|id| given.contains_key(id));
+            let weight = |id| if has_own { given.get(id).copied() } else { once(id) };
+            let weights: Vec<_> = score.weights.iter().map(weight).collect();
             let answered = answers.iter().flatten().count();
             if answered == 0 {
                 continue;
@@ -254,6 +254,32 @@ mod tests {
             scores(&answers, &answered(&answers), &scoring(ScoreKind::Sum, None))[0].value,
             Some(60.0)
         );
+    }
+
+    #[test]
+    fn weights_given_once_in_a_session_stand_for_each_of_its_trials() {
+        let mut scoring = scoring(ScoreKind::NasaTlx, None);
+        scoring.scores[0].weights = ["d", "e", "f"].map(|id| id.parse().unwrap()).to_vec();
+        let mut answers = Vec::new();
+        for trial in [1, 2] {
+            for (question, value) in [("a", 20), ("b", 40), ("c", 10 * trial as i16)] {
+                answers.push(answer("P01", trial, question, value));
+            }
+        }
+        for (question, value) in [("d", 5), ("e", 4), ("f", 6)] {
+            answers.push(answer("P01", 2, question, value));
+        }
+        let values = |answers: &[Answer]| -> Vec<Option<f64>> {
+            scores(answers, &answered(answers), &scoring).iter().map(|row| row.value).collect()
+        };
+        // The second question is turned: (5 · 20 + 4 · 60 + 6 · 10) / 15 and with 20 in the place of 10.
+        let expected = [400.0 / 15.0, 460.0 / 15.0];
+        for (found, expected) in values(&answers).iter().zip(expected) {
+            assert!((found.unwrap() - expected).abs() < 1e-12);
+        }
+        // A trial with some weights of its own takes no others.
+        answers.push(answer("P01", 1, "d", 5));
+        assert_eq!(values(&answers)[0], None);
     }
 
     #[test]
