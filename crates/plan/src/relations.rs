@@ -59,8 +59,7 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
         return Vec::new();
     };
     let study = &data.study;
-    let scores =
-        study.scores.iter().filter_map(|score| Some((score.id.clone(), score.metric().ok()?)));
+    let scores = zwidth_metrics::scores(study).map(|(metric, score)| (score.id.clone(), metric));
     let trials = data.counting().any(|trial| trial.meta.source.is_simulated());
     let parameters = Relating {
         metrics: of_trials(data),

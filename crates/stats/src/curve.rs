@@ -93,7 +93,7 @@ struct Flip {
 /// mean, so that it covers the whole curve at `level`.
 ///
 /// # Errors
-/// Fewer than two people; rows of different length; a value that is not finite; no node with scatter.
+/// Fewer than two people; no node; rows of different length; a value that is not finite; no node with scatter.
 pub fn differences(
     curves: &[Vec<f64>],
     lengths: &[usize],
@@ -320,11 +320,12 @@ pub fn groups(
 }
 
 /// The number of nodes of curves that are all as long as their branches.
-fn checked(curves: &[Vec<f64>], lengths: &[usize]) -> Result<usize, StatsError> {
+fn checked(curves: &[Vec<f64>], lengths: &[usize]) -> Result<usize, Unestimable> {
     let nodes = lengths.iter().sum();
+    at_least("nodes", nodes, 1)?;
     for (row, values) in curves.iter().enumerate() {
         if values.len() != nodes {
-            return Err(StatsError::Ragged { row, expected: nodes, found: values.len() });
+            return Err(StatsError::Ragged { row, expected: nodes, found: values.len() }.into());
         }
         all_finite(values)?;
     }

@@ -155,21 +155,22 @@ pub fn compare_curves(
 ) -> Result<Curves, CompareError> {
     let mut all = Curves::default();
     for curve in &parameters.curves {
-        let mut asked = Vec::new();
+        let mut comparisons = Vec::new();
         for (place, environment) in parameters.environments.iter().enumerate() {
             let here: Vec<&SessionCurve> = sessions
                 .iter()
                 .filter(|one| one.curve == *curve && one.environment == *environment)
                 .collect();
             if !here.is_empty() {
-                let compared = compared(environment, &here, parameters);
-                asked.extend(compared.into_iter().map(|asked| (place, asked, here.clone())));
+                for comparison in compared(environment, &here, parameters) {
+                    comparisons.push((place, comparison, here.clone()));
+                }
             }
         }
-        // The order of results is that of the questions, on any number of threads.
-        let rows = asked.par_iter().map(|(place, (effect, weights), here)| {
-            let people = People::of(here, weights, parameters);
-            rows(*place, effect, &people, parameters)
+        // The order of results is that of the comparisons, on any number of threads.
+        let rows = comparisons.par_iter().map(|(place, comparison, here)| {
+            let people = People::of(here, &comparison.weights, parameters);
+            rows(*place, &comparison.effect, &people, parameters)
         });
         let mut rows: Vec<Row> = rows.collect::<Vec<Vec<Row>>>().into_iter().flatten().collect();
         let claims = rows.iter_mut().map(|row| &mut row.claim).collect();
@@ -181,8 +182,12 @@ pub fn compare_curves(
     Ok(all)
 }
 
-/// What is compared, with the weight of each mode.
-type Asked = (GroupEffect, Vec<(ModeId, f64)>);
+/// What is compared.
+struct Comparison {
+    effect: GroupEffect,
+    /// The weight of each mode.
+    weights: Vec<(ModeId, f64)>,
+}
 
 /// What is compared in an environment: contrasts and effects, and where there are groups also what is compared
 /// between these alone.
@@ -190,10 +195,10 @@ fn compared(
     environment: &EnvironmentId,
     here: &[&SessionCurve],
     parameters: &CurveParameters,
-) -> Vec<Asked> {
+) -> Vec<Comparison> {
     let of_contrasts = parameters.contrasts.iter().map(|contrast| {
         let weights = vec![(contrast.mode.clone(), 1.0), (contrast.against.clone(), -1.0)];
-        (GroupEffect::Of(contrast.clone()), weights)
+        Comparison { effect: GroupEffect::Of(contrast.clone()), weights }
     });
     let is_here = |effect: &&Effect| {
         let is_claimed = effect.is_claimed && !effect.weights.is_empty();
@@ -203,7 +208,7 @@ fn compared(
         let levels = (!effect.levels.is_empty()).then(|| EffectLevels(effect.levels.clone()));
         let name = FactorEffect { term: effect.term.clone(), levels };
         let weights = effect.weights.iter().map(|own| (own.mode.clone(), own.weight));
-        (GroupEffect::OfFactors(name), weights.collect())
+        Comparison { effect: GroupEffect::OfFactors(name), weights: weights.collect() }
     });
     let of_everybody = of_contrasts.chain(of_factors);
     if parameters.groups.is_none() {
@@ -213,8 +218,12 @@ fn compared(
     let modes: Vec<ModeId> = parameters.modes.iter().filter(has).cloned().collect();
     let share = 1.0 / modes.len() as f64;
     let weights: Vec<(ModeId, f64)> = modes.iter().map(|mode| (mode.clone(), share)).collect();
-    let over_modes = (modes.len() > 1).then_some((GroupEffect::OverModes, weights));
-    let each = modes.into_iter().map(|mode| (GroupEffect::In(mode.clone()), vec![(mode, 1.0)]));
+    let over_modes =
+        (modes.len() > 1).then_some(Comparison { effect: GroupEffect::OverModes, weights });
+    let each = modes.into_iter().map(|mode| Comparison {
+        effect: GroupEffect::In(mode.clone()),
+        weights: vec![(mode, 1.0)],
+    });
     over_modes.into_iter().chain(of_everybody).chain(each).collect()
 }
 
@@ -270,7 +279,8 @@ impl People {
                 curves.iter().filter_map(|one| one.branches.get(&branch)).collect();
             let way = match branch {
                 Some(LoopBranch::Out) => "the way back",
-                _ => "the way there",
+                Some(LoopBranch::In | LoopBranch::Held) => "the way there",
+                None => "the course",
             };
             match common_grid(courses.iter().map(|course| course.x.as_slice()), nodes) {
                 _ if courses.len() < curves.len() && branch == Some(LoopBranch::Out) => {
@@ -351,8 +361,6 @@ struct Row {
     means: [Vec<f64>; 2],
     tested: Result<Test, Unestimable>,
     remarks: Vec<String>,
-    /// Whether there is no place that all reach, which the remarks say.
-    is_nowhere: bool,
     claim: Claim,
 }
 
@@ -385,8 +393,6 @@ fn rows(
     }
     about.extend(people.left_out.iter().cloned());
     let lengths = people.lengths();
-    // Where all reach no place there is nothing that could scatter.
-    let is_nowhere = lengths.is_empty() && people.who.len() > 1;
     let differences = people.differences();
     let mean = |rows: &[&Vec<f64>]| -> Vec<f64> {
         let nodes = lengths.iter().sum();
@@ -430,7 +436,6 @@ fn rows(
             claim: Claim::new(environment, p.map(|p| p.0), p.map(|p| p.1), None),
             tested: tested.map(Test::Flipped),
             remarks,
-            is_nowhere,
         });
     }
     for contrast in parameters.groups.iter().flat_map(|groups| &groups.compared.contrasts) {
@@ -457,7 +462,6 @@ fn rows(
             means,
             tested: tested.map(Test::Permuted),
             remarks: about.clone(),
-            is_nowhere,
             claim: Claim::new(environment, None, None, None),
         });
     }
@@ -491,9 +495,7 @@ impl Row {
             self.remarks
                 .push(format!("the signs of {people} reach an adjusted p of {least:.4} at best"));
         }
-        if let Err(why) = self.tested.as_ref()
-            && !self.is_nowhere
-        {
+        if let Err(why) = &self.tested {
             self.remarks.push(why.to_string());
         }
         all.tests.push(CurveDifference {

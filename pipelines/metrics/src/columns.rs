@@ -105,6 +105,11 @@ pub(crate) fn is_taken(name: &str) -> bool {
     of_trial.chain(of_plant).any(|taken| taken == name) || keys.any(|taken| taken == name)
 }
 
+/// The scores of a study, by the metrics as which they are compared.
+pub fn scores(study: &Study) -> impl Iterator<Item = (MetricId, &Score)> {
+    study.scores.iter().filter_map(|score| Some((score.metric().ok()?, score)))
+}
+
 /// The score that is compared as that metric.
 pub fn score_of<'a>(study: &'a Study, metric: &str) -> Option<&'a Score> {
     let id = metric.strip_prefix("score_")?;
@@ -113,12 +118,13 @@ pub fn score_of<'a>(study: &'a Study, metric: &str) -> Option<&'a Score> {
 
 /// Whether a study has a metric of that name that is a number with a unit.
 pub fn is_number(study: &Study, metric: &str) -> bool {
-    names(study).any(|name| name == metric) || score_of(study, metric).is_some()
+    names(study).any(|name| name == metric)
 }
 
-/// The names of all metrics of trials that can be compared, in the order of the table.
-pub fn names(study: &Study) -> impl Iterator<Item = &str> {
-    numbers().map(|(name, _)| name).chain(own(study).map(|own| own.id.as_str()))
+/// The names of all metrics that can be compared: zwidth's in the order of the table, the study's own, scores.
+pub fn names(study: &Study) -> impl Iterator<Item = String> {
+    let of_trials = numbers().map(|(name, _)| name).chain(own(study).map(|own| own.id.as_str()));
+    of_trials.map(str::to_owned).chain(scores(study).map(|(metric, _)| metric.to_string()))
 }
 
 /// Whether a metric rests on the plant that all trials together identify.

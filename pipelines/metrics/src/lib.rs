@@ -60,7 +60,7 @@ pub use actuator::ActuatorDiscrepancy;
 pub use by_mode::by_mode;
 pub use columns::{
     VERSION, better, commanded, in_words, is_felt, is_number, is_of_plant, is_possible, names,
-    needs_lever, own as own_metrics, score_of, taken,
+    needs_lever, own as own_metrics, score_of, scores, taken,
 };
 pub use compliance::Compliance;
 pub use conditions::{ConditionsError, by_condition, summarised};
