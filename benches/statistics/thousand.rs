@@ -297,7 +297,7 @@ fn halves(sat: &[Sat]) -> anyhow::Result<Groups> {
         contrasts: vec![contrast],
     };
     let levels_of = sat.iter().enumerate().map(|(i, sat)| (sat.participant.clone(), i % 2));
-    Ok(Groups { compared, levels_of: levels_of.collect() })
+    Ok(Groups { compared, levels_of: levels_of.collect(), blocks: BTreeMap::new() })
 }
 
 /// What the job of the answers does.

@@ -5,14 +5,15 @@ use crate::number::{Numbers, numbers};
 use crate::own::opening;
 use crate::plan::Plan;
 use crate::{AcquireError, vault};
+use std::path::Path;
 use zwidth_device::Capabilities;
 use zwidth_store::{
-    Files, SessionLog, TrialEntry, WholeSession, check_form, check_session_ids, hex_blake3,
-    lay_down, read_session,
+    Files, PersonChanges, SessionLog, TrialEntry, WholeSession, check_form, check_session_ids,
+    hex_blake3, lay_down, read_people, read_records, read_session,
 };
 use zwidth_study::{
-    Channel, Event, ModeId, OrderRecord, PlannedTrial, Question, Scene, Seal, SessionRecord,
-    Status, Study, TrialMeta, order,
+    Channel, Event, ModeId, OrderRecord, PersonValue, PlannedTrial, Question, Scene, Seal,
+    SessionRecord, Status, Study, TrialMeta, order,
 };
 
 /// A session, set up or found again.
@@ -182,6 +183,32 @@ fn draw_session(
         numbers(files, &plan.layout, &plan.participant, &plan.session)?;
     let scheme = plan.study.design.order;
     record.order = Some(OrderRecord { scheme, participant_number, session_number });
+    let people = read_people(files, &plan.layout, &plan.study).map_err(|findings| {
+        let words: Vec<String> = findings.iter().map(ToString::to_string).collect();
+        AcquireError::refused(words.join("; "), "correct it")
+    })?;
+    record.person = people.row(&plan.participant).cloned().unwrap_or_default();
+    let mut opening: Vec<String> = remarks;
+    let mut earlier = None;
+    for column in &plan.study.people {
+        let drawn = column.drawn(participant_number, seed);
+        let (false, Some((level, block))) = (record.person.contains_key(&column.id), drawn) else {
+            continue;
+        };
+        // What chance gave once it gave for all sessions.
+        if earlier.is_none() {
+            earlier = Some(earlier_records(plan, files)?);
+        }
+        let before = earlier.iter().flatten().find_map(|record| {
+            Some((record.person.get(&column.id)?.clone(), *record.drawn.get(&column.id)?))
+        });
+        let (level, block) = before.unwrap_or_else(|| {
+            opening.push(format!("{} was drawn: {level}", column.id));
+            (PersonValue::Level(level), block)
+        });
+        record.person.insert(column.id.clone(), level);
+        record.drawn.insert(column.id.clone(), block);
+    }
     let trials = order::draw(&plan.study, participant_number, session_number, seed);
     let modes = trials.iter().map(|t| t.mode.clone()).collect();
     let seal = if plan.study.design.blinded {
@@ -198,8 +225,46 @@ fn draw_session(
     let blinded = seal.is_some();
     let recorded = Vec::new();
     let events = Vec::new();
-    let opening = remarks.into_iter().map(|text| Event::Note { trial: None, text }).collect();
+    let opening = opening.into_iter().map(|text| Event::Note { trial: None, text }).collect();
     Ok(Session { record, laid_down: false, seal, blinded, modes, recorded, events, opening })
+}
+
+/// The records of the participant's sessions before this one.
+fn earlier_records(plan: &Plan, files: &dyn Files) -> Result<Vec<SessionRecord>, AcquireError> {
+    let own = format!("{}_", plan.participant);
+    let is_own =
+        |path: &Path| path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(&own));
+    let mut records = read_records(files, &plan.layout, &is_own)?;
+    // An id may hold a `_`, too.
+    records.retain(|record| record.participant == plan.participant);
+    Ok(records)
+}
+
+/// What the participants' file says of the person now and did not when the session began: another group, where groups are
+/// compared, has to be accepted. A file that cannot be read is none of this session's concern: `verify` tells it.
+fn person_changed(
+    plan: &Plan,
+    log: &SessionLog,
+    files: &dyn Files,
+) -> Result<Vec<Event>, AcquireError> {
+    // The session goes on by its own copy of study.toml; the file belongs to the present one.
+    let Ok(study) = Study::from_toml(&String::from_utf8_lossy(&plan.study_toml)) else {
+        return Ok(Vec::new());
+    };
+    let Ok(people) = read_people(files, &plan.layout, &study) else { return Ok(Vec::new()) };
+    let people = people.with_drawn(&study.people, [&log.record].into_iter());
+    let PersonChanges { group, rest } = PersonChanges::of(log, &people, &study);
+    if let Some((_, words)) = group.as_ref().filter(|_| !plan.accept_study_change) {
+        return Err(AcquireError::refused(
+            format!("{}: {words}, by the participants' file", log.path.display()),
+            "correct the file, or go on with --accept-study-change",
+        ));
+    }
+    let text = format!("the participants' file has changed: {}", rest.join("; "));
+    let note = Event::Note { trial: None, text };
+    // Noted once, however often the session is gone on with.
+    let note = (!rest.is_empty() && !log.events.contains(&note)).then_some(note);
+    Ok(group.map(|(event, _)| event).into_iter().chain(note).collect())
 }
 
 fn resume_session(
@@ -215,7 +280,8 @@ fn resume_session(
         let remedy = "begin a new session, or restore what this one began with";
         return Err(AcquireError::refused(what, remedy));
     }
-    let opening = opening(plan, &log)?;
+    let mut opening = opening(plan, &log)?;
+    opening.extend(person_changed(plan, &log, files)?);
     let seal = match (&log.seal, &log.record.commitment) {
         (Some(seal), _) => Some(seal.clone()),
         // Not unsealed yet: the log has no seal.

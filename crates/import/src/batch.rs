@@ -128,6 +128,7 @@ impl Batch {
             answers: events.filter(|event| matches!(event, Event::Answer { .. })).count(),
             files: self.files,
             exclusions: 0,
+            participants: 0,
             against_plan,
         }
     }

@@ -3,14 +3,17 @@
 
 use super::label::{Label, LabelShape};
 use super::limits::{LONG_FROM, MOST_ERRORS, MOST_MAPPING};
-use super::mapping::{CellForm, Content, Exclusions, FileForm, Mapping, Origin, TrialFrom, Who};
+use super::mapping::{
+    CellForm, Content, Exclusions, FileForm, Mapping, Origin, PeopleFrom, TrialFrom, Who,
+};
 use super::shape::{
-    Backwards, ChannelShape, ColumnShape, ExcludeShape, FileShape, KindShape, Shape, SignalsIn,
-    Split, TimeShape, TrialShape, ZeroShape,
+    Backwards, ChannelShape, ColumnShape, ExcludeShape, FileShape, KindShape, PeopleShape, Shape,
+    SignalsIn, Split, TimeShape, TrialShape, ZeroShape,
 };
 use super::table::ColumnRef;
 use super::xdf::XdfClock;
 use regex::Regex;
+use std::collections::BTreeMap;
 use std::path::Path;
 use zwidth_store::{FirstErrors, Signal, StoreError, hex_blake3, read_named};
 use zwidth_study::{StudyError, line_of, toml_error};
@@ -126,6 +129,7 @@ impl Check<'_> {
                 self.likert(shape.trial, questions, shape.condition, &groups)
             }
             KindShape::Exclusions => self.exclusions(shape.exclude, &groups),
+            KindShape::Participants => self.people(shape.people, &groups),
         }?;
         if let Content::Trials { columns, channels, .. } = &content {
             let bits = columns.iter().filter(|column| column.to == Signal::StateBits);
@@ -144,7 +148,7 @@ impl Check<'_> {
 
     /// A table that the kind gives no meaning to is a mistake.
     fn refuse_unused(&mut self, shape: &Shape) {
-        use KindShape::{Exclusions, Likert, Sweeps, Trials};
+        use KindShape::{Exclusions, Likert, Participants, Sweeps, Trials};
         let kind = shape.kind;
         for (table, is_present, is_used) in [
             ("trial", shape.trial.is_some(), matches!(kind, Trials | Likert)),
@@ -158,6 +162,7 @@ impl Check<'_> {
             ("questions", shape.questions.is_some(), kind == Likert),
             ("condition", !shape.condition.is_empty(), kind == Likert),
             ("exclude", shape.exclude.is_some(), kind == Exclusions),
+            ("people", shape.people.is_some(), kind == Participants),
         ] {
             if is_present && !is_used {
                 self.error(table, "is not used in a mapping of this kind; remove it");
@@ -250,6 +255,20 @@ impl Check<'_> {
             environment: environment?,
             mode: mode?,
         })
+    }
+
+    fn people(&mut self, shape: Option<PeopleShape>, groups: &[&str]) -> Option<Content> {
+        let shape = self.required("people", shape)?;
+        if shape.columns.is_empty() {
+            self.error("people.columns", "names no column; name those of [[people]] in study.toml");
+        }
+        let participant = self.label("people.participant", shape.participant, groups);
+        let mut columns = BTreeMap::new();
+        for (id, label) in shape.columns {
+            let label = self.label(&format!("people.columns.{id}"), label, groups);
+            columns.extend(label.map(|label| (id, label)));
+        }
+        Some(Content::People(PeopleFrom { participant: participant?, columns }))
     }
 
     fn exclusions(&mut self, shape: Option<ExcludeShape>, groups: &[&str]) -> Option<Content> {

@@ -89,6 +89,7 @@ pub(super) fn import(
         sessions: 0,
         answers: 0,
         exclusions: excluded.len(),
+        participants: 0,
         against_plan: Vec::new(),
     })
 }

@@ -55,6 +55,7 @@ mod once;
 mod order;
 mod outline;
 mod parquet;
+mod people;
 mod plain;
 mod plan;
 #[cfg(any(test, feature = "testing"))]
@@ -154,6 +155,8 @@ pub fn import(
         Content::Likert(questionnaire) => likert::likert(&context, questionnaire, files)?,
         // They add to existing logs.
         Content::Exclusions(form) => return exclusions::import(&context, form, files, by.utc),
+        // They add to the participants' file.
+        Content::People(form) => return people::import(&context, form, files),
     };
     batch.write(disk, layout, by.utc, &|all| progress(Step::Written { all }))?;
     // The import is done: if the study cannot be read now, its next reader reports why.

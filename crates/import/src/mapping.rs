@@ -16,7 +16,7 @@ use regex::Regex;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use zwidth_store::{Quantity, Signal, StoreError};
-use zwidth_study::{ChannelId, QuestionId, Source};
+use zwidth_study::{ChannelId, PersonColumnId, QuestionId, Source};
 
 /// A mapping file, checked.
 #[derive(Debug, Clone)]
@@ -42,6 +42,7 @@ pub(super) enum Content {
     Sweeps(Box<SweepFrom>),
     Likert(Questionnaire),
     Exclusions(Exclusions),
+    People(PeopleFrom),
 }
 
 /// How a questionnaire lies in its files, and what its cells mean.
@@ -348,6 +349,19 @@ pub(super) enum TrialFrom {
     Recording { column: ColumnRef, folder: PathBuf },
     /// By its participant, its session and its number.
     Labels(Box<[Label; 3]>),
+}
+
+/// Where the rows of the participants' file come from.
+#[derive(Debug, Clone)]
+pub(super) struct PeopleFrom {
+    pub(super) participant: Label,
+    pub(super) columns: BTreeMap<PersonColumnId, Label>,
+}
+
+impl PeopleFrom {
+    pub(super) fn columns(&self) -> impl Iterator<Item = &ColumnRef> {
+        self.columns.values().chain([&self.participant]).filter_map(Label::column)
+    }
 }
 
 impl Exclusions {

@@ -27,6 +27,8 @@ pub struct Report {
     pub answers: usize,
     /// Trials that were excluded.
     pub exclusions: usize,
+    /// Rows that were added to the participants' file.
+    pub participants: usize,
     /// Differences of the new sessions from the plan in study.toml.
     pub against_plan: Vec<Unplanned>,
 }
@@ -143,6 +145,7 @@ impl fmt::Display for Report {
             (self.sessions, "session"),
             (self.answers, "answer"),
             (self.exclusions, "exclusion"),
+            (self.participants, "participant"),
         ];
         let results = counts.iter().filter(|(n, _)| *n > 0).map(|(n, what)| count_of(*n, what));
         let left_out = self.files.iter().filter(|file| file.there.is_some()).count();
@@ -297,6 +300,7 @@ mod tests {
             sessions: 1,
             answers: 0,
             exclusions: 0,
+            participants: 0,
             against_plan: vec![],
         };
         let expect = "\

@@ -7,6 +7,7 @@ use super::text::Encoding;
 use super::xdf::XdfClock;
 use serde::Deserialize;
 use std::collections::BTreeMap;
+use zwidth_study::PersonColumnId;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -15,6 +16,7 @@ pub(super) enum KindShape {
     Sweeps,
     Likert,
     Exclusions,
+    Participants,
 }
 
 #[derive(Deserialize)]
@@ -42,6 +44,14 @@ pub(super) struct Shape {
     #[serde(default)]
     pub(super) condition: Vec<ConditionShape>,
     pub(super) exclude: Option<ExcludeShape>,
+    pub(super) people: Option<PeopleShape>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct PeopleShape {
+    pub(super) participant: LabelShape,
+    pub(super) columns: BTreeMap<PersonColumnId, LabelShape>,
 }
 
 /// The treatment of rows in which a mapped cell is missing.

@@ -18,6 +18,7 @@ mod ladder;
 mod likert;
 mod metrics;
 mod page;
+mod people;
 mod rehearsed;
 mod relations;
 mod replay;
@@ -31,7 +32,8 @@ mod tests;
 mod trade;
 
 pub use compare::{
-    By, answers, asked_in_vain, claims, compared, comparison, effects, spreads, verdicts,
+    By, answers, asked_in_vain, claims, compared, comparison, effects, inflation_by_groups,
+    spreads, verdicts,
 };
 pub use figures::font::font;
 pub use figures::{captions, chosen_in_vain, describe, on_demand};
@@ -56,7 +58,7 @@ use zwidth_store::{Findings, StudyData};
 type OfData = (&'static str, fn(&StudyData) -> Vec<Job>);
 
 /// Each stage stands after those whose results it reads.
-const OF_DATA: [OfData; 15] = [
+const OF_DATA: [OfData; 16] = [
     ("characterise", characterise::jobs),
     ("identify", identify::jobs),
     // Some of them rest on the identified plant.
@@ -71,6 +73,7 @@ const OF_DATA: [OfData; 15] = [
     ("compare", compare::jobs),
     ("compare", curves::jobs),
     ("compare", relations::jobs),
+    ("compare", people::jobs),
     ("trade", trade::jobs),
     ("simulate", scenes::jobs),
 ];

@@ -96,6 +96,8 @@ rows! {
         alpha_ci_low: Option<f64>,
         /// upper end of its interval
         alpha_ci_high: Option<f64>,
+        /// ω of one factor, from 20 participants on
+        omega: Option<f64>,
         /// why there is none
         remark: Option<Sentence>,
     }

@@ -135,9 +135,78 @@ rows! {
         bound: Option<f64> = UNIT_OF_ROW,
         /// p value of an effect as large as the bound
         p_not_equivalent: Option<f64>,
+        /// of a dose: its unit
+        dose_unit: Option<String>,
+        /// of a bend: the dose at which people's mean parabola turns; only between the lowest and the highest, where
+        /// the bend's interval excludes 0 and everybody has every level
+        turns_at: Option<f64>,
         /// whether there is an effect
         verdict: Verdict,
         /// within which conditions the effect is, or why something is missing
+        remark: Option<Sentence>,
+    }
+
+    /// The mean of people's own lines, or parabolas, at a dose.
+    DosePoint = "trend_curve", "Lines and parabolas over doses" {
+        /// what is compared
+        metric: MetricId,
+        /// unit of the metric
+        unit: Arc<str>,
+        /// what was rendered; null over several environments
+        environment: Option<EnvironmentId>,
+        /// of which factor
+        effect: Term,
+        /// the dose
+        dose: f64,
+        /// its unit
+        dose_unit: String,
+        /// participants who have every level
+        n: usize,
+        /// mean over participants
+        mean: f64 = UNIT_OF_ROW,
+        /// its standard error
+        std_error: f64 = UNIT_OF_ROW,
+        /// lower end of its interval at this dose alone
+        ci_low: f64 = UNIT_OF_ROW,
+        /// upper end of its interval at this dose alone
+        ci_high: f64 = UNIT_OF_ROW,
+        /// lower end of the band that covers the whole curve; null below 6 participants
+        band_low: Option<f64> = UNIT_OF_ROW,
+        /// upper end of that band
+        band_high: Option<f64> = UNIT_OF_ROW,
+    }
+
+    /// The slope over a dose by a mixed model with everybody's own line and their own level at each dose.
+    DoseModel = "trend_models", "Mixed model of doses (for comparison)" {
+        /// what is compared
+        metric: MetricId,
+        /// unit of the metric
+        unit: Arc<str>,
+        /// what was rendered; null over several environments
+        environment: Option<EnvironmentId>,
+        /// of which factor
+        effect: Term,
+        /// what the slope is over
+        levels: EffectLevels,
+        /// participants
+        n: Option<usize>,
+        /// trials
+        trials: usize,
+        /// mean slope
+        slope: Option<f64> = UNIT_OF_ROW,
+        /// its standard error
+        slope_std_error: Option<f64> = UNIT_OF_ROW,
+        /// lower end of its interval
+        slope_ci_low: Option<f64> = UNIT_OF_ROW,
+        /// upper end of its interval
+        slope_ci_high: Option<f64> = UNIT_OF_ROW,
+        /// degrees of freedom (Kenward–Roger)
+        df: Option<f64>,
+        /// p value of no slope, no claim
+        p_value: Option<f64>,
+        /// whether a variance was estimated as zero (pooled at the bound)
+        singular: Option<bool>,
+        /// why there is no test
         remark: Option<Sentence>,
     }
 

@@ -67,6 +67,24 @@ rows! {
         group: LevelId,
     }
 
+    /// How many people are of a level, or how a number of people is spread.
+    PersonCount = "people", "Participants" {
+        /// what is known of people
+        column: PersonColumnId,
+        /// its level; none of a number
+        level: Option<LevelId>,
+        /// the unit of a number
+        unit: Option<String>,
+        /// participants; null where there are one or two
+        n: Option<usize>,
+        /// mean over participants, in its unit
+        mean: Option<f64>,
+        /// standard deviation over participants
+        sd: Option<f64>,
+        /// why something is missing
+        remark: Option<Sentence>,
+    }
+
     /// The mean of a group's people in a condition.
     GroupMean = "group_means", "Means by group and condition" {
         ..of_metric,
@@ -189,6 +207,31 @@ rows! {
         /// what the tests show; nothing of what is no claim
         verdict: Option<Verdict>,
         /// why there is no test, or no claim
+        remark: Option<Sentence>,
+    }
+
+    /// The difference of two groups by the mixed model of all trials.
+    GroupModel = "group_models", "Mixed model of groups (for comparison)" {
+        ..of_metric,
+        /// what of people: over all modes, or their difference between two
+        effect: GroupEffect,
+        /// the groups compared: the one minus the other
+        groups: GroupContrast,
+        /// trials
+        trials: usize,
+        /// difference of the groups
+        difference: Option<f64> = UNIT_OF_ROW,
+        /// its standard error
+        difference_std_error: Option<f64> = UNIT_OF_ROW,
+        /// lower end of its interval
+        difference_ci_low: Option<f64> = UNIT_OF_ROW,
+        /// upper end of its interval
+        difference_ci_high: Option<f64> = UNIT_OF_ROW,
+        /// degrees of freedom (Kenward–Roger)
+        df: Option<f64>,
+        /// p value of no difference, no claim
+        p_value: Option<f64>,
+        /// why there is no test
         remark: Option<Sentence>,
     }
 

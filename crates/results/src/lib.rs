@@ -29,9 +29,13 @@
 //! | [`GroupMean`] | metric, environment, mode, group | `compare` | figures, printed tables |
 //! | [`GroupModeDifference`] | metric, environment, contrast, group | `compare` | printed tables |
 //! | [`GroupDifference`] | metric, environment, effect, groups | `compare` | figures, page, summary |
+//! | [`PersonCount`] | column, level | `compare` | printed tables |
+//! | [`GroupModel`] | metric, environment, effect, groups | `compare` | printed tables |
 //! | [`AnyGroup`] | metric, environment, effect | `compare` | printed tables |
 //! | [`EffectDifference`] | metric, environment, effect, levels | `compare` | figures, summary |
 //! | [`FactorTest`] | metric, environment, effect | `compare` | summary, printed tables |
+//! | [`DoseModel`] | metric, environment, effect | `compare` | printed tables |
+//! | [`DosePoint`] | metric, environment, effect, dose | `compare` | figures, printed tables |
 //! | [`CurveNode`] | curve, environment, effect, groups, branch, angle or time | `compare` | figures |
 //! | [`CurveDifference`] | curve, environment, effect, groups | `compare` | figures, summary, printed tables |
 //! | [`CurveRun`] | curve, environment, effect, branch, angle or time | `compare` | figures, summary, printed tables |
@@ -124,7 +128,7 @@ pub use claims::*;
 pub use column::{Column, Field, Scalar, Type, UNIT_OF_ROW, Values};
 pub use comparison::*;
 pub use curves::*;
-pub use effects::{EffectDifference, EffectLevels, FactorEffect, FactorTest};
+pub use effects::{DoseModel, DosePoint, EffectDifference, EffectLevels, FactorEffect, FactorTest};
 pub use figure::*;
 pub use free_motion::*;
 pub use groups::*;

@@ -305,7 +305,7 @@ pub fn groups(
         })
     };
     let observed = largest_t2(&(0..na).collect::<Vec<usize>>());
-    let found = arranged(na, nb, sampling, largest_t2);
+    let found = arranged(&vec![0; na + nb], na, sampling, largest_t2);
     let extreme = found.of.iter().filter(|t2| **t2 >= observed * (1.0 - SAME)).count();
     let t: Vec<f64> = nodes.iter().map(|node| node.statistic.unwrap_or(0.0)).collect();
     Ok(GroupCurveTest {

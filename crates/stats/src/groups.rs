@@ -3,7 +3,7 @@
 
 use crate::bootstrap::{index_below, stream};
 use crate::effect::{Effect, standardised};
-use crate::error::{all_finite, check_level};
+use crate::error::{all_finite, check_level, same_length};
 use crate::f_distribution::upper_p;
 use crate::null::{Null, SAME, Sampling};
 use crate::paired::ROUNDINGS;
@@ -12,6 +12,7 @@ use crate::welch::{Group, combined};
 use crate::{FTest, Tested, Unestimable};
 use core::f64::consts::SQRT_2;
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 use zwidth_numerics::moments::Moments;
 
 /// With fewer people in a group no claim rests on Welch's test: with 3 it finds an effect in up to
@@ -123,6 +124,22 @@ pub struct Permuted {
 /// # Errors
 /// A group of fewer than two; a value that is not finite; people who are all alike.
 pub fn permuted(a: &[f64], b: &[f64], sampling: Sampling) -> Result<Permuted, Unestimable> {
+    permuted_within([a, b], [&vec![0; a.len()], &vec![0; b.len()]], sampling)
+}
+
+/// [`permuted`] with the arrangements that the drawing allowed: it gave each of some blocks of people as many of a group
+/// as it has, so that labels change within blocks alone. `blocks` has the block of everybody of either group, any
+/// numbers.
+///
+/// # Errors
+/// Those of [`permuted`]; not one block for each value.
+pub fn permuted_within(
+    [a, b]: [&[f64]; 2],
+    blocks: [&[usize]; 2],
+    sampling: Sampling,
+) -> Result<Permuted, Unestimable> {
+    same_length("blocks", a.len(), blocks[0].len())?;
+    same_length("blocks", b.len(), blocks[1].len())?;
     all_finite(a)?;
     all_finite(b)?;
     at_least(PEOPLE, a.len().min(b.len()), 2)?;
@@ -148,7 +165,7 @@ pub fn permuted(a: &[f64], b: &[f64], sampling: Sampling) -> Result<Permuted, Un
         (mean_a - mean_b).powi(2) / variance.max(f64::MIN_POSITIVE)
     };
     let observed = t2(&mut values[..na].iter().copied());
-    let extreme = arranged(na, nb, sampling, |first| {
+    let extreme = arranged(&blocks.concat(), na, sampling, |first| {
         t2(&mut first.iter().map(|i| values[*i])) >= observed * (1.0 - SAME)
     });
     let count = extreme.of.iter().filter(|extreme| **extreme).count();
@@ -179,47 +196,71 @@ impl<T> Arranged<T> {
     }
 }
 
-/// What `of` gives of each arrangement of the labels of `na` and `nb` people: it takes the places of those
-/// in the first group. Up to 20,000 arrangements are counted, beyond these they are drawn by `sampling`.
+/// What `of` gives of each arrangement of the labels of people within their blocks, of whom the first `na` are of the first
+/// group: it takes the places of those who would be. Up to 20,000 arrangements are counted, beyond these they are drawn
+/// by `sampling`.
 pub(crate) fn arranged<T: Send>(
+    blocks: &[usize],
     na: usize,
-    nb: usize,
     sampling: Sampling,
     of: impl Fn(&[usize]) -> T + Sync,
 ) -> Arranged<T> {
-    let Some(arrangements) = arrangements(na + nb, na) else {
+    // The people of each block, and how many of them are of the first group.
+    let mut people: BTreeMap<usize, (Vec<usize>, usize)> = BTreeMap::new();
+    for (place, block) in blocks.iter().enumerate() {
+        let (own, of_first) = people.entry(*block).or_default();
+        own.push(place);
+        *of_first += usize::from(place < na);
+    }
+    let people: Vec<(Vec<usize>, usize)> = people.into_values().collect();
+    let all = people.iter().try_fold(1_u64, |all, (own, of_first)| {
+        let all = all * arrangements(own.len(), *of_first)?;
+        (all <= MOST_ARRANGEMENTS).then_some(all)
+    });
+    let Some(all) = all else {
         let draws = (0..sampling.draws as u64).into_par_iter();
-        let drawn = draws.map_init(
-            || (0..na + nb).collect::<Vec<usize>>(),
-            |order, number| {
-                let mut rng = stream(sampling.seed, number);
-                // From one order, whatever this thread drew before.
-                order.iter_mut().enumerate().for_each(|(place, i)| *i = place);
-                for place in 0..na {
+        let drawn = draws.map(|number| {
+            let mut rng = stream(sampling.seed, number);
+            let mut first = Vec::with_capacity(na);
+            for (own, of_first) in &people {
+                let mut order = own.clone();
+                for place in 0..*of_first {
                     let other = place + index_below(&mut rng, order.len() - place);
                     order.swap(place, other);
                 }
-                of(&order[..na])
-            },
-        );
+                first.extend(&order[..*of_first]);
+            }
+            of(&first)
+        });
         let smallest_p = 1.0 / (1 + sampling.draws) as f64;
         let null = Null::Sampled { draws: sampling.draws };
         return Arranged { of: drawn.collect(), null, smallest_p };
     };
-    let mut chosen: Vec<usize> = (0..na).collect();
-    let mut counted = Vec::new();
-    loop {
-        counted.push(of(&chosen));
-        // The next choice in the order of a dictionary: the last place that can move does.
-        let Some(place) = (0..na).rev().find(|place| chosen[*place] < nb + place) else { break };
-        chosen[place] += 1;
-        for later in place + 1..na {
-            chosen[later] = chosen[later - 1] + 1;
-        }
+    let counted = people.iter().fold(vec![Vec::new()], |before: Vec<Vec<usize>>, (own, number)| {
+        let more = choices(own, *number);
+        let with = |first: &Vec<usize>| {
+            let first = first.clone();
+            more.iter().map(move |more| [&first[..], more].concat()).collect::<Vec<_>>()
+        };
+        before.iter().flat_map(with).collect()
+    });
+    // Where every block has as many of one as of the other an arrangement and its mirror have one t.
+    let mirrored = people.iter().all(|(own, of_first)| own.len() == 2 * of_first);
+    let smallest_p = if mirrored && all > 1 { 2.0 } else { 1.0 } / all as f64;
+    Arranged { of: counted.iter().map(|first| of(first)).collect(), null: Null::Exact, smallest_p }
+}
+
+/// Every choice of `number` of these, in the order of a dictionary.
+fn choices(of: &[usize], number: usize) -> Vec<Vec<usize>> {
+    if number == 0 {
+        return vec![Vec::new()];
     }
-    // Of groups of one size an arrangement and its mirror have one t.
-    let mirrored = if na == nb { 2.0 } else { 1.0 };
-    Arranged { of: counted, null: Null::Exact, smallest_p: mirrored / arrangements as f64 }
+    let firsts = of.iter().enumerate().take(of.len() + 1 - number);
+    let with_first = firsts.flat_map(|(place, first)| {
+        let rest = choices(&of[place + 1..], number - 1).into_iter();
+        rest.map(|rest| [&[*first][..], &rest].concat())
+    });
+    with_first.collect()
 }
 
 /// n over k, if no more than can be counted.
@@ -241,6 +282,44 @@ mod tests {
     use super::*;
 
     const SAMPLING: Sampling = Sampling { draws: 9_999, seed: 1 };
+
+    #[test]
+    fn labels_within_blocks_are_those_of_every_subset_with_as_many_in_each_block() {
+        let people: Vec<f64> =
+            (0..11).map(|i| u([i, 3, 0]) + if i < 5 { 0.6 } else { 0.0 }).collect();
+        let blocks = [0, 0, 1, 1, 2, 0, 0, 1, 1, 2, 2];
+        let (a, b) = people.split_at(5);
+        let found = permuted_within([a, b], [&blocks[..5], &blocks[5..]], SAMPLING).unwrap();
+        // Every subset of five of eleven, by the bits of a number.
+        let t2 = |is_first: &dyn Fn(usize) -> bool| {
+            let side = |side: bool| -> Vec<f64> {
+                (0..11).filter(|i| is_first(*i) == side).map(|i| people[i]).collect()
+            };
+            let [a, b] = [side(true), side(false)].map(|values| group(&values));
+            difference([a, b], 0.95).unwrap().statistic.powi(2)
+        };
+        let observed = t2(&|i| i < 5);
+        let allowed = (0..1_u32 << 11).filter(|bits| {
+            let of_block = |block: usize| {
+                (0..11).filter(|i| blocks[*i] == block && bits >> i & 1 == 1).count()
+            };
+            [0, 1, 2].map(of_block) == [2, 2, 1]
+        });
+        let all: Vec<f64> = allowed.map(|bits| t2(&|i| bits >> i & 1 == 1)).collect();
+        assert_eq!(all.len(), 6 * 6 * 3);
+        let extreme = all.iter().filter(|t2| **t2 >= observed * (1.0 - 1e-12)).count();
+        assert!((found.p_value - extreme as f64 / all.len() as f64).abs() < 1e-15);
+        assert_eq!((found.smallest_p, found.null), (1.0 / 108.0, Null::Exact));
+        // Beyond what is counted they are drawn.
+        let many: Vec<f64> =
+            (0..40).map(|i| u([i, 5, 0]) + if i < 20 { 0.2 } else { 0.0 }).collect();
+        let of = |i: usize| i % 20 / 2;
+        let blocks: Vec<usize> = (0..40).map(of).collect();
+        let drawn =
+            permuted_within([&many[..20], &many[20..]], [&blocks[..20], &blocks[20..]], SAMPLING);
+        assert_eq!(drawn.unwrap().null, Null::Sampled { draws: 9_999 });
+        assert!(permuted_within([a, b], [&[0; 5], &[0; 5]], SAMPLING).is_err());
+    }
 
     /// A number between −½ and ½ that anybody can make again: (h³ mod 9941)/9941 − ½.
     fn u(of: [u64; 3]) -> f64 {

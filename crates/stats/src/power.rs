@@ -8,6 +8,7 @@
 
 use crate::bootstrap::stream;
 use crate::error::{StatsError, all_finite, check_level};
+use crate::groups::{self, LEAST_FOR_A_CLAIM};
 use crate::lmm::trials::{Trials, fit_trials};
 use crate::rounded::rounded;
 use crate::student_t::two_sided_p;
@@ -49,6 +50,22 @@ pub enum PlannedTest {
     PairedT,
     /// The largest mixed model that the design supports, after Kenward & Roger.
     KenwardRoger,
+    /// Welch's t of two groups' differences, with so many of these participants in the first for every so many in
+    /// the second. The true difference is that of the groups.
+    Welch([usize; 2]),
+}
+
+impl PlannedTest {
+    /// How many of so many participants have the true difference: the first group, or all.
+    fn with_difference(self, participants: usize) -> usize {
+        match self {
+            Self::PairedT | Self::KenwardRoger => participants,
+            Self::Welch([first, second]) => {
+                let share = first as f64 / (first + second) as f64;
+                (share * participants as f64).round() as usize
+            }
+        }
+    }
 }
 
 /// How studies are simulated.
@@ -92,10 +109,11 @@ pub fn power(plan: &Plan, simulation: &Simulation) -> Result<Power, Unestimable>
     let claims: Vec<bool> = (0..simulation.studies)
         .into_par_iter()
         .map(|study| {
-            let values = simulate(plan, simulation.seed, study as u64);
+            let values = simulate(plan, simulation, study as u64);
             let p_value = match simulation.test {
                 PlannedTest::PairedT => paired_t(plan, &values),
                 PlannedTest::KenwardRoger => kenward_roger(plan, &values),
+                PlannedTest::Welch(_) => welch(plan, simulation, &values),
             };
             // A study without a test claims nothing.
             p_value.is_ok_and(|p| p < simulation.alpha)
@@ -218,6 +236,9 @@ fn check(plan: &Plan, simulation: &Simulation) -> Result<(), Unestimable> {
     all_finite(&sds)?;
     all_finite(&[plan.difference])?;
     check_level(1.0 - simulation.alpha)?;
+    if let PlannedTest::Welch([first, second]) = simulation.test {
+        at_least("participants of a group", first.min(second), 1)?;
+    }
     if let Some(index) = sds.iter().position(|sd| *sd < 0.0) {
         return Err(StatsError::NonFinite { index, value: sds[index] }.into());
     }
@@ -233,16 +254,18 @@ fn check(plan: &Plan, simulation: &Simulation) -> Result<(), Unestimable> {
 }
 
 /// The values of one study, by participant, mode and repeat.
-fn simulate(plan: &Plan, seed: u64, study: u64) -> Vec<f64> {
-    let mut rng = stream(seed, study);
+fn simulate(plan: &Plan, simulation: &Simulation, study: u64) -> Vec<f64> {
+    let mut rng = stream(simulation.seed, study);
+    let with_difference = simulation.test.with_difference(plan.participants);
     // No parameter but the counts changes which numbers are drawn: a search over the difference
     // compares the same people.
     let mut values = Vec::with_capacity(plan.participants * plan.modes * plan.repeats);
-    for _ in 0..plan.participants {
+    for participant in 0..plan.participants {
         let own = plan.participant_sd * normal(&mut rng);
         for mode in 0..plan.modes {
             let last = mode + 1 == plan.modes;
-            let effect = if last { plan.difference } else { 0.0 };
+            let has = last && participant < with_difference;
+            let effect = if has { plan.difference } else { 0.0 };
             let level = own + effect + plan.interaction_sd * normal(&mut rng);
             values.extend((0..plan.repeats).map(|_| level + plan.residual_sd * normal(&mut rng)));
         }
@@ -261,8 +284,8 @@ fn normal(rng: &mut ChaCha8Rng) -> f64 {
     radius * libm::cos(2.0 * core::f64::consts::PI * second)
 }
 
-/// p of the difference of the last and the first mode in one study, by the paired t test.
-fn paired_t(plan: &Plan, values: &[f64]) -> Result<f64, Unestimable> {
+/// Everybody's difference of the last and the first mode in one study.
+fn differences(plan: &Plan, values: &[f64]) -> Vec<f64> {
     let size = plan.modes * plan.repeats;
     let mut differences = Vec::with_capacity(plan.participants);
     for person in values.chunks(size) {
@@ -270,6 +293,20 @@ fn paired_t(plan: &Plan, values: &[f64]) -> Result<f64, Unestimable> {
             .map(|cell| cell.iter().sum::<f64>() / plan.repeats as f64);
         differences.push(last - first);
     }
+    differences
+}
+
+/// p of the difference of two groups in one study, as it is claimed.
+fn welch(plan: &Plan, simulation: &Simulation, values: &[f64]) -> Result<f64, Unestimable> {
+    let differences = differences(plan, values);
+    let (first, second) = differences.split_at(simulation.test.with_difference(plan.participants));
+    at_least("participants of a group", first.len().min(second.len()), LEAST_FOR_A_CLAIM)?;
+    Ok(groups::difference([first, second].map(groups::group), POWER_LEVEL)?.p_value)
+}
+
+/// p of the difference of the last and the first mode in one study, by the paired t test.
+fn paired_t(plan: &Plan, values: &[f64]) -> Result<f64, Unestimable> {
+    let differences = differences(plan, values);
     let n = differences.len() as f64;
     let moments = Moments::of(&differences);
     match moments.sd() {
@@ -346,6 +383,34 @@ mod tests {
 
     /// R: `power.t.test(n, delta, sd, type = "paired", strict = TRUE)$power`, sd = √(2 (0.25 +
     /// 0.135)).
+    /// R's `power.t.test(n = 16, delta = 0.8, sd = 1)`: 0.5915; Welch's degrees of freedom are a little fewer.
+    #[test]
+    fn the_power_of_two_groups_is_that_of_welchs_t() {
+        let plan = Plan {
+            participant_sd: 1.0,
+            interaction_sd: 0.5_f64.sqrt(),
+            residual_sd: 0.0,
+            repeats: 1,
+            modes: 2,
+            difference: 0.8,
+            participants: 32,
+        };
+        let simulation = Simulation { test: PlannedTest::Welch([1, 1]), ..SIMULATION };
+        let found = power(&plan, &simulation).unwrap();
+        assert!(found.ci_low < 0.5915 && 0.5895 < found.ci_high, "{found:?}");
+        let none = power(&Plan { difference: 0.0, ..plan }, &simulation).unwrap();
+        assert!(none.ci_low < 0.05 && 0.05 < none.ci_high, "{none:?}");
+        // Three in a group make no claim, however large the difference.
+        let few = Plan { participants: 12, difference: 50.0, ..plan };
+        let of = |groups| {
+            let simulation = Simulation { test: PlannedTest::Welch(groups), ..SIMULATION };
+            power(&few, &simulation).unwrap().estimate
+        };
+        assert_eq!([of([3, 9]), of([4, 8])].map(|share| share > 0.99), [false, true]);
+        let nobody = Simulation { test: PlannedTest::Welch([0, 8]), ..SIMULATION };
+        assert!(power(&plan, &nobody).is_err());
+    }
+
     #[test]
     fn power_is_that_of_the_noncentral_t() {
         for (participants, r) in POWER_OF_R {

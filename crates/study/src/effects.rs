@@ -1,8 +1,8 @@
 //! The effects of factors that a study compares.
 
 use crate::{
-    EnvironmentId, Factor, FactorId, FactorOf, LevelContrast, LevelId, ModeId, Study, Term, Trend,
-    Weight,
+    EnvironmentId, Factor, FactorId, FactorOf, LevelContrast, LevelId, ModeId, OverDose, Study,
+    Term, Trend, Weight,
 };
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -18,6 +18,10 @@ pub struct Effect {
     pub environment: Option<EnvironmentId>,
     /// The weights, which add up to 0; none where the study lacks a condition for it.
     pub weights: Vec<Weight>,
+    /// Of the slope, or the bend, over a dose alone: everybody's line over the levels they have. The weights are
+    /// those of somebody who has all.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub over: Option<OverDose>,
     /// Whether it is claimed; else it is part of an analysis of variance alone.
     pub is_claimed: bool,
     /// The condition that the study lacks, or those within which the effect is, where not all are there.
@@ -61,6 +65,7 @@ impl Study {
                 levels: Vec::new(),
                 environment: is_within.then(|| first.clone()),
                 weights: weighted.weights.clone(),
+                over: None,
                 is_claimed: true,
                 lacks: None,
             }
@@ -123,13 +128,26 @@ impl Study {
             });
             pairs.collect()
         };
-        let trends = |factor: &&Factor| match (factor.doses(), &factor.unit) {
-            (Some(doses), Some(unit)) => {
-                let trend = self.compare.trend.get(&factor.id).copied().unwrap_or_default();
-                let degree = if term.0.len() > 1 { 1 } else { trend.degree };
-                Trend { degree, ..trend }.contrasts(&doses, unit)
+        let over = |factor: &Factor| {
+            let trend = self.compare.trend.get(&factor.id).copied().unwrap_or_default();
+            let degree = if term.0.len() > 1 { 1 } else { trend.degree };
+            Some(OverDose {
+                trend: Trend { degree, ..trend },
+                doses: factor.doses()?,
+                unit: factor.unit.clone()?,
+                levels: Vec::new(),
+            })
+        };
+        let trends = |factor: &&Factor| match over(factor) {
+            Some(over) => {
+                let all: Vec<usize> = (0..over.doses.len()).collect();
+                let contrasts = over.trend.contrasts(&over.doses, &over.unit).into_iter();
+                let weighed = (1..).zip(contrasts).filter_map(|(number, contrast)| {
+                    Some((contrast, over.coefficient(&all, number)?))
+                });
+                weighed.collect()
             }
-            _ => pairs(factor),
+            None => pairs(factor),
         };
         let has_dose = of_term.iter().any(|factor| factor.unit.is_some());
         let claimed = of_term.iter().map(trends).collect();
@@ -140,8 +158,26 @@ impl Study {
         {
             let contrasts: Vec<Vec<(LevelContrast, Vec<f64>)>> = contrasts;
             for chosen in choices(contrasts.iter().map(|all| all.iter().collect())) {
-                let effect = self.effect_of(term, &of_term, &others, &chosen, place, crossed);
-                effects.push(Effect { is_claimed, ..effect });
+                let effect_of = |chosen: &[&(LevelContrast, Vec<f64>)]| {
+                    self.effect_of(term, &of_term, &others, chosen, place, crossed)
+                };
+                let effect = effect_of(&chosen);
+                let over = match (of_term.as_slice(), chosen.as_slice()) {
+                    ([dose], [(trend @ LevelContrast::Trend(_), weights)]) => {
+                        let level = |place: usize| {
+                            let mut alone = vec![0.0; weights.len()];
+                            alone[place] = 1.0;
+                            let mut mean = effect_of(&[&(trend.clone(), alone)]).weights;
+                            mean.retain(|weight| weight.weight != 0.0);
+                            mean
+                        };
+                        let levels = (0..weights.len()).map(level).collect();
+                        over(dose).map(|over| OverDose { levels, ..over })
+                    }
+                    _ => None,
+                };
+                let over = over.filter(|_| !effect.weights.is_empty());
+                effects.push(Effect { is_claimed, over, ..effect });
             }
         }
         effects
@@ -217,6 +253,7 @@ impl Study {
             levels: chosen.iter().map(|(contrast, _)| contrast.clone()).collect(),
             environment: place.cloned(),
             weights,
+            over: None,
             is_claimed: true,
             lacks,
         }

@@ -1,7 +1,7 @@
 //! Events: what happened to a session after, or besides, its samples. They are append-only.
 
 use crate::words::words;
-use crate::{ActuatorId, AnswerValue, ModeId, QuestionId};
+use crate::{ActuatorId, AnswerValue, LevelId, ModeId, PersonColumnId, QuestionId};
 use serde::{Deserialize, Serialize};
 
 /// One line of `sessions/<participant>_<session>.events.jsonl`, or of `sweeps.events.jsonl`.
@@ -93,6 +93,13 @@ pub enum Event {
         /// BLAKE3 of that `study.toml`, hexadecimal.
         study_blake3: String,
     },
+    /// Another group of the person than the session began with was accepted.
+    PersonAccepted {
+        /// The column of people whose groups are compared.
+        column: PersonColumnId,
+        /// The group that the participants' file says now; none if it says none.
+        level: Option<LevelId>,
+    },
 }
 
 words! {
@@ -142,7 +149,8 @@ impl Event {
             Self::LaidDown { .. }
             | Self::SweepRecorded { .. }
             | Self::Unsealed { .. }
-            | Self::StudyAccepted { .. } => None,
+            | Self::StudyAccepted { .. }
+            | Self::PersonAccepted { .. } => None,
         }
     }
 }

@@ -1,6 +1,6 @@
 //! How effects compare the levels of a factor: pairs, and trends over doses.
 
-use crate::{Contrast, DoseScale, IdError, LevelId, Trend};
+use crate::{Contrast, DoseScale, IdError, LevelId, Trend, Weight};
 use serde::Serialize;
 use std::fmt;
 use std::str::FromStr;
@@ -48,43 +48,110 @@ impl FromStr for LevelContrast {
 }
 
 impl Trend {
-    /// The line over doses, and its bend: what each is called, and the weights of the doses in it, by least
-    /// squares. The line per step of a power of ten, or per doubling; the bend per square of that.
-    pub(crate) fn contrasts(self, doses: &[f64], unit: &str) -> Vec<(LevelContrast, Vec<f64>)> {
-        let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
-        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-        let centred = |values: &[f64]| -> Vec<f64> {
-            let mean = mean(values);
-            values.iter().map(|value| value - mean).collect()
-        };
-        let (x, step, words) = match self.scale {
-            DoseScale::Log2 => {
-                (doses.iter().map(|dose| dose.log2()).collect(), 1.0, "doubling".to_owned())
-            }
+    /// How the line over doses, and its bend, are called. The line is per step of a power of ten, or per
+    /// doubling; the bend per square of that.
+    pub(crate) fn contrasts(self, doses: &[f64], unit: &str) -> Vec<LevelContrast> {
+        let (words, square) = match self.scale {
+            DoseScale::Log2 => ("doubling".to_owned(), "doubling²".to_owned()),
             DoseScale::Linear => {
-                let range = doses[doses.len() - 1] - doses[0];
-                let step = 10_f64.powf(range.log10().floor());
                 let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
-                (doses.to_vec(), step, format!("{step}{unit}"))
+                let words = format!("{}{unit}", step(doses));
+                (words.clone(), format!("({words})²"))
             }
         };
-        let x: Vec<f64> = centred(&x).into_iter().map(|x| x / step).collect();
-        let slope = x.iter().map(|value| value / dot(&x, &x)).collect();
-        let mut contrasts =
-            vec![(LevelContrast::Trend(format!("{}{words}", LevelContrast::SLOPE)), slope)];
-        if self.degree > 1 {
-            // What is left of x² beside a level and a line.
-            let squares: Vec<f64> = x.iter().map(|x| x * x).collect();
-            let squares = centred(&squares);
-            let along = dot(&squares, &x) / dot(&x, &x);
-            let rest: Vec<f64> = squares.iter().zip(&x).map(|(s, x)| s - along * x).collect();
-            let bend = rest.iter().map(|value| value / dot(&rest, &rest)).collect();
-            let words = match self.scale {
-                DoseScale::Linear => format!("({words})²"),
-                DoseScale::Log2 => format!("{words}²"),
-            };
-            contrasts.push((LevelContrast::Trend(format!("{}{words}", LevelContrast::BEND)), bend));
+        let slope = LevelContrast::Trend(format!("{}{words}", LevelContrast::SLOPE));
+        let bend = LevelContrast::Trend(format!("{}{square}", LevelContrast::BEND));
+        [slope, bend].into_iter().take(self.degree.into()).collect()
+    }
+
+    /// Doses as the line is over them: in steps of a power of ten, or in doublings. The step is that of all
+    /// doses of the study.
+    fn scaled(self, all: &[f64], doses: &[f64]) -> Vec<f64> {
+        let scaled = |dose: &f64| match self.scale {
+            DoseScale::Log2 => dose.log2(),
+            DoseScale::Linear => dose / step(all),
+        };
+        doses.iter().map(scaled).collect()
+    }
+}
+
+/// The power of ten that the range of doses has the digits of.
+fn step(doses: &[f64]) -> f64 {
+    let range = doses[doses.len() - 1] - doses[0];
+    10_f64.powf(range.log10().floor())
+}
+
+/// Everybody's own line, or parabola, over the levels of a dose.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct OverDose {
+    /// Its degree, and over what it is drawn.
+    pub trend: Trend,
+    /// The doses from the lowest on.
+    pub doses: Vec<f64>,
+    /// Their unit.
+    pub unit: String,
+    /// The weights of the conditions in the mean of each level.
+    pub levels: Vec<Vec<Weight>>,
+}
+
+impl OverDose {
+    /// The weights of the means of some levels, by their places, in a coefficient of the line or parabola by least squares: 1
+    /// is the slope of the line, 2 the bend of the parabola. Fewer levels than it takes have none.
+    pub fn coefficient(&self, places: &[usize], number: usize) -> Option<Vec<f64>> {
+        let columns = self.columns(places, number, None);
+        let column = columns.get(number)?;
+        let size: f64 = column.iter().map(|value| value * value).sum();
+        (places.len() > number).then(|| column.iter().map(|value| value / size).collect())
+    }
+
+    /// The weights of the means of all levels in the line, or parabola, at a dose.
+    pub fn at(&self, dose: f64) -> Vec<f64> {
+        let places: Vec<usize> = (0..self.doses.len()).collect();
+        let mut weights = vec![0.0; places.len()];
+        for mut column in self.columns(&places, self.trend.degree.into(), Some(dose)) {
+            let here = column.pop().unwrap_or_default();
+            let size: f64 = column.iter().map(|value| value * value).sum();
+            weights
+                .iter_mut()
+                .zip(&column)
+                .for_each(|(weight, value)| *weight += here * value / size);
         }
-        contrasts
+        weights
+    }
+
+    /// The doses as the line is over them: in steps of a power of ten, or in doublings.
+    pub fn scaled(&self) -> Vec<f64> {
+        self.trend.scaled(&self.doses, &self.doses)
+    }
+
+    /// The dose at a share of the way from the lowest to the highest, as the line is drawn.
+    pub fn along(&self, share: f64) -> f64 {
+        let [low, high] = [self.doses[0], self.doses[self.doses.len() - 1]];
+        match self.trend.scale {
+            DoseScale::Linear => low + share * (high - low),
+            DoseScale::Log2 => low * (high / low).powf(share),
+        }
+    }
+
+    /// The powers of the doses at `places` from 0 on, each less its parts along those before it: what is
+    /// orthogonal at these. Each has at its end its value at `also`.
+    fn columns(&self, places: &[usize], highest: usize, also: Option<f64>) -> Vec<Vec<f64>> {
+        let doses: Vec<f64> = places.iter().map(|place| self.doses[*place]).chain(also).collect();
+        let x = self.trend.scaled(&self.doses, &doses);
+        let n = places.len();
+        let mean = x[..n].iter().sum::<f64>() / n as f64;
+        let mut columns: Vec<Vec<f64>> = Vec::new();
+        for power in 0..=highest {
+            let mut column: Vec<f64> = x.iter().map(|x| (x - mean).powi(power as i32)).collect();
+            for before in &columns {
+                let dot = |a: &[f64], b: &[f64]| {
+                    a[..n].iter().zip(&b[..n]).map(|(a, b)| a * b).sum::<f64>()
+                };
+                let along = dot(before, &column) / dot(before, before);
+                column.iter_mut().zip(before).for_each(|(value, before)| *value -= along * before);
+            }
+            columns.push(column);
+        }
+        columns
     }
 }

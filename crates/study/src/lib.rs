@@ -11,6 +11,7 @@ mod changes;
 mod compare;
 mod control;
 mod counted;
+mod drawn;
 mod effects;
 mod event;
 mod factors;
@@ -61,7 +62,7 @@ pub use id::{
 };
 pub use label::{contrast_label, curve_label, in_a_sentence};
 pub use law::{ActuatorKind, ModeLaw};
-pub use level_contrast::LevelContrast;
+pub use level_contrast::{LevelContrast, OverDose};
 pub use locate::{line_of, toml_error};
 pub use model::{
     Analysis, Condition, Coordinate, Design, Device, Environment, Masses, Mode, OrderScheme,

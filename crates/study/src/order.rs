@@ -205,6 +205,26 @@ fn renamed(row: &[usize], as_first: &[usize], first: &[usize]) -> Vec<usize> {
     places.map(|place| first[place]).collect()
 }
 
+/// Which of `levels` chance gives the participant of a number, and the block of the drawing: of every 2 × `levels` of
+/// them, counted from 1, two get each, in an order that is drawn for the block. `of` tells what is drawn.
+pub(crate) fn in_block(
+    of: &str,
+    participant_number: u32,
+    levels: usize,
+    seed: u64,
+) -> (u32, usize) {
+    // Number 0 stands alone at the end.
+    let place = participant_number.wrapping_sub(1) as usize;
+    let mut block: Vec<usize> = (0..2 * levels).map(|i| i % levels).collect();
+    let number = place / block.len();
+    // Two columns are drawn apart from each other: FNV-1a of the name, from the seed on.
+    let seed = of
+        .bytes()
+        .fold(seed, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3));
+    shuffle(&mut stream(seed, Stream::Groups, number as u64), &mut block);
+    (u32::try_from(number).unwrap_or(u32::MAX), block[place % block.len()])
+}
+
 /// Practice trials: (environment, mode) with modes in an order of the participant's own.
 fn familiarisation(order: &Order, trials: u32) -> Vec<(Kind, usize, usize)> {
     let blocks = &order.blocks;
@@ -297,6 +317,7 @@ enum Stream {
     Study,
     Session,
     Person,
+    Groups,
 }
 
 /// Number of bytes of the cipher's key.

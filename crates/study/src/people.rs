@@ -2,8 +2,9 @@
 //! file.
 
 use crate::{LevelId, ParticipantId, PersonColumnId};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::fmt;
 
 /// A column of the participants' file.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -41,7 +42,8 @@ pub enum PeopleForm {
 }
 
 /// What is known of one person in one column.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
 pub enum PersonValue {
     /// The level.
     Level(LevelId),
@@ -56,7 +58,21 @@ pub struct People(pub(crate) BTreeMap<ParticipantId, Person>);
 /// A row of the participants' file: what is known of a person. What is not has no entry.
 pub type Person = BTreeMap<PersonColumnId, PersonValue>;
 
+impl fmt::Display for PersonValue {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Level(level) => level.fmt(f),
+            Self::Number(number) => number.fmt(f),
+        }
+    }
+}
+
 impl People {
+    /// The row of somebody, if they have one.
+    pub fn row(&self, who: &ParticipantId) -> Option<&Person> {
+        self.0.get(who)
+    }
+
     /// Everybody who has a row, in the order of their codes.
     pub fn iter(&self) -> impl Iterator<Item = (&ParticipantId, &Person)> {
         self.0.iter()

@@ -1,10 +1,11 @@
 //! What is fixed about a session when it is set up.
 
 use crate::{
-    Calibration, EnvironmentId, Kind, ModeId, OrderScheme, ParticipantId, RECORD_VERSION,
-    SessionId, Source,
+    Calibration, EnvironmentId, Kind, ModeId, OrderScheme, ParticipantId, Person, PersonColumnId,
+    RECORD_VERSION, SessionId, Source,
 };
 use serde::{Deserialize, Serialize, Serializer};
+use std::collections::BTreeMap;
 
 /// `sessions/<participant>_<session>.json`: the session as it was set up.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -61,6 +62,13 @@ pub struct SessionRecord {
     /// Whether the recordings count their trials from 0: a trial's number is one more than theirs.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub counted_from_zero: bool,
+    /// What was known of the person when the session began: their row of the participants' file, and what was drawn.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub person: Person,
+    /// The columns of `person` whose level chance gave when this session began, or an earlier one of the person, and the
+    /// block of the drawing, from 0.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub drawn: BTreeMap<PersonColumnId, u32>,
 }
 
 /// How a session's order was drawn: together with the seed, everything that [`crate::order::draw`]
@@ -150,6 +158,8 @@ impl SessionRecord {
             imported_from: Vec::new(),
             answer_columns: Vec::new(),
             counted_from_zero: false,
+            person: Person::new(),
+            drawn: BTreeMap::new(),
         }
     }
 

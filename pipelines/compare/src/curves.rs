@@ -721,7 +721,7 @@ mod tests {
             contrasts: vec![GroupContrast { group, against }],
         };
         let levels_of = (1..=8).map(|who| (format!("P{who:02}").parse().unwrap(), who % 2));
-        let groups = Groups { compared, levels_of: levels_of.collect() };
+        let groups = Groups { compared, levels_of: levels_of.collect(), blocks: BTreeMap::new() };
         let parameters = CurveParameters { groups: Some(groups), ..parameters() };
         let found = compare_curves(&people(8), &parameters).unwrap();
         let named: Vec<String> = found

@@ -3,9 +3,11 @@
 use crate::cells::{Cell, Cells};
 use crate::claim::Claim;
 use crate::contrasts::size;
+use crate::doses::turns_at;
 use crate::measure::Measure;
 use crate::over_trials::Weighed;
 use crate::split::{Refused, Split};
+use crate::weighed::{Condition, Own, Placed, averaged, levels_of, of_people, placed, weighed};
 use crate::{CompareError, Parameters};
 use std::collections::BTreeMap;
 use zwidth_numerics::dense::dot;
@@ -14,7 +16,7 @@ use zwidth_stats::null::Sampling;
 use zwidth_stats::{
     FTest, Tested, Unestimable, effect, groups, hotelling, paired, rm_anova, sign_flip,
 };
-use zwidth_study::{Effect, EffectSize, LevelContrast};
+use zwidth_study::{Effect, EffectSize, LevelContrast, OverDose, counted};
 
 /// Flips that are drawn where there are too many participants to count all.
 const SAMPLING: Sampling = Sampling { draws: 9_999, seed: 1 };
@@ -27,6 +29,8 @@ pub(crate) struct Row<'a> {
     effect: &'a Effect,
     /// Everybody's, as what has a weight above 0 and what has one below, each added up.
     values: BTreeMap<usize, [f64; 2]>,
+    /// How many of them lack a level of the dose, and have a line over the others.
+    lack_a_level: usize,
     tested: Result<Tested, Unestimable>,
     jnd: Option<f64>,
     /// The effect that is too small to matter, in the metric's unit.
@@ -79,54 +83,37 @@ impl Row<'_> {
     }
 }
 
-/// A condition by the places of its environment and its mode, and of its session where that is one of its
-/// levels.
-type Condition = (Option<usize>, [usize; 2]);
+/// Who lacks a level has a line over the others if it is at least this certain: the spread of their doses over that of all.
+/// A line over a few near ones would count as much as any other, and scatter many times as far.
+const LEAST_SPREAD: f64 = 0.5;
 
-/// A condition with its weight.
-type Placed = (Condition, f64);
-
-/// The weights of an effect; `None` if the study has no such condition.
-fn placed(effect: &Effect, cells: &Cells, parameters: &Parameters) -> Option<Vec<Placed>> {
-    let places = effect.weights.iter().map(|weight| {
-        let condition = parameters.condition(&weight.environment, &weight.mode)?;
-        // Nobody has a session that is not among those there are.
-        let place = |id| cells.sessions.iter().position(|own| own == id).unwrap_or(usize::MAX);
-        Some(((weight.session.as_ref().map(place), condition), weight.weight))
-    });
-    places.collect()
-}
-
-/// What a participant has of conditions at a time.
-type Own = BTreeMap<Condition, f64>;
-
-/// Everybody's means by condition: session by session, or, where sessions are levels, all of them together.
-fn of_people(cells: &Cells, are_levels: bool) -> BTreeMap<usize, Vec<Own>> {
-    let mut people: BTreeMap<usize, BTreeMap<Option<usize>, Own>> = BTreeMap::new();
-    for cell in &cells.cells {
-        let Some(mean) = cell.mean else { continue };
-        let session = Some(cell.session);
-        let (apart, level) = if are_levels { (None, session) } else { (session, None) };
-        let own = people.entry(cell.participant).or_default().entry(apart).or_default();
-        own.insert((level, [cell.environment, cell.mode]), mean);
+/// The means of somebody's levels of a dose, each with its weight in their own slope or bend, and whether they lack
+/// a level. `None` of who has too few for a line that could leave something, or too near ones; and of who lacks any where the
+/// line bends, because the slope over some of the levels is another one than that over all.
+fn over_levels(
+    over: &OverDose,
+    effect: &Effect,
+    levels: &[Vec<Placed>],
+    own: &Own,
+) -> Option<(Vec<(f64, f64)>, bool)> {
+    let mean = |level: &Vec<Placed>| weighed(level, own);
+    let means = levels.iter().map(mean).enumerate();
+    let (places, means): (Vec<usize>, Vec<f64>) =
+        means.filter_map(|(place, mean)| Some((place, mean?))).unzip();
+    let lacks = places.len() < levels.len();
+    let number = if effect.levels.iter().any(LevelContrast::is_bend) { 2 } else { 1 };
+    let degree = usize::from(over.trend.degree);
+    let weights = over.coefficient(&places, number)?;
+    if lacks {
+        // A sum of squared weights is the coefficient's variance over that of a level's mean.
+        let all: Vec<usize> = (0..levels.len()).collect();
+        let whole = over.coefficient(&all, number)?;
+        let is_near = dot(&whole, &whole) < LEAST_SPREAD * dot(&weights, &weights);
+        if places.len() < degree + 2 || number < degree || is_near {
+            return None;
+        }
     }
-    people.into_iter().map(|(who, sessions)| (who, sessions.into_values().collect())).collect()
-}
-
-/// Everybody's mean of `values` over those of their sessions that have them, by participant.
-fn averaged(
-    people: &BTreeMap<usize, Vec<Own>>,
-    values: impl Fn(&Own) -> Option<Vec<f64>>,
-) -> BTreeMap<usize, Vec<f64>> {
-    let mut means = BTreeMap::new();
-    for (participant, sessions) in people {
-        let sessions: Vec<Vec<f64>> = sessions.iter().filter_map(&values).collect();
-        let Some(first) = sessions.first() else { continue };
-        let sum = |k: usize| sessions.iter().map(|values| values[k]).sum::<f64>();
-        let mean = (0..first.len()).map(|k| sum(k) / sessions.len() as f64);
-        means.insert(*participant, mean.collect());
-    }
-    means
+    Some((weights.into_iter().zip(means).collect(), lacks))
 }
 
 /// The effects, tested, without a verdict.
@@ -139,7 +126,7 @@ pub(crate) fn rows<'a>(
     let [apart, together] = [false, true].map(|are_levels| of_people(cells, are_levels));
     let mut rows = Vec::new();
     for effect in parameters.effects.iter().filter(|effect| effect.is_claimed) {
-        let Some(weights) = placed(effect, cells, parameters) else { continue };
+        let Some(weights) = placed(&effect.weights, cells, parameters) else { continue };
         let people = if effect.is_by_session() { &together } else { &apart };
         // Where nobody has any of its conditions the environment has no such metric.
         let is_weighed = |cell: &Cell| {
@@ -149,17 +136,29 @@ pub(crate) fn rows<'a>(
         if !weights.is_empty() && !cells.cells.iter().any(is_weighed) {
             continue;
         }
+        let levels = effect.over.as_ref().map(|over| levels_of(over, cells, parameters));
+        let levels = levels.unwrap_or_default();
         let values = averaged(people, |own| {
-            let mut sides = vec![0.0, 0.0];
-            for (condition, weight) in &weights {
-                sides[usize::from(*weight < 0.0)] += weight.abs() * own.get(condition)?;
+            let (line, lacks) = match &effect.over {
+                Some(over) => over_levels(over, effect, &levels, own)?,
+                None => {
+                    let each = weights.iter().map(|(at, weight)| Some((*weight, *own.get(at)?)));
+                    (each.collect::<Option<_>>()?, false)
+                }
+            };
+            let mut sides = vec![0.0, 0.0, f64::from(u8::from(lacks))];
+            for (weight, value) in &line {
+                sides[usize::from(*weight < 0.0)] += weight.abs() * value;
             }
             (!weights.is_empty()).then_some(sides)
         });
-        let mut values: BTreeMap<usize, [f64; 2]> =
-            values.into_iter().map(|(who, sides)| (who, [sides[0], sides[1]])).collect();
+        let mut values: BTreeMap<usize, [f64; 3]> =
+            values.into_iter().map(|(who, sides)| (who, [sides[0], sides[1], sides[2]])).collect();
         // Of groups nobody speaks who has none.
         values.retain(|who, _| split.is_none_or(|split| split.level(*who).is_some()));
+        let lack_a_level = values.values().filter(|sides| sides[2] > 0.0).count();
+        let values: BTreeMap<usize, [f64; 2]> =
+            values.into_iter().map(|(who, [above, below, _])| (who, [above, below])).collect();
         let sides: Vec<[f64; 2]> = values.values().copied().collect();
         let differences = paired::differences(&sides);
         let (tested, refused) = match split {
@@ -205,6 +204,7 @@ pub(crate) fn rows<'a>(
             jnd: None,
             bound,
             values,
+            lack_a_level,
             tested,
             refused,
             is_difference,
@@ -260,7 +260,13 @@ pub(crate) fn named(
             (None, Err(why)) => Some(why.to_string()),
             (None, Ok(_)) => None,
         };
-        let remarks: Vec<String> = lacks.iter().cloned().chain(why).collect();
+        let lacking = (row.lack_a_level > 0).then(|| {
+            format!(
+                "{} without every level: their line is over those that they have",
+                counted(row.lack_a_level, "participants")
+            )
+        });
+        let remarks: Vec<String> = lacks.iter().cloned().chain(lacking).chain(why).collect();
         EffectDifference {
             metric: measure.parameters.metric.clone(),
             unit: measure.unit.clone(),
@@ -291,6 +297,11 @@ pub(crate) fn named(
             size: ends.map(size),
             bound: row.bound,
             p_not_equivalent: claim.p_not_equivalent,
+            dose_unit: row.effect.over.as_ref().map(|over| over.unit.clone()),
+            turns_at: tested
+                .filter(|t| t.ci_low > 0.0 || t.ci_high < 0.0)
+                .filter(|_| split.is_none() && levels.iter().any(LevelContrast::is_bend))
+                .and_then(|_| turns_at(row.effect, sides.len(), cells, parameters)),
             verdict: claim.verdict,
             remark: (!remarks.is_empty()).then(|| remarks.join("; ").into()),
         }
@@ -313,7 +324,7 @@ fn lack_of_fit(
             && matches!(effect.levels[..], [LevelContrast::Trend(_)])
     };
     let trends = parameters.effects.iter().filter(is_trend).map(|effect| {
-        let weights = placed(effect, cells, parameters)?;
+        let weights = placed(&effect.weights, cells, parameters)?;
         let of = |condition: &Condition| weights.iter().find(|w| w.0 == *condition);
         Some(conditions.iter().map(|condition| of(condition).map_or(0.0, |w| w.1)).collect())
     });
@@ -358,7 +369,7 @@ pub(crate) fn tests(
         let effects: Vec<&Effect> = effects.iter().filter(is_of_pairs).collect();
         let Some(first) = effects.first() else { continue };
         let weights: Option<Vec<Vec<Placed>>> =
-            effects.iter().map(|effect| placed(effect, cells, parameters)).collect();
+            effects.iter().map(|effect| placed(&effect.weights, cells, parameters)).collect();
         // Where the design lacks a condition, the rest is no analysis of that effect.
         let is_whole = effects.iter().all(|e| e.lacks.is_none() && !e.levels.is_empty());
         let Some(weights) = weights.filter(|_| is_whole) else { continue };
@@ -486,6 +497,7 @@ mod tests {
                     weight: *weight,
                 })
                 .collect(),
+            over: None,
             is_claimed: true,
             lacks: None,
         }
@@ -701,12 +713,129 @@ mod tests {
             (line_alone.df_lack_of_fit, line_alone.df_lack_of_fit_error),
             (Some(2.0), Some(6.0))
         );
+        // SciPy: everybody's own parabola at 300 N/m, its mean and standard error; the curve has every fifth.
+        let at = |dose: f64| linear.trend_curves.iter().find(|p| (p.dose - dose).abs() < 1e-9);
+        let point = at(300.0).unwrap();
+        near(Some(point.mean), 1.414125);
+        near(Some(point.std_error), 0.0866365604);
+        near(Some(point.ci_low), 1.20926209);
+        near(Some(point.ci_high), 1.61898791);
+        assert!(point.band_low.unwrap() < point.ci_low && point.ci_high < point.band_high.unwrap());
+        let ends = [&linear.trend_curves[0], linear.trend_curves.last().unwrap()];
+        ends.iter().zip([100.0, 400.0]).for_each(|(point, dose)| near(Some(point.dose), dose));
+        assert_eq!((linear.trend_curves.len(), bend.turns_at), (61, None), "no bend was found");
+        // lme4 1.1-31 and pbkrtest 0.5.2: y ~ x + (1 + x | participant) + (1 | participant:level).
+        let [model] = &straight.trend_models[..] else { panic!("{:?}", straight.trend_models) };
+        near(model.slope, 0.265515873);
+        let [error, df] = [model.slope_std_error, model.df].map(Option::unwrap);
+        assert!((error / 0.0291889759 - 1.0).abs() < 1e-5 && (df - 7.0).abs() < 1e-4, "{model:?}");
         let doubled = found(2, DoseScale::Log2);
         assert_eq!(per(&doubled.effects[0]), "per doubling");
         near(doubled.effects[0].difference, 0.403832306);
         near(doubled.effects[0].difference_std_error, 0.0431339221);
         near(doubled.effects[0].difference_ci_low, 0.301836788);
         near(doubled.effects[0].difference_ci_high, 0.505827825);
+    }
+
+    /// Six people at doses whose values are a parabola about 2, each with a slope and a bend of their own.
+    fn of_doses(
+        doses: &[f64],
+        trend: Trend,
+        lacks: &[(u64, f64)],
+        value: fn(f64, f64) -> f64,
+    ) -> crate::Comparison {
+        let mut study = zwidth_testing::study();
+        let mode = study.modes[0].clone();
+        let dose: FactorId = "gain".parse().unwrap();
+        let levels: Vec<LevelId> =
+            doses.iter().map(|dose| dose.to_string().parse().unwrap()).collect();
+        study.modes = levels
+            .iter()
+            .map(|level| Mode {
+                id: format!("g{level}").parse().unwrap(),
+                factors: [(dose.clone(), level.clone())].into(),
+                ..mode.clone()
+            })
+            .collect();
+        study.environments.truncate(1);
+        study.factors = vec![Factor {
+            id: dose.clone(),
+            levels,
+            unit: Some("1".to_owned()),
+            of: FactorOf::Modes,
+        }];
+        study.compare.effects = vec![Term(vec![dose.clone()])];
+        study.compare.trend.insert(dose, trend);
+        let (mut keys, mut values) = (Vec::new(), Vec::new());
+        for person in 1..=6_u64 {
+            for (trial, (x, mode)) in (1..).zip(doses.iter().zip(&study.modes)) {
+                if lacks.contains(&(person, *x)) {
+                    continue;
+                }
+                keys.push(TrialKey {
+                    participant: format!("P{person:02}").parse().unwrap(),
+                    session: "S01".parse().unwrap(),
+                    trial,
+                    repeat: 1,
+                    environment: study.environments[0].id.clone(),
+                    mode: mode.id.clone(),
+                    source: Source::Recorded,
+                });
+                values.push(Some(value(*x, u([person, 0, 0, 0]))));
+            }
+        }
+        let mut parameters = parameters();
+        parameters.environments = vec![study.environments[0].id.clone()];
+        parameters.modes = study.modes.iter().map(|mode| mode.id.clone()).collect();
+        parameters.contrasts = Vec::new();
+        parameters.effects = study.effects();
+        compare(&measured(&keys, values.into_iter()), &parameters).unwrap()
+    }
+
+    #[test]
+    fn who_lacks_a_dose_has_a_line_over_the_others_if_it_could_leave_something() {
+        // Straight lines: whoever has three of the doses has the same slope as with all.
+        let value = |x: f64, own: f64| 1.0 + (0.5 + own) * x;
+        let line = Trend { degree: 1, scale: DoseScale::Linear };
+        let doses = [1.0, 2.0, 4.0, 8.0];
+        let whole = of_doses(&doses, line, &[], value);
+        let lacking = of_doses(&doses, line, &[(2, 4.0), (3, 1.0)], value);
+        let [one, other] = [&whole, &lacking].map(|found| &found.effects[0]);
+        near(other.difference, one.difference.unwrap());
+        near(other.difference_std_error, one.difference_std_error.unwrap());
+        assert_eq!((other.n, one.remark.as_ref()), (6, None));
+        let remark = other.remark.as_ref().unwrap().to_string();
+        assert_eq!(
+            remark,
+            "2 participants without every level: their line is over those that they have"
+        );
+        assert_eq!(lacking.trend_curves[0].n, 4, "beyond what they felt nobody's curve goes");
+        // Two levels leave nothing, and without the highest the others lie too near each other.
+        for lacks in [&[(2, 4.0), (2, 1.0)][..], &[(2, 8.0)]] {
+            let left_out = of_doses(&doses, line, lacks, value);
+            assert_eq!((left_out.effects[0].n, left_out.effects[0].remark.as_ref()), (5, None));
+        }
+        // Where the line bends, a slope over some of the levels is another one.
+        let parabola = Trend { degree: 2, scale: DoseScale::Linear };
+        let bent =
+            of_doses(&[1.0, 2.0, 3.0, 4.0, 5.0], parabola, &[(2, 3.0)], |x, own| x * x + own * x);
+        assert_eq!(bent.effects.iter().map(|row| row.n).collect::<Vec<_>>(), [5, 6]);
+    }
+
+    #[test]
+    fn a_parabola_turns_where_its_bend_is_shown_and_never_beyond_the_doses() {
+        let parabola = Trend { degree: 2, scale: DoseScale::Linear };
+        let turns = |value| {
+            let found = of_doses(&[1.0, 2.0, 3.0, 4.0], parabola, &[], value);
+            found.effects[1].turns_at
+        };
+        near(turns(|x, own| (1.0 + 0.2 * own) * (x - 2.0).powi(2)), 2.0);
+        assert_eq!(turns(|x, own| (1.0 + 0.2 * own) * (x - 6.0).powi(2)), None);
+        assert_eq!(turns(|x, own| own * (x - 2.0).powi(2)), None, "no bend is shown");
+        let doubled = Trend { degree: 2, scale: DoseScale::Log2 };
+        let value = |x: f64, own: f64| (1.0 + 0.2 * own) * (x.log2() - 1.5).powi(2);
+        let found = of_doses(&[1.0, 2.0, 4.0, 8.0], doubled, &[], value);
+        near(found.effects[1].turns_at, 8_f64.sqrt());
     }
 
     /// SciPy's Welch test of everybody's effects of the motor.
@@ -723,7 +852,11 @@ mod tests {
         };
         let of =
             |person: usize| (format!("P{person:02}").parse().unwrap(), usize::from(person > 4));
-        parameters.groups = Some(Groups { compared, levels_of: (1..=8).map(of).collect() });
+        parameters.groups = Some(Groups {
+            compared,
+            levels_of: (1..=8).map(of).collect(),
+            blocks: BTreeMap::new(),
+        });
         let found = compare(&measured(&keys, values.into_iter()), &parameters).unwrap();
         let of_motor: GroupEffect = "motor: yes − no".parse().unwrap();
         let row = found.groups.iter().find(|row| row.effect == of_motor).unwrap();

@@ -148,12 +148,20 @@ pub(crate) fn rows<'a>(
                 is_difference,
                 refused: ordered,
             } = compared;
-            let by_level = split.by_level(values.into_iter());
+            let values = values.into_iter().map(|(who, value)| (who, (value, split.block(who))));
+            let by_level = split.by_level(values);
             for contrast in &split.groups.compared.contrasts {
-                let [first, second] = [&contrast.group, &contrast.against].map(|id| {
+                let of_both = [&contrast.group, &contrast.against].map(|id| {
                     let place = levels.iter().position(|level| level == id);
-                    place.map(|place| by_level[place].clone()).unwrap_or_default()
+                    let people = place.map(|place| by_level[place].iter().copied());
+                    people.into_iter().flatten().unzip::<f64, usize, Vec<_>, Vec<_>>()
                 });
+                let [(first, first_blocks), (second, second_blocks)] = of_both;
+                let permuted = groups::permuted_within(
+                    [&first, &second],
+                    [&first_blocks, &second_blocks],
+                    SAMPLING,
+                );
                 let [a, b] = [group(&first), group(&second)];
                 let tested = groups::difference([a, b], parameters.level);
                 let smallest = [(a.n, &contrast.group), (b.n, &contrast.against)].into_iter().min();
@@ -173,7 +181,7 @@ pub(crate) fn rows<'a>(
                 rows.push(Row {
                     effect: effect.clone(),
                     groups: contrast,
-                    permuted: groups::permuted(&first, &second, SAMPLING).ok(),
+                    permuted: permuted.ok(),
                     jnd: noticed.and_then(|n| {
                         n.jnd(environment, noticed_from.unwrap_or(b.mean), &measure.unit)
                     }),
@@ -440,14 +448,21 @@ pub(crate) mod tests {
         };
         let levels_of: BTreeMap<ParticipantId, usize> =
             (1..).map(code).zip(of.iter().copied()).collect();
-        Parameters { groups: Some(Groups { compared, levels_of }), ..parameters() }
+        Parameters {
+            groups: Some(Groups { compared, levels_of, blocks: BTreeMap::new() }),
+            ..parameters()
+        }
     }
 
     const HALVES: [usize; 12] = [0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1];
 
     pub(crate) fn near(found: Option<f64>, expected: f64) {
+        near_to(found, expected, 1e-6);
+    }
+
+    fn near_to(found: Option<f64>, expected: f64, tolerance: f64) {
         let found = found.unwrap();
-        assert!((found - expected).abs() <= 1e-6 * expected.abs(), "{found} {expected}");
+        assert!((found - expected).abs() <= tolerance * expected.abs(), "{found} {expected}");
     }
 
     fn of<'a>(rows: &'a [GroupDifference], effect: &str) -> &'a GroupDifference {
@@ -477,6 +492,27 @@ pub(crate) mod tests {
         near(contrast.df, 4.33041842);
         near(contrast.p_value, 0.0274871718);
         assert_eq!((contrast.n, contrast.g_av, contrast.p_sign_flip), (12, None, None));
+
+        // lme4 1.1-31 and pbkrtest 0.5.2: y ~ group * mode + (1|participant) + (1|participant:mode).
+        let beside = |effect: &str| {
+            let effect: GroupEffect = effect.parse().unwrap();
+            found.group_models.iter().find(|row| row.effect == effect).unwrap()
+        };
+        for (row, [estimate, error, df]) in [
+            (beside("hybrid − active"), [0.0245571429, 0.308401035, 20.0]),
+            (beside("mean over modes"), [0.00707857143, 0.208119097, 10.0]),
+        ] {
+            near(row.difference, estimate);
+            near_to(row.difference_std_error, error, 1e-5);
+            near_to(row.df, df, 1e-5);
+        }
+        let model = &found.models[0];
+        near(model.difference, 0.667921429);
+        near_to(model.difference_std_error, 0.154200517, 1e-5);
+        near_to(model.df, 20.0, 1e-5);
+        near_to(model.participant_mode_sd, 0.367984657, 1e-5);
+        near_to(model.participant_sd, 0.283013434, 1e-5);
+        near_to(model.residual_sd, 0.114736586, 1e-5);
         let [novice, expert] = &found.group_contrasts[..2] else { panic!() };
         assert_eq!((novice.group.as_str(), novice.n, expert.n), ("novice", 7, 5));
         near(novice.difference, 0.655642857);

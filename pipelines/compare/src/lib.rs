@@ -30,6 +30,7 @@ mod contrasts;
 mod covariates;
 mod curves;
 mod differences;
+mod doses;
 mod drawn;
 mod effects;
 mod error;
@@ -54,6 +55,7 @@ mod split;
 mod tests;
 mod together;
 mod trials;
+mod weighed;
 
 pub use answers::{AnswerParameters, AnswersCompared, answers_table, compare_answers};
 pub use curves::{CurveParameters, Curves, SessionCurve, compare_curves};
@@ -72,16 +74,16 @@ use rayon::prelude::*;
 use split::Split;
 use trials::Trials;
 use zwidth_results::{
-    AnyGroup, Cell, Compared, CovariateSlope, EffectDifference, FactorTest, GroupDifference,
-    GroupMean, GroupMember, GroupModeDifference, Learning, Mean, MetricNote, ModeDifference, Model,
-    Omnibus, OrderTest, PersonDifference, RedrawnDifference, RepeatMean, Role, SessionChange,
-    TrialSlope, UnitOfAnalysis,
+    AnyGroup, Cell, Compared, CovariateSlope, DoseModel, DosePoint, EffectDifference, FactorTest,
+    GroupDifference, GroupMean, GroupMember, GroupModeDifference, GroupModel, Learning, Mean,
+    MetricNote, ModeDifference, Model, Omnibus, OrderTest, PersonDifference, RedrawnDifference,
+    RepeatMean, Role, SessionChange, TrialSlope, UnitOfAnalysis,
 };
 use zwidth_study::Families;
 use zwidth_tables::Measured;
 
 /// Version of the algorithms here: a change of any number they give raises it.
-pub const VERSION: u32 = 15;
+pub const VERSION: u32 = 16;
 
 /// All metrics compared, one after the other.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -118,6 +120,12 @@ pub struct Comparison {
     pub effects: Vec<EffectDifference>,
     /// Their analysis of variance.
     pub factor_tests: Vec<FactorTest>,
+    /// Curves over doses.
+    pub trend_curves: Vec<DosePoint>,
+    /// Slopes over doses by mixed models.
+    pub trend_models: Vec<DoseModel>,
+    /// Groups by mixed models.
+    pub group_models: Vec<GroupModel>,
     /// Changes between sessions.
     pub sessions: Vec<SessionChange>,
     /// Changes from repeat to repeat.
@@ -188,6 +196,9 @@ pub fn compare_tables(
         all.any_group.extend(metric.any_group);
         all.effects.extend(metric.effects);
         all.factor_tests.extend(metric.factor_tests);
+        all.trend_curves.extend(metric.trend_curves);
+        all.trend_models.extend(metric.trend_models);
+        all.group_models.extend(metric.group_models);
         all.sessions.extend(metric.sessions);
         all.learning.extend(metric.learning);
         all.repeats.extend(metric.repeats);
@@ -247,7 +258,7 @@ impl<'a> Tested<'a> {
             &self;
         let split = split.as_ref();
         let means = means::means(cells, split, unit, measure, parameters)?;
-        let models = models::models(trials, unit, measure, parameters);
+        let models = models::models(trials, unit, split, measure, parameters);
         let sessions = sessions::changes(cells, measure, parameters);
         let notes = [
             notes::means(measure, &means, split, unit),
@@ -294,6 +305,11 @@ impl<'a> Tested<'a> {
                 .unwrap_or_default(),
             effects: effects::named(effects, cells, unit, split, measure, parameters),
             factor_tests: effects::tests(cells, split, measure, parameters),
+            trend_curves: doses::curves(cells, unit, measure, parameters),
+            trend_models: models::of_doses(trials, unit, measure, parameters),
+            group_models: split
+                .map(|split| models::of_groups(trials, split, measure, parameters))
+                .unwrap_or_default(),
             sessions: sessions.rows,
             learning: learning::changes(trials, unit, measure, parameters),
             repeats: repeats::means(trials, measure, parameters)?,

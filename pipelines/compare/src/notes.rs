@@ -286,7 +286,8 @@ pub(crate) fn contrasts(
 /// Notes on differences between groups.
 pub(crate) fn groups(cells: &Cells, split: Option<&Split>, measure: &Measure) -> Vec<MetricNote> {
     let Some(split) = split else { return Vec::new() };
-    let Groups { compared, .. } = split.groups;
+    let Groups { compared, blocks, .. } = split.groups;
+    let within = if blocks.is_empty() { "" } else { " within the blocks of the drawing" };
     let meaning = match compared.assigned {
         true => format!("the column {} changed nobody's value", compared.column),
         false => format!(
@@ -303,7 +304,7 @@ pub(crate) fn groups(cells: &Cells, split: Option<&Split>, measure: &Measure) ->
              one family with the contrasts of modes; single modes are a description.",
         ),
         general(&format!(
-            "p_permuted: that {meaning}, by the share of arrangements with a larger |t|."
+            "p_permuted: that {meaning}, by the share of arrangements{within} with a larger |t|."
         )),
     ];
     if !compared.assigned {

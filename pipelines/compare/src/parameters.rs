@@ -50,6 +50,9 @@ pub struct Groups {
     pub compared: GroupsCompared,
     /// The place of everybody's group among the levels, where it is known.
     pub levels_of: BTreeMap<ParticipantId, usize>,
+    /// The block of the drawing in which chance gave everybody their group; empty unless it gave everybody's.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub blocks: BTreeMap<ParticipantId, u32>,
 }
 
 /// A number of people.

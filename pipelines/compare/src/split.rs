@@ -15,6 +15,8 @@ pub(crate) struct Split<'a> {
     pub(crate) groups: &'a Groups,
     /// The group of each of [`Cells::participants`], by its place among the levels.
     of: Vec<Option<usize>>,
+    /// The block of the drawing of each; one for all where labels may be any.
+    blocks: Vec<usize>,
 }
 
 impl<'a> Split<'a> {
@@ -22,7 +24,14 @@ impl<'a> Split<'a> {
     pub(crate) fn of(cells: &Cells, parameters: &'a Parameters) -> Option<Self> {
         let groups = parameters.groups.as_ref()?;
         let of = cells.participants.iter().map(|who| groups.levels_of.get(who).copied()).collect();
-        (cells.unit() == UnitOfAnalysis::Participants).then_some(Self { groups, of })
+        let block = |who| groups.blocks.get(who).map_or(0, |block| *block as usize);
+        let blocks = cells.participants.iter().map(block).collect();
+        (cells.unit() == UnitOfAnalysis::Participants).then_some(Self { groups, of, blocks })
+    }
+
+    /// The block of the drawing in which chance gave a participant their group.
+    pub(crate) fn block(&self, participant: usize) -> usize {
+        self.blocks[participant]
     }
 
     /// The group of a participant.

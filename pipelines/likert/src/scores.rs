@@ -3,7 +3,7 @@
 use serde::Serialize;
 use std::collections::BTreeMap;
 use zwidth_results::{Reliability, TrialScore};
-use zwidth_stats::reliability::alpha;
+use zwidth_stats::reliability::{LEAST_FOR_OMEGA, alpha, omega};
 use zwidth_store::Answer;
 use zwidth_study::{
     AnswerValue, Condition, EnvironmentId, ModeId, ParticipantId, Question, QuestionId, Score,
@@ -159,6 +159,9 @@ pub fn reliability(answers: &[Answer], scoring: &Scoring) -> Vec<Reliability> {
         let whole: Vec<Vec<f64>> = whole.collect();
         let found = alpha(&whole, scoring.level);
         let alpha = found.as_ref().ok();
+        let omega = (whole.len() >= LEAST_FOR_OMEGA).then(|| omega(&whole));
+        let no_omega = omega.as_ref().and_then(|omega| omega.as_ref().err());
+        let no_omega = no_omega.map(|why| format!("no ω: {why}"));
         Reliability {
             score: score.id.clone(),
             environment: environment.clone(),
@@ -169,7 +172,8 @@ pub fn reliability(answers: &[Answer], scoring: &Scoring) -> Vec<Reliability> {
             alpha: alpha.map(|found| found.alpha),
             alpha_ci_low: alpha.map(|found| found.ends[0]),
             alpha_ci_high: alpha.map(|found| found.ends[1]),
-            remark: found.err().map(|why| why.to_string().into()),
+            omega: omega.as_ref().and_then(|omega| omega.as_ref().ok()).copied(),
+            remark: found.as_ref().err().map(ToString::to_string).or(no_omega).map(Into::into),
         }
     });
     rows.collect()

@@ -117,13 +117,18 @@ fn sentence(study: &Setup, metric: &ComparedMetric, row: &EffectDifference, word
         let jnds = row.difference_jnd.map(|jnds| format!(": {} JND", number(jnds, None)));
         format!("; {}{}", size.as_str(), jnds.unwrap_or_default())
     });
+    let turns = row.turns_at.map(|dose| {
+        let unit = row.dose_unit.as_deref().unwrap_or("1");
+        format!("; the parabola turns at about {}", with_unit(&number(dose, None), unit))
+    });
     format!(
-        "{place} on {words}: {} ({}{}{more}): {}{why}{}.",
+        "{place} on {words}: {} ({}{}{more}): {}{why}{}{}.",
         with_unit(&shown(difference), &unit),
         interval.unwrap_or_default(),
         counted(row.n, "participants"),
         row.verdict.as_str(),
         size.unwrap_or_default(),
+        turns.unwrap_or_default(),
     )
 }
 

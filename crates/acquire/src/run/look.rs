@@ -129,6 +129,7 @@ pub(super) fn event(event: &Event) -> String {
         Event::Marker { trial, moment, .. } => format!("trial {trial}: marker {}", moment.as_str()),
         Event::Unsealed { .. } => "unsealed".to_owned(),
         Event::StudyAccepted { .. } => "the changed study.toml was accepted".to_owned(),
+        Event::PersonAccepted { column, .. } => format!("another {column} was accepted"),
     }
 }
 

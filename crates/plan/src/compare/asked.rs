@@ -1,6 +1,6 @@
 //! What a study asks to be compared: its metrics, how many claims that makes, and what is asked in vain.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use zwidth_store::{Signal, StudyData};
 use zwidth_study::{Bound, Effect, Environment, Families, MetricId, ParticipantId, Study};
 
@@ -171,6 +171,20 @@ pub fn asked_in_vain(study: &Study) -> Vec<String> {
 }
 
 /// Who took part: who has a trial that counts, or an answer.
+/// The squared standard error of a mean over the study's groups with equal weight, times its people, over the variance of
+/// one of them: Σ n/(n_g G²), which is 1 where groups are as large as each other, or are not compared.
+pub fn inflation_by_groups(data: &StudyData) -> f64 {
+    let Some(groups) = &data.study.compare.groups else { return 1.0 };
+    let level = |who| data.people.level(who, &groups.column);
+    let mut sizes = BTreeMap::new();
+    for level in took_part(data).into_iter().filter_map(level) {
+        *sizes.entry(level).or_insert(0.0) += 1.0;
+    }
+    let n: f64 = sizes.values().sum();
+    let number = sizes.len() as f64;
+    if sizes.is_empty() { 1.0 } else { sizes.values().map(|own| n / (own * number * number)).sum() }
+}
+
 pub(crate) fn took_part(data: &StudyData) -> BTreeSet<&ParticipantId> {
     let of_trials = data.counting().map(|trial| &trial.meta.participant);
     of_trials.chain(data.answers.iter().map(|answer| &answer.participant)).collect()

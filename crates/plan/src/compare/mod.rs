@@ -3,8 +3,8 @@
 mod asked;
 mod parameters;
 
-pub(crate) use asked::has_group_differences;
-pub use asked::{asked_in_vain, claims, compared};
+pub use asked::{asked_in_vain, claims, compared, inflation_by_groups};
+pub(crate) use asked::{has_group_differences, took_part};
 pub(crate) use parameters::groups;
 
 use crate::figures::drawing::{Drawing, Figured};
@@ -27,10 +27,11 @@ use zwidth_figures::{
     SESSIONS_COMPARED, VERDICTS, VerdictRow, answers_compared, verdict_rows,
 };
 use zwidth_results::{
-    AnswerDifference, AnyGroup, Cell, Compared, CovariateSlope, EffectDifference, FactorTest,
-    GivenAnswer, GroupDifference, GroupMean, GroupMember, GroupModeDifference, Learning, Mean,
-    MetricNote, ModeDifference, Model, Omnibus, OrderTest, PersonDifference, PersonSuperiority,
-    PrintedDifference, RedrawnDifference, RepeatMean, Row, SessionChange, TrialScore, TrialSlope,
+    AnswerDifference, AnyGroup, Cell, Compared, CovariateSlope, DoseModel, DosePoint,
+    EffectDifference, FactorTest, GivenAnswer, GroupDifference, GroupMean, GroupMember,
+    GroupModeDifference, GroupModel, Learning, Mean, MetricNote, ModeDifference, Model, Omnibus,
+    OrderTest, PersonDifference, PersonSuperiority, PrintedDifference, RedrawnDifference,
+    RepeatMean, Row, SessionChange, TrialScore, TrialSlope,
 };
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, Stage};
 use zwidth_store::{Answer, Layout, StudyData};
@@ -40,8 +41,13 @@ use zwidth_tables::{Measured, Table, TableError};
 pub(crate) const STAGE: Stage = Stage { name: "compare", version: zwidth_compare::VERSION };
 
 /// The tables of a study whose people are of several groups, in the order in which they are read.
-const OF_GROUPS: [&str; 4] =
-    [GroupDifference::NAME, GroupMean::NAME, GroupModeDifference::NAME, AnyGroup::NAME];
+const OF_GROUPS: [&str; 5] = [
+    GroupDifference::NAME,
+    GroupMean::NAME,
+    GroupModeDifference::NAME,
+    AnyGroup::NAME,
+    GroupModel::NAME,
+];
 
 /// The tables of a study with factors, likewise.
 const OF_FACTORS: [&str; 2] = [EffectDifference::NAME, FactorTest::NAME];
@@ -58,16 +64,26 @@ pub(crate) struct Comparison {
     has_lines: bool,
     /// Whether effects of factors are compared.
     pub(crate) has_effects: bool,
+    /// Whether lines over doses are.
+    has_doses: bool,
 }
 
 impl Comparison {
     fn of(data: &StudyData) -> Self {
         let has_groups = data.study.compare.groups.is_some();
         let has_covariates = !data.study.compare.covariates.is_empty();
-        let has_effects = !data.study.effects().is_empty();
+        let effects = data.study.effects();
+        let has_doses = effects.iter().any(|effect| effect.over.is_some());
         let folder = derived(&data.layout, "compare");
         let has_lines = data.study.compare.over.is_some();
-        Self { folder, has_groups, has_covariates, has_lines, has_effects }
+        Self {
+            folder,
+            has_groups,
+            has_covariates,
+            has_lines,
+            has_effects: !effects.is_empty(),
+            has_doses,
+        }
     }
 
     /// The table of rows `R`.
@@ -94,6 +110,10 @@ impl Comparison {
                 false => Vec::new(),
             },
             effects: match self.has_effects {
+                true => self.table().read_of(metric)?,
+                false => Vec::new(),
+            },
+            trend_curves: match self.has_doses {
                 true => self.table().read_of(metric)?,
                 false => Vec::new(),
             },
@@ -144,6 +164,9 @@ impl Inputs for Comparison {
         }
         if self.has_effects {
             names.extend(OF_FACTORS);
+        }
+        if self.has_doses {
+            names.extend([DosePoint::NAME, DoseModel::NAME]);
         }
         names.into_iter().map(|name| self.file(name)).collect()
     }
@@ -261,6 +284,8 @@ pub(crate) fn tables(data: &StudyData) -> Vec<Printed> {
             (of_contrasts, ModeDifference::NAME),
             (of_factors, EffectDifference::NAME),
             (of_factors && several && !data.study.compare.effects.is_empty(), FactorTest::NAME),
+            (comparison.has_doses && several && !of_groups, DosePoint::NAME),
+            (comparison.has_doses && several && !of_groups, DoseModel::NAME),
             (several, Omnibus::NAME),
             (several && of_contrasts, Model::NAME),
             (several && of_contrasts, PersonDifference::NAME),
@@ -269,6 +294,7 @@ pub(crate) fn tables(data: &StudyData) -> Vec<Printed> {
             (of_groups, GroupDifference::NAME),
             (of_groups, GroupMean::NAME),
             (of_groups, GroupModeDifference::NAME),
+            (of_groups, GroupModel::NAME),
             (of_more_groups, AnyGroup::NAME),
             (several_and_again, SessionChange::NAME),
             (true, Learning::NAME),
@@ -380,10 +406,14 @@ fn make(
             table_of(results.group_means)?,
             table_of(results.group_contrasts)?,
             table_of(results.any_group)?,
+            table_of(results.group_models)?,
         ]);
     }
     if !stage.effects.is_empty() {
         tables.extend([table_of(results.effects)?, table_of(results.factor_tests)?]);
+    }
+    if stage.effects.iter().any(|effect| effect.over.is_some()) {
+        tables.extend([table_of(results.trend_curves)?, table_of(results.trend_models)?]);
     }
     write_named(tables, making, *simulated)
 }

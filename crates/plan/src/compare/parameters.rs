@@ -3,6 +3,7 @@
 use super::asked::{compared, took_part};
 use crate::page::preregistered::preregistered;
 use serde::Serialize;
+use std::collections::{BTreeMap, BTreeSet};
 use zwidth_compare::{
     Covariate, DrawnOrder, Groups, MetricParameters, Noticed, Parameters, SessionOrder,
 };
@@ -10,8 +11,8 @@ use zwidth_results::{Column, Row as _, TrialKey, TrialScore};
 use zwidth_store::{SessionLog, StudyData};
 use zwidth_study::order::Rules;
 use zwidth_study::{
-    Bound, Coordinate, Event, GroupsCompared, IdError, Known, MetricId, PersonColumnId, Score,
-    Study,
+    Bound, Coordinate, Event, GroupsCompared, IdError, Known, MetricId, ParticipantId,
+    PersonColumnId, PersonValue, Score, SessionRecord, Study,
 };
 use zwidth_tables::{Measured, Table, TableError};
 
@@ -143,7 +144,25 @@ pub(crate) fn groups(data: &StudyData, compared: &GroupsCompared) -> Groups {
         let own = data.people.level(who, &compared.column)?;
         Some((who.clone(), compared.levels.iter().position(|level| level == own)?))
     });
-    Groups { levels_of: levels_of.collect(), compared: compared.clone() }
+    let levels_of: BTreeMap<ParticipantId, usize> = levels_of.collect();
+    // By the session in which it was drawn, or that knew it.
+    let mut numbers = BTreeSet::new();
+    let drawn = |who: &ParticipantId| {
+        let own = data.sessions.iter().map(|log| &log.record).filter(|own| own.participant == *who);
+        let mut given = own.filter(|record| record.drawn.contains_key(&compared.column));
+        let is_that_level = |record: &&SessionRecord| {
+            let level = data.people.level(who, &compared.column).cloned().map(PersonValue::Level);
+            record.person.get(&compared.column) == level.as_ref()
+        };
+        let record = given.find(is_that_level)?;
+        numbers.insert(record.order?.participant_number);
+        Some((who.clone(), *record.drawn.get(&compared.column)?))
+    };
+    let blocks: Option<BTreeMap<ParticipantId, u32>> = levels_of.keys().map(drawn).collect();
+    // Two people of one number have one level, so that chance could not have made every arrangement.
+    let apart = numbers.len() == levels_of.len();
+    let blocks = blocks.filter(|_| compared.assigned && apart).unwrap_or_default();
+    Groups { levels_of, compared: compared.clone(), blocks }
 }
 
 /// A number of those who took part.

@@ -8,8 +8,8 @@ use crate::characterise::{self, Characterisation};
 use crate::tables::long::for_programs;
 use crate::tables::printed::Printed;
 use crate::{
-    compare, curves, freemotion, identify, ladder, likert, metrics, relations, replay, report,
-    trade,
+    compare, curves, freemotion, identify, ladder, likert, metrics, people, relations, replay,
+    report, trade,
 };
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -37,6 +37,7 @@ pub fn printed(data: &StudyData) -> Vec<Printed> {
         compare::tables(data),
         curves::tables(data),
         relations::tables(data),
+        people::tables(data),
         mark(trade::tables(data), false),
         mark(of_sweeps(data), sweeps),
         mark(report::of_data(data), any),

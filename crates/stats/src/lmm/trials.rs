@@ -97,6 +97,49 @@ pub fn fit_trials(trials: Trials<'_>) -> Result<TrialFit, Unestimable> {
     Err(refused.unwrap_or(Unestimable::Confounded { what }))
 }
 
+/// Trials of participants at the levels of a dose.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Dosed<'a> {
+    /// The participant of each trial, any numbers.
+    pub participant: &'a [usize],
+    /// The level of each trial, likewise.
+    pub level: &'a [usize],
+    /// Its dose.
+    pub dose: &'a [f64],
+    /// The metric of each trial.
+    pub value: &'a [f64],
+}
+
+/// Fits y = β₀ + β₁ dose with everybody's own line, and their own deviation from it at each level, by REML. Without the
+/// slopes of people one of a line is wrong in 14 to 61 of 100 studies without a slope. The second coefficient is the slope.
+///
+/// # Errors
+/// As [`fit()`]: columns of different lengths, variances that cannot be told apart.
+pub fn fit_doses(trials: Dosed<'_>) -> Result<Fit, Unestimable> {
+    let Dosed { participant, level, dose, value } = trials;
+    let ones = vec![1.0; value.len()];
+    // About its mean: the criterion is the same, and its entries do not hang together.
+    let mean = dose.iter().sum::<f64>() / dose.len().max(1) as f64;
+    let centred: Vec<f64> = dose.iter().map(|dose| dose - mean).collect();
+    let model = Model {
+        response: value.to_vec(),
+        fixed: vec![
+            Column { name: "level".to_owned(), values: ones.clone() },
+            Column { name: "slope".to_owned(), values: centred.clone() },
+        ],
+        group: participant.to_vec(),
+        random: vec![
+            RandomTerm {
+                name: "participant, level and slope".to_owned(),
+                columns: vec![ones, centred],
+                level: vec![0; value.len()],
+            },
+            RandomTerm::intercept("participant × dose", level.to_vec()),
+        ],
+    };
+    fit(&model, Criterion::Reml)
+}
+
 /// Whether some participant has two levels of each term that has levels, and some level two trials:
 /// without that the design cannot support it (the information on the variances is tested later).
 fn may_support(trials: Trials<'_>, terms: &[Term]) -> bool {

@@ -2,10 +2,12 @@
 
 use crate::disk::regular::text;
 use crate::form::entry::MOST_STUDY;
-use crate::{Files, Layout, StoreError};
+use crate::{Files, Layout, SessionLog, StoreError};
 use std::collections::BTreeSet;
 use std::path::PathBuf;
-use zwidth_study::{ParticipantId, People, PeopleForm, Study, counted};
+use zwidth_study::{
+    Event, ParticipantId, People, PeopleForm, Person, PersonValue, SessionRecord, Study, counted,
+};
 
 /// The participants' files that there are: one, unless somebody has to choose.
 fn there(files: &dyn Files, layout: &Layout) -> Vec<(PeopleForm, PathBuf)> {
@@ -17,7 +19,10 @@ fn there(files: &dyn Files, layout: &Layout) -> Vec<(PeopleForm, PathBuf)> {
 }
 
 /// The rows of the participants' file; none without one, and none of a study that names no column of people.
-pub(crate) fn read_people(
+///
+/// # Errors
+/// Two such files; one that cannot be read; one error per wrong cell.
+pub fn read_people(
     files: &dyn Files,
     layout: &Layout,
     study: &Study,
@@ -69,6 +74,87 @@ pub(crate) fn people_findings(
     vec![StoreError::new(&file, what, "write it there")]
 }
 
+/// What is known of a person now and was not when a session of theirs began.
+#[derive(Debug, Default)]
+pub struct PersonChanges {
+    /// Another group, where groups are compared and nobody accepted it: the event that accepts it, and what changed.
+    pub group: Option<(Event, String)>,
+    /// What else changed, in words.
+    pub rest: Vec<String>,
+}
+
+impl PersonChanges {
+    /// Those since a session began. A session that knew nothing of its person has none.
+    pub fn of(log: &SessionLog, people: &People, study: &Study) -> Self {
+        let was = &log.record.person;
+        let is = people.row(&log.record.participant);
+        let mut changes = Self::default();
+        for column in study.people.iter().filter(|_| !was.is_empty()) {
+            let [was, is] = [was.get(&column.id), is.and_then(|row| row.get(&column.id))];
+            if was == is {
+                continue;
+            }
+            let [before, now] = [was, is]
+                .map(|value| value.map_or_else(|| "not known".to_owned(), ToString::to_string));
+            let words = format!("{} was {before} and is {now}", column.id);
+            let is_compared =
+                study.compare.groups.as_ref().is_some_and(|own| own.column == column.id);
+            let level = match is {
+                Some(PersonValue::Level(level)) => Some(level.clone()),
+                _ => None,
+            };
+            let event = Event::PersonAccepted { column: column.id.clone(), level };
+            match is_compared && was.is_some() && !log.events.contains(&event) {
+                true => changes.group = Some((event, words)),
+                false => changes.rest.push(words),
+            }
+        }
+        changes
+    }
+}
+
+/// Who is the only one of whom that is known which is, as a note: somebody who knows them could find them by it.
+pub(crate) fn alone(study: &Study, people: &People) -> Option<String> {
+    let rows: Vec<(&ParticipantId, &Person)> =
+        people.iter().filter(|(_, row)| !row.is_empty()).collect();
+    let is_alone = |row: &&Person| rows.iter().filter(|(_, other)| other == row).count() == 1;
+    let alone: Vec<&ParticipantId> =
+        rows.iter().filter(|(_, row)| is_alone(row)).map(|(who, _)| *who).collect();
+    let first = alone.first()?;
+    let columns: Vec<&str> = study.people.iter().map(|column| column.id.as_str()).collect();
+    let who = match alone.len() {
+        1 => format!("{first} is the only one"),
+        n => format!(
+            "{n} of {}, the first is {first}, are the only ones",
+            counted(rows.len(), "participants")
+        ),
+    };
+    Some(format!(
+        "{who} of whom just this is known ({}), here and in sessions/: somebody who knows them could find them by it",
+        columns.join(", ")
+    ))
+}
+
+/// The warning that somebody is compared in another group than they were in when a session began.
+pub(crate) fn group_warning(
+    layout: &Layout,
+    log: &SessionLog,
+    people: &People,
+    study: &Study,
+) -> Option<StoreError> {
+    let (_, words) = PersonChanges::of(log, people, study).group?;
+    let SessionRecord { participant, session, .. } = &log.record;
+    let what = format!("{words}, by the participants' file, since {participant} {session} began");
+    let accept = format!(
+        "zwidth recover {} --accept-study-change -p {participant} -s {session}",
+        layout.study()
+    );
+    let remedy = format!(
+        "correct the file, or accept it with `{accept}`; a group that changes from session to session is a mode, no group"
+    );
+    Some(StoreError::new(&log.path, what, remedy))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -107,6 +193,25 @@ mod tests {
         fs::write(layout.people(PeopleForm::Csv), "participant,group\n").unwrap();
         let [error] = StudyData::load(&layout).unwrap_err().try_into().unwrap();
         assert!(error.what.contains("there is participants.toml too"), "{error}");
+    }
+
+    #[test]
+    fn who_is_alone_in_what_is_said_of_them_is_noted() {
+        let (_folder, layout) = study("");
+        let said = |rows: &str| {
+            let text = format!("participant,group\n{rows}");
+            fs::write(layout.people(PeopleForm::Csv), text).unwrap();
+            crate::study_notes(&crate::RealFiles, &layout)
+        };
+        assert_eq!(said("P01,a\nP02,a\nP03,b\nP04,b\n"), Vec::<String>::new());
+        assert_eq!(said("P01,a\nP02,a\nP03,\n"), Vec::<String>::new(), "nothing is said of P03");
+        let [note] = said("P01,a\nP02,a\nP03,b\n").try_into().unwrap();
+        assert!(
+            note.starts_with("P03 is the only one of whom just this is known (group)"),
+            "{note}"
+        );
+        let [note] = said("P01,a\nP03,b\n").try_into().unwrap();
+        assert!(note.starts_with("2 of 2 participants, the first is P01, are"), "{note}");
     }
 
     #[test]

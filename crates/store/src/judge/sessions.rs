@@ -203,6 +203,7 @@ fn join_one(trial: &mut TrialEntry, events: &[Event]) -> Option<String> {
             | Event::Marker { .. }
             | Event::Unsealed { .. }
             | Event::StudyAccepted { .. }
+            | Event::PersonAccepted { .. }
             | Event::LaidDown { .. }
             | Event::SweepRecorded { .. } => {}
         }

@@ -11,7 +11,7 @@ use crate::judge::fit::unfit;
 use crate::judge::laid::study_warning;
 use crate::judge::logged_sweeps::logged_sweeps;
 use crate::judge::one_form::other_forms;
-use crate::judge::people::read_people;
+use crate::judge::people::{group_warning, read_people};
 use crate::judge::sessions::{join, keep, read_sessions, why_sealed};
 use crate::{Entry, Files, Layout, RealFiles, Seen, StoreError, hex_blake3};
 use rayon::prelude::*;
@@ -135,7 +135,7 @@ impl StudyData {
             Err(findings) => return Err([findings, problems].concat()),
         };
         let people = match read_people(files, layout, &study) {
-            Ok(people) => people,
+            Ok(people) => people.with_drawn(&study.people, sessions.iter().map(|log| &log.record)),
             Err(findings) => return Err([findings, problems].concat()),
         };
         // After `join`: the modes of sealed trials are codes, which study.toml does not have.
@@ -144,7 +144,9 @@ impl StudyData {
             sessions.iter().filter_map(|log| study_warning(layout, log, &study, &study_blake3));
         let beside = check_study_id(files, layout).err();
         let forms = other_forms(layout, &study, &trials);
-        let warnings = changed.chain(beside).chain(forms).collect();
+        let regrouped =
+            sessions.iter().filter_map(|log| group_warning(layout, log, &people, &study));
+        let warnings = changed.chain(regrouped).chain(beside).chain(forms).collect();
         let layout = layout.clone();
         let data = Self {
             layout,

@@ -2,14 +2,15 @@
 //! session.
 
 use crate::judge::laid::{matters, study_warning};
+use crate::judge::people::{PersonChanges, alone, read_people};
 use crate::judge::sessions::read_sessions;
 use crate::judge::study::read_study_from;
 use crate::{Files, Layout, StoreError, commit_events};
 use std::path::Path;
 use zwidth_study::{Event, ParticipantId, SessionId, SessionRecord};
 
-/// Accepts the present `study.toml` for every session to which a change of it matters, or for
-/// `only` one; returns what was accepted, in words, one text per session. The caller holds the
+/// Accepts the present `study.toml`, and the group that the participants' file says now, for every session to which a
+/// change of them matters, or for `only` one; returns what was accepted, in words, one text per session. The caller holds the
 /// study's lock.
 ///
 /// # Errors
@@ -41,21 +42,36 @@ pub fn accept_study(
     if !problems.is_empty() {
         return Err(problems);
     }
-    sessions.retain(|log| study_warning(layout, log, &study, &hash).is_some());
-    let event = [Event::StudyAccepted { study_blake3: hash.clone() }];
-    let logs: Vec<(&Path, &[Event])> =
-        sessions.iter().map(|log| (log.events_path.as_path(), event.as_slice())).collect();
-    commit_events(files, layout, utc, &logs).map_err(|error| vec![error])?;
-    let accepted = sessions.iter().map(|log| {
+    let people = read_people(files, layout, &study)?;
+    let people = people.with_drawn(&study.people, sessions.iter().map(|log| &log.record));
+    let mut events: Vec<(&Path, Vec<Event>)> = Vec::new();
+    let mut accepted = Vec::new();
+    for log in &sessions {
         let SessionRecord { participant, session, .. } = &log.record;
-        let changes = matters(log, &study, &hash).unwrap_or_default();
-        format!("{participant} {session}: the changed study.toml is accepted: {changes}")
-    });
-    Ok(accepted.collect())
+        let mut own = Vec::new();
+        if study_warning(layout, log, &study, &hash).is_some() {
+            own.push(Event::StudyAccepted { study_blake3: hash.clone() });
+            let changes = matters(log, &study, &hash).unwrap_or_default();
+            accepted.push(format!(
+                "{participant} {session}: the changed study.toml is accepted: {changes}"
+            ));
+        }
+        if let Some((event, words)) = PersonChanges::of(log, &people, &study).group {
+            own.push(event);
+            accepted.push(format!("{participant} {session}: another group is accepted: {words}"));
+        }
+        if !own.is_empty() {
+            events.push((&log.events_path, own));
+        }
+    }
+    let logs: Vec<(&Path, &[Event])> =
+        events.iter().map(|(path, events)| (*path, events.as_slice())).collect();
+    commit_events(files, layout, utc, &logs).map_err(|error| vec![error])?;
+    Ok(accepted)
 }
 
 /// What a reader of a study should know although it is not a finding: changes of `study.toml` that
-/// were accepted.
+/// were accepted, and what the participants' file says otherwise of people than when they took part.
 pub fn study_notes(files: &dyn Files, layout: &Layout) -> Vec<String> {
     let Ok((study, hash)) = read_study_from(files, layout) else { return Vec::new() };
     let (sessions, _) = read_sessions(files, layout, &mut Vec::new());
@@ -67,7 +83,19 @@ pub fn study_notes(files: &dyn Files, layout: &Layout) -> Vec<String> {
             "study.toml has changed since {participant} {session} began, and was accepted: {changes}"
         ))
     });
-    notes.collect()
+    let people = read_people(files, layout, &study).unwrap_or_default();
+    let people = people.with_drawn(&study.people, sessions.iter().map(|log| &log.record));
+    let of_people = sessions.iter().filter_map(|log| {
+        let SessionRecord { participant, session, .. } = &log.record;
+        let PersonChanges { rest, .. } = PersonChanges::of(log, &people, &study);
+        let changes = rest.join("; ");
+        (!rest.is_empty()).then(|| {
+            format!(
+                "the participants' file has changed since {participant} {session} began: {changes}"
+            )
+        })
+    });
+    notes.chain(of_people).chain(alone(&study, &people)).collect()
 }
 
 #[cfg(test)]

@@ -275,6 +275,29 @@ fn from_toml(text: &str, columns: &[PersonColumn]) -> Result<People, Vec<StudyEr
     if check.errors.is_empty() { Ok(People(people)) } else { Err(check.errors) }
 }
 
+impl People {
+    /// What a text is in a column of that name.
+    ///
+    /// # Errors
+    /// No such column, no such level, no number.
+    pub fn value(
+        id: &PersonColumnId,
+        text: &str,
+        columns: &[PersonColumn],
+    ) -> Result<PersonValue, String> {
+        let column = columns.iter().find(|column| column.id == *id);
+        of_column(id.as_str(), cell_of(text, column), columns).map(|(_, value)| value)
+    }
+}
+
+/// What a text is: a number where numbers stand.
+fn cell_of(text: &str, column: Option<&PersonColumn>) -> Cell {
+    match (column.map(|column| &column.known), text.parse()) {
+        (Some(Known::Number { .. }), Ok(number)) => Cell::Number(number),
+        _ => Cell::Text(text.to_owned()),
+    }
+}
+
 fn from_csv(text: &str, columns: &[PersonColumn]) -> Result<People, Vec<StudyError>> {
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
     let unreadable = |error: csv::Error| {
@@ -317,11 +340,7 @@ fn from_csv(text: &str, columns: &[PersonColumn]) -> Result<People, Vec<StudyErr
             let Some(column) = columns.iter().find(|column| column.id.as_str() == id) else {
                 continue;
             };
-            let value = match (&column.known, text.parse()) {
-                (Known::Number { .. }, Ok(number)) => Cell::Number(number),
-                _ => Cell::Text(text.to_owned()),
-            };
-            match of_column(id, value, columns) {
+            match of_column(id, cell_of(text, Some(column)), columns) {
                 Ok((id, value)) => _ = person.insert(id, value),
                 Err(problem) => refuse(line, id, problem),
             }

@@ -14,6 +14,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use zwidth_plan as plan;
 use zwidth_results::{EffectLevels, ModeDifference, Model, UnitOfAnalysis};
+use zwidth_stats::groups::LEAST_FOR_A_CLAIM;
 use zwidth_stats::power::{self, HALVINGS, Plan, PlannedTest, Searched, Simulation};
 use zwidth_store::{Raw, RealFiles, StudyData, hex_blake3, write_new};
 use zwidth_study::{Effect, LevelContrast, Study, StudyId, Term, contrast_label};
@@ -33,6 +34,10 @@ pub(crate) struct PowerArgs {
     /// Number of participants
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=MOST_PARTICIPANTS))]
     pub(crate) participants: Option<u32>,
+    /// Participants of two groups: then the difference is that of the groups in what is compared between modes, or in
+    /// the effect
+    #[arg(long, value_name = "N,N", value_delimiter = ',', conflicts_with = "participants", value_parser = clap::value_parser!(u32).range(2..=MOST_PARTICIPANTS))]
+    pub(crate) groups: Vec<u32>,
     /// The metric's column in the table of metrics [default: the primary one, the first of several]
     #[arg(long, value_name = "METRIC")]
     pub(crate) metric: Option<String>,
@@ -86,6 +91,9 @@ struct Planned {
     source: String,
     repeats: usize,
     participants: usize,
+    /// Of these in each of two groups; none where modes are compared.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    groups: Option<[usize; 2]>,
     alpha: f64,
     seed: u64,
     studies: usize,
@@ -119,6 +127,23 @@ pub(crate) fn power(root: &Path, command: &PowerArgs, screen: &Screen) -> anyhow
         Some(effect) => spread_of_effect(&data, command, &metric, effect, screen)?,
     };
     let repeats = usize::try_from(data.study.design.repeats)?;
+    let groups = match *command.groups.as_slice() {
+        [first, second] => {
+            if compare.groups.is_none() {
+                bail!(
+                    "--groups: {} compares no groups; name them in [compare] groups",
+                    layout.study()
+                );
+            }
+            let groups = [usize::try_from(first)?, usize::try_from(second)?];
+            if groups.iter().any(|people| *people < LEAST_FOR_A_CLAIM) {
+                bail!("--groups: a claim takes {LEAST_FOR_A_CLAIM} participants in each group");
+            }
+            Some(groups)
+        }
+        [] => None,
+        _ => bail!("--groups: give the participants of two groups, such as 8,8"),
+    };
     let planned = Plan {
         participant_sd: spread.participant,
         interaction_sd: spread.participant_mode,
@@ -126,10 +151,13 @@ pub(crate) fn power(root: &Path, command: &PowerArgs, screen: &Screen) -> anyhow
         repeats,
         modes: data.study.modes.len(),
         difference: command.difference,
-        participants: command.participants.map_or(Ok(PARTICIPANTS), usize::try_from)?,
+        participants: match groups {
+            Some([first, second]) => first + second,
+            None => command.participants.map_or(Ok(PARTICIPANTS), usize::try_from)?,
+        },
     };
     let simulation = Simulation {
-        test: PlannedTest::PairedT,
+        test: groups.map_or(PlannedTest::PairedT, PlannedTest::Welch),
         // Bonferroni: each claim of a family is tested at its share of alpha.
         alpha: compare.alpha / plan::claims(&data.study, &metric).max(1) as f64,
         studies: usize::try_from(command.studies)?,
@@ -164,6 +192,7 @@ pub(crate) fn power(root: &Path, command: &PowerArgs, screen: &Screen) -> anyhow
         source: spread.source,
         repeats,
         participants: planned.participants,
+        groups,
         alpha: simulation.alpha,
         seed: simulation.seed,
         studies: simulation.studies,
@@ -223,7 +252,8 @@ fn spread(
     super::compare::make(data, screen)?;
     let (contrasts, models) = plan::spreads(data, &metric.parse()?)?;
     let repeats = f64::from(data.study.design.repeats);
-    let widest = widest(&contrasts, &models, repeats, &data.study);
+    let inflated = plan::inflation_by_groups(data);
+    let widest = widest(&contrasts, &models, repeats, inflated, &data.study);
     let simulated = data.counting().any(|trial| trial.meta.source.is_simulated());
     let mark = if simulated { "; SYNTHETIC: simulated data" } else { "" };
     let widest = widest.with_context(|| {
@@ -279,8 +309,9 @@ fn spread_of_effect(
     let of_effect = found
         .into_iter()
         .filter(|row| row.effect == *effect && !row.levels.as_ref().is_some_and(is_bend));
+    let inflated = plan::inflation_by_groups(data);
     let widest = of_effect.filter_map(|row| {
-        let variance = row.difference_std_error?.powi(2) * row.n as f64;
+        let variance = row.difference_std_error?.powi(2) * row.n as f64 / inflated;
         let of = row.levels.map(|levels| format!(" ({levels})")).unwrap_or_default();
         Some((variance, of))
     });
@@ -308,18 +339,20 @@ fn spread_of_effect(
 /// The spread of the contrast in which participants differ most. Their differences scatter with
 /// 2 (σ² of their own mode effects + σ² of repeats / repeats): each contrast has its own, where a
 /// model of all modes would pool those in which people differ little with those in which they
-/// differ much. None where the claims are not about participants.
+/// differ much. None where the claims are not about participants. `inflated` is
+/// [`plan::inflation_by_groups`].
 fn widest(
     contrasts: &[ModeDifference],
     models: &[Model],
     repeats: f64,
+    inflated: f64,
     study: &Study,
 ) -> Option<Spread> {
     let spreads = contrasts.iter().filter_map(|row| {
         let model = models.iter().find(|model| model.environment == row.environment)?;
         let is_of_people = row.unit_of_analysis == UnitOfAnalysis::Participants;
         let residual = model.residual_sd.filter(|_| is_of_people)?;
-        let variance = row.difference_std_error?.powi(2) * row.n as f64;
+        let variance = row.difference_std_error?.powi(2) * row.n as f64 / inflated;
         let of_repeats = 2.0 * residual.powi(2) / (repeats * row.sessions?.max(1) as f64);
         // An estimated variance can come out below that of the repeats alone.
         let own = ((variance - of_repeats).max(0.0) / 2.0).sqrt();
@@ -339,24 +372,34 @@ fn widest(
 fn sentences(study: &Study, result: &Planned) -> [String; 4] {
     let Planned { metric, difference, participants, studies, alpha, source, .. } = result;
     let named = plan::metric_in_words(study, metric).map(|words| format!("{words} ({metric})"));
-    let what = match &result.effect {
-        None => "two modes differ by".to_owned(),
-        Some(effect) => format!("the effect of {} is", effect.to_string().replace(':', " × ")),
+    let effect = result.effect.as_ref().map(|effect| effect.to_string().replace(':', " × "));
+    let what = match (effect, result.groups) {
+        (None, None) => "two modes differ by".to_owned(),
+        (Some(effect), None) => format!("the effect of {effect} is"),
+        (None, Some(_)) => "the difference between two modes differs between groups by".to_owned(),
+        (Some(effect), Some(_)) => format!("the effect of {effect} differs between groups by"),
+    };
+    let people = match result.groups {
+        Some([first, second]) => format!("{first} and {second}"),
+        None => participants.to_string(),
     };
     let [power, low, high] =
         [result.power, result.power_ci_low, result.power_ci_high].map(|share| 100.0 * share);
     [
         format!(
-            "{}: if {what} {difference}, a study of {participants} participants finds it with a \
+            "{}: if {what} {difference}, a study of {people} participants finds it with a \
              probability (power) of {power:.1} % ({low:.1} to {high:.1} %, from {studies} simulated studies).",
             named.unwrap_or_else(|| metric.clone())
         ),
         match result.participants_needed {
+            Some(needed) if result.groups.is_some() => format!(
+                "For a power of 80 % it takes {needed} participants, in groups of such a ratio."
+            ),
             Some(needed) => format!("For a power of 80 % it takes {needed} participants."),
             None => "Even 10,000 participants do not reach a power of 80 %.".to_owned(),
         },
         format!(
-            "The smallest difference that {participants} participants find with a power of 80 % is {:.4}.",
+            "The smallest difference that {people} participants find with a power of 80 % is {:.4}.",
             result.smallest_difference
         ),
         format!(
@@ -443,11 +486,28 @@ mod tests {
         (vec![contrast("active", 0.1), contrast("passive", 0.2)], vec![model])
     }
 
+    #[test]
+    fn groups_are_two_numbers_with_a_comma() {
+        use crate::args::{Args, Command};
+        use clap::Parser as _;
+        let of = |groups: &[&str]| {
+            let line = ["zwidth", "power", "--difference", "1"];
+            match Args::try_parse_from([&line[..], groups, &["study"]].concat()) {
+                Ok(Args { command: Command::Power(command), .. }) => Some(command.groups),
+                _ => None,
+            }
+        };
+        assert_eq!(of(&["--groups", "8,10"]), Some(vec![8, 10]));
+        assert_eq!(of(&[]), Some(Vec::new()));
+        assert_eq!(of(&["--groups", "8,8", "--participants", "16"]), None);
+        assert_eq!(of(&["--groups", "8,x"]), None);
+    }
+
     /// Differences have variances 4 · 0.1² and 4 · 0.2², of which two repeats explain 2 · 0.2² / 2.
     #[test]
     fn the_spread_is_that_of_the_contrast_in_which_participants_differ_most() {
         let (contrasts, models) = found(UnitOfAnalysis::Participants);
-        let found = widest(&contrasts, &models, 2.0, &zwidth_testing::study()).unwrap();
+        let found = widest(&contrasts, &models, 2.0, 1.0, &zwidth_testing::study()).unwrap();
         assert!((found.participant_mode - (0.12_f64 / 2.0).sqrt()).abs() < 1e-12);
         assert!((found.participant - 0.3).abs() < 1e-12 && (found.residual - 0.2).abs() < 1e-12);
         assert!(found.source.starts_with("Spring, Hybrid − Passive"), "{}", found.source);
@@ -456,6 +516,6 @@ mod tests {
     #[test]
     fn trials_of_one_participant_tell_no_spread_of_people() {
         let (contrasts, models) = found(UnitOfAnalysis::TrialsOf("P01".parse().unwrap()));
-        assert!(widest(&contrasts, &models, 2.0, &zwidth_testing::study()).is_none());
+        assert!(widest(&contrasts, &models, 2.0, 1.0, &zwidth_testing::study()).is_none());
     }
 }

@@ -10,9 +10,9 @@ use zwidth_draw::{
 };
 use zwidth_results as results;
 use zwidth_results::{
-    Compared, EffectDifference, GroupDifference, GroupMean, GroupMember, Mean, MetricNote,
-    ModeDifference, NoteKind, PersonDifference, RedrawnDifference, RepeatMean, Role, Row as _,
-    SessionChange, UnitOfAnalysis,
+    Compared, DosePoint, EffectDifference, GroupDifference, GroupMean, GroupMember, Mean,
+    MetricNote, ModeDifference, NoteKind, PersonDifference, RedrawnDifference, RepeatMean, Role,
+    Row as _, SessionChange, UnitOfAnalysis,
 };
 use zwidth_study::{
     Environment, EnvironmentId, Mode, ParticipantId, Source, contrast_label, in_a_sentence,
@@ -67,6 +67,8 @@ pub struct MetricResults {
     pub groups: Vec<GroupDifference>,
     /// Effects of factors, if there are factors.
     pub effects: Vec<EffectDifference>,
+    /// Its curves over doses.
+    pub trend_curves: Vec<DosePoint>,
     /// Means of groups by condition.
     pub group_means: Vec<GroupMean>,
     /// Who is of which group.

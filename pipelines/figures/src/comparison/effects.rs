@@ -6,8 +6,8 @@ use crate::words::{mark, percent, plain};
 use crate::{About, FigureKind};
 use std::collections::BTreeMap;
 use zwidth_draw::style::{self, Stroke};
-use zwidth_draw::{Axis, Cell, Direction, Figure, Intervals, Layer, Line, Panel, dodge};
-use zwidth_results::EffectDifference;
+use zwidth_draw::{Axis, Band, Cell, Direction, Figure, Intervals, Layer, Line, Panel, dodge};
+use zwidth_results::{DosePoint, EffectDifference};
 use zwidth_study::{
     Environment, EnvironmentId, Factor, FactorOf, LevelId, ModeId, ParticipantId, Source, counted,
 };
@@ -30,6 +30,8 @@ pub fn effects_compared(
 ) -> Figure {
     let shown = Shown::of(about, &compared.metric);
     let over_all = about.factors.iter().any(|factor| factor.of == FactorOf::Environments);
+    // Of several factors the lines are those of single levels.
+    let is_drawn = about.factors.len() == 1;
     // Weighted contrasts over several environments stand after those of each.
     let each = environments.iter().filter(|_| !over_all).map(Some);
     let mut panels: Vec<Panel> = Vec::new();
@@ -59,7 +61,10 @@ pub fn effects_compared(
                 }
             });
             let x = x.unwrap_or_else(|| Axis::new("", ""));
-            let layers = lines(about, &conditions, &shown, compared);
+            let is_of_place =
+                |point: &&DosePoint| is_drawn && point.environment.as_ref() == place.map(|e| &e.id);
+            let curve: Vec<&DosePoint> = compared.trend_curves.iter().filter(is_of_place).collect();
+            let layers = lines(about, &conditions, &curve, &shown, compared);
             let panel = Panel::new(Cell::at(row, 0), x, shown.axis("mean"), layers);
             panels.push(panel.titled(title).tall(PANEL_MM));
             row += 1;
@@ -84,12 +89,22 @@ pub fn effects_compared(
          of a factor less the first (of a dose its slope), the others averaged; grey: ± 1 just noticeable difference, where it is known. \
          p: after Holm."
     )];
+    let banded = compared.trend_curves.iter().any(|point| point.band_low.is_some());
+    let curve = compared.trend_curves.first().filter(|_| is_drawn).map(|point| match banded {
+        true => format!("Line: mean of the own lines or parabolas of {} with every level, with the {level} band of the whole curve.", counted(point.n, "participants")),
+        false => format!("Line: mean of the own lines or parabolas of {} with every level, with {level} intervals at each dose alone.", counted(point.n, "participants")),
+    });
     Figure {
         title: Some(plain(&format!("{}: effects of factors, {}", about.title, shown.words))),
         description: format!("{}: effects of factors, with {level} intervals.", shown.words),
         panels: or_note(panels),
         column_weights: WEIGHTS.to_vec(),
-        footnotes: verdicts.iter().chain(&footnotes).map(|note| plain(note)).collect(),
+        footnotes: verdicts
+            .iter()
+            .chain(&footnotes)
+            .chain(&curve)
+            .map(|note| plain(note))
+            .collect(),
         mark: mark(sources.iter().copied()),
         ..Figure::default()
     }
@@ -169,6 +184,7 @@ fn conditions<'a>(
 fn lines(
     about: &About,
     conditions: &[Crossed],
+    curve: &[&DosePoint],
     shown: &Shown,
     compared: &MetricResults,
 ) -> Vec<Layer> {
@@ -222,12 +238,28 @@ fn lines(
         }
         let at: Vec<f64> = line.keys().map(|at| place(*at)).collect();
         let name = second.map(|factor| plain(&format!("{} = {}", factor.id, factor.levels[index])));
+        let of = |value: fn(&DosePoint) -> f64| -> Vec<f64> {
+            curve.iter().map(|point| value(point) * shown.factor).collect()
+        };
+        let doses: Vec<f64> = curve.iter().map(|point| point.dose).collect();
+        if !curve.is_empty() {
+            means.push(Layer::Band(Band {
+                x: doses.clone(),
+                low: of(|point| point.band_low.unwrap_or(point.ci_low)),
+                high: of(|point| point.band_high.unwrap_or(point.ci_high)),
+                colour,
+                name: None,
+            }));
+        }
         means.push(Layer::Line(Line {
-            x: at.clone(),
-            y: line
-                .values()
-                .map(|row| row[0].map_or(f64::NAN, |mean| mean * shown.factor))
-                .collect(),
+            x: if curve.is_empty() { at.clone() } else { doses },
+            y: match curve.is_empty() {
+                true => line
+                    .values()
+                    .map(|row| row[0].map_or(f64::NAN, |mean| mean * shown.factor))
+                    .collect(),
+                false => of(|point| point.mean),
+            },
             stroke: Stroke { dash, ..style::mean(colour) },
             ..Line::default()
         }));
@@ -292,6 +324,8 @@ mod tests {
             size: None,
             bound: None,
             p_not_equivalent: None,
+            dose_unit: None,
+            turns_at: None,
             verdict: if difference.is_some() { Verdict::Different } else { Verdict::NotTested },
             remark: None,
         }
@@ -340,6 +374,7 @@ mod tests {
             participants: Vec::new(),
             groups: Vec::new(),
             effects: vec![effect("force", Some(0.5)), effect("force:noise", None)],
+            trend_curves: Vec::new(),
             group_means: Vec::new(),
             group_members: Vec::new(),
             sessions: Vec::new(),

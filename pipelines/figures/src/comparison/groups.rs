@@ -281,6 +281,7 @@ mod tests {
             participants: Vec::new(),
             groups,
             effects: Vec::new(),
+            trend_curves: Vec::new(),
             group_means: vec![mean("novice", 1.0), mean("expert", 2.0)],
             // The third has no group, and no dot.
             group_members: vec![member("P01", "novice"), member("P02", "expert")],

@@ -548,6 +548,7 @@ mod tests {
             contrasts: vec![difference],
             participants: vec![person("P01", -2.5), person("P02", -1.5)],
             groups: Vec::new(),
+            trend_curves: Vec::new(),
             effects: Vec::new(),
             group_means: Vec::new(),
             group_members: Vec::new(),

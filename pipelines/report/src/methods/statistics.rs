@@ -128,9 +128,12 @@ fn factors(study: &Study) -> String {
         let trend = study.compare.trend.get(&factor.id).copied().unwrap_or_default();
         let bend = if trend.degree > 1 { ", and the bend of their parabola" } else { "" };
         let scale = if trend.scale == DoseScale::Log2 { ", over its doublings" } else { "" };
+        let one = if trend.degree > 1 { "a bend" } else { "one" };
         text += &format!(
-            " That of {} is the slope of each participant's own line by least squares{bend}{scale}.",
-            factor.id
+            " That of {} is the slope of each participant's own line by least squares{bend}{scale}; who lacked a level \
+             has {one} if {} or more are left whose spread makes it at least half as certain.",
+            factor.id,
+            trend.degree + 2
         );
     }
     for weighted in &study.compare.weighted {

@@ -4,6 +4,7 @@ use super::*;
 use std::collections::BTreeMap;
 use std::fs;
 use zwidth_store::read_events;
+use zwidth_study::{PeopleForm, PersonColumnId, PersonValue};
 
 /// Everything below a folder, by content.
 fn contents(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
@@ -171,10 +172,17 @@ fn changed(desk: &mut Desk, from: &str, to: &str) {
     desk.plan.study = crate::own_study(&RealFiles, layout, participant, session).unwrap().unwrap();
 }
 
+/// What notes of changes, and of what chance gave, have in them.
+const OF_CHANGES: [&str; 3] = ["study.toml", "participants' file", "was drawn"];
+
 fn notes(desk: &Desk) -> Vec<String> {
     let events = read_events(&of(desk).log).unwrap();
     let note = |event| if let Event::Note { text, .. } = event { Some(text) } else { None };
-    events.into_iter().filter_map(note).filter(|text| text.contains("study.toml")).collect()
+    events
+        .into_iter()
+        .filter_map(note)
+        .filter(|text| OF_CHANGES.iter().any(|words| text.contains(words)))
+        .collect()
 }
 
 #[test]
@@ -238,6 +246,93 @@ fn a_change_of_what_is_recorded_is_refused_until_it_is_accepted_and_the_session_
         "as long as the copy says: {:?}",
         lasts.collect::<Vec<_>>()
     );
+}
+
+/// A desk of a study that has two columns of people, of which chance chooses the one; the participants' file tells the
+/// other of P01.
+fn with_people() -> Desk {
+    let mut desk = Desk::new(false);
+    let columns = "\n[[people]]\nid = \"crew\"\nlevels = [\"novice\", \"expert\"]\nassigned = true\n\
+                   [[people]]\nid = \"age_years\"\nunit = \"years\"\n\
+                   [compare]\ngroups = \"crew\"\n";
+    let text = String::from_utf8(desk.plan.study_toml.clone()).unwrap() + columns;
+    fs::write(desk.plan.layout.study_toml(), &text).unwrap();
+    fs::write(desk.plan.layout.people(PeopleForm::Toml), "[P01]\nage_years = 27\n").unwrap();
+    desk.plan.study = Study::from_toml(&text).unwrap();
+    desk.plan.study_toml = text.into_bytes();
+    desk
+}
+
+#[test]
+fn what_is_known_of_the_person_is_kept_with_the_session_and_chance_gives_a_level_once() {
+    let mut desk = with_people();
+    desk.run(&mut Mock::default(), &Unsynced, &mut quits_after(2)).unwrap();
+    let record = desk.data().sessions[0].record.clone();
+    let [crew, age] = ["crew", "age_years"].map(|id| id.parse::<PersonColumnId>().unwrap());
+    assert_eq!(record.person[&age], PersonValue::Number(27.0));
+    assert_eq!(record.drawn, [(crew.clone(), 0)].into());
+    let given = desk.data().people.level(&record.participant, &crew).cloned().unwrap();
+    assert_eq!(record.person[&crew], PersonValue::Level(given.clone()));
+    assert_eq!(notes(&desk)[0], format!("crew was drawn: {given}"));
+    // Of another seed, yet of the same person.
+    desk.plan.session = "S02".parse().unwrap();
+    for seed in 0..8 {
+        desk.plan.seed = Some(seed);
+        let capabilities = Mock::default();
+        let next = Session::open(&desk.plan, capabilities.capabilities(), &RealFiles).unwrap();
+        assert_eq!((&next.record.person, &next.record.drawn), (&record.person, &record.drawn));
+    }
+    assert_eq!(verify(&desk.plan.layout), []);
+    // Four people in a block: two of each.
+    let levels = (1..=4).map(|number| {
+        desk.plan.participant = format!("P{number:02}").parse().unwrap();
+        desk.plan.seed = None;
+        let device = Mock::default();
+        let next = Session::open(&desk.plan, device.capabilities(), &RealFiles).unwrap();
+        next.record.person[&crew].to_string()
+    });
+    let levels: Vec<String> = levels.collect();
+    assert_eq!(levels.iter().filter(|level| *level == "expert").count(), 2, "{levels:?}");
+}
+
+#[test]
+fn another_group_than_at_the_start_is_refused_until_it_is_accepted_and_another_age_is_noted() {
+    let mut desk = with_people();
+    let file = desk.plan.layout.people(PeopleForm::Toml);
+    fs::write(&file, "[P01]\ncrew = \"novice\"\nage_years = 27\n").unwrap();
+    desk.run(&mut Mock::default(), &Unsynced, &mut quits_after(2)).unwrap();
+    assert!(desk.data().sessions[0].record.drawn.is_empty());
+    fs::write(&file, "[P01]\ncrew = \"novice\"\nage_years = 28\n").unwrap();
+    desk.run(&mut Mock::default(), &Unsynced, &mut quits_after(1)).unwrap();
+    assert_eq!(notes(&desk), ["the participants' file has changed: age_years was 27 and is 28"]);
+    assert_eq!(verify(&desk.plan.layout), []);
+    let said = zwidth_store::study_notes(&RealFiles, &desk.plan.layout);
+    assert!(said[0].ends_with("P01 S01 began: age_years was 27 and is 28"), "{said:?}");
+    fs::write(&file, "[P01]\ncrew = \"expert\"\nage_years = 28\n").unwrap();
+    let before = contents(desk.root());
+    let error =
+        desk.run(&mut Mock::default(), &RealFiles, &mut diligent()).unwrap_err().to_string();
+    for words in ["crew was novice and is expert", "--accept-study-change"] {
+        assert!(error.contains(words), "{error}");
+    }
+    assert_eq!(contents(desk.root()), before);
+    let [finding] = verify(&desk.plan.layout).try_into().unwrap();
+    assert!(finding.what.contains("crew was novice and is expert"), "{finding}");
+    desk.plan.accept_study_change = true;
+    assert_eq!(desk.run(&mut Mock::default(), &Unsynced, &mut diligent()).unwrap().done, TRIALS);
+    let accepted = |event: &Event| matches!(event, Event::PersonAccepted { .. });
+    assert_eq!(read_events(&of(&desk).log).unwrap().iter().filter(|e| accepted(e)).count(), 1);
+    // Once it is accepted nobody is asked again; a third group would be another.
+    desk.plan.accept_study_change = false;
+    desk.run(&mut Mock::default(), &Unsynced, &mut diligent()).unwrap();
+    assert_eq!(verify(&desk.plan.layout), []);
+    let said = zwidth_store::study_notes(&RealFiles, &desk.plan.layout);
+    assert!(said[0].contains("crew was novice and is expert"), "{said:?}");
+    fs::write(&file, "[P01]\nage_years = 28\n").unwrap();
+    assert!(desk.run(&mut Mock::default(), &RealFiles, &mut diligent()).is_err());
+    let said = zwidth_store::accept_study(&RealFiles, &desk.plan.layout, UTC, None).unwrap();
+    assert_eq!(said, ["P01 S01: another group is accepted: crew was novice and is not known"]);
+    assert_eq!(verify(&desk.plan.layout).len(), 1, "who has no group is told");
 }
 
 #[test]
