@@ -31,6 +31,7 @@ mod exit;
 mod limits;
 mod screen;
 mod text;
+mod workbook;
 
 use anyhow::Context as _;
 use args::{Args, Command};

@@ -3,20 +3,22 @@
 use super::near::did_you_mean;
 use crate::exit::Exit;
 use crate::screen::Screen;
-use anyhow::bail;
+use crate::workbook::workbook;
+use anyhow::{Context as _, bail};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use serde::Serialize;
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
 use zwidth_plan as plan;
-use zwidth_study::StudyId;
-use zwidth_tables::{Format, Wording};
+use zwidth_study::{StudyId, counted};
+use zwidth_tables::{Format, Table, Wording};
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct TableArgs {
     /// The study
     pub(crate) study: StudyId,
-    /// The table; omit it to list the tables
+    /// The table; omit it to list the tables, or with --xlsx for all of them
     pub(crate) name: Option<String>,
     /// The form in which to print it
     #[arg(long, default_value = Format::Markdown.extension(), value_parser = format_parser())]
@@ -27,6 +29,24 @@ pub(crate) struct TableArgs {
     /// Significant digits of numbers, but for p values [default: as many as their uncertainty allows, where that is shown]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=15))]
     pub(crate) digits: Option<u8>,
+    /// Write the table, or every table, into a new workbook, with every digit
+    #[arg(long, value_name = "FILE.xlsx", conflicts_with_all = ["format", "digits"])]
+    pub(crate) xlsx: Option<PathBuf>,
+}
+
+/// Writes tables into a workbook where no file is yet.
+fn write_workbook(file: &Path, tables: &[Table], screen: &Screen) -> anyhow::Result<Exit> {
+    let bytes = workbook(tables).with_context(|| format!("cannot make {}", file.display()))?;
+    if file.exists() {
+        bail!("{} exists already; name another file", file.display());
+    }
+    // Another program may have made the file since: it is not overwritten.
+    let mut new = std::fs::File::create_new(file)
+        .with_context(|| format!("cannot write {}", file.display()))?;
+    new.write_all(&bytes).with_context(|| format!("cannot write {}", file.display()))?;
+    let sheets = counted(tables.len(), "sheets");
+    screen.say(format!("{}: {sheets}", file.display()));
+    Ok(Exit::Fine)
 }
 
 /// The formats of a table that are text, by the extensions of their files.
@@ -55,6 +75,13 @@ pub(crate) fn table(root: &Path, command: &TableArgs, screen: &Screen) -> anyhow
         plan::printed_tables(&data).into_iter().filter(plan::Printed::exists).collect();
     if printed.is_empty() {
         bail!("{} has no tables yet; make them with `zwidth run {}`", command.study, command.study);
+    }
+    if let (None, Some(file)) = (&command.name, &command.xlsx) {
+        if !command.columns.is_empty() {
+            bail!("--columns: name the table whose columns these are");
+        }
+        let tables: Result<Vec<Table>, _> = printed.iter().map(plan::Printed::read).collect();
+        return write_workbook(file, &tables?, screen);
     }
     let Some(name) = &command.name else {
         let mut entries = Vec::new();
@@ -95,6 +122,14 @@ pub(crate) fn table(root: &Path, command: &TableArgs, screen: &Screen) -> anyhow
             bail!("{} has no table '{name}' that can be read", command.study);
         }
     };
+    if let Some(file) = &command.xlsx {
+        let table = if command.columns.is_empty() {
+            table
+        } else {
+            table.with_columns(&command.columns)?
+        };
+        return write_workbook(file, &[table], screen);
+    }
     if command.digits.is_some() && command.format.is_for_programs() {
         bail!(
             "{} has every digit: leave --digits out, or choose another --format",
