@@ -1,6 +1,6 @@
 //! Groups of people, from recordings and a participants' file to the tables and the sentences.
 
-use crate::binary::zwidth_line;
+use crate::binary::{zwidth, zwidth_line};
 use crate::formulas::{import, near, ran, record, u};
 use serde_json::Value;
 use std::fmt::Write as _;
@@ -169,4 +169,42 @@ fn modes_that_nobody_has_both_of_are_told_to_be_groups() {
         "task, passive − active: nobody has both (6 participants have the one, 6 the other)",
         "name them as a column of people",
     ]);
+}
+
+#[test]
+fn groups_that_chance_gave_in_the_session_are_compared_within_the_blocks_of_the_drawing() {
+    let folder = tempfile::tempdir().unwrap();
+    let root = folder.path();
+    ran(root, "new drawn --quiet");
+    let file = root.join("raw/drawn/study.toml");
+    let plan = fs::read_to_string(&file).unwrap();
+    let plan = plan
+        .replace("repeats = 6", "repeats = 1")
+        .replace("familiarisation = 3", "familiarisation = 0")
+        .replace("rate_hz = 1000.0", "rate_hz = 120.0");
+    let groups = "\n[[people]]\nid = \"group\"\nlevels = [\"control\", \"assisted\"]\nassigned = true\n\
+                  [compare]\ngroups = \"group\"\n";
+    fs::write(&file, plan + groups).unwrap();
+    ran(root, "twin drawn --participants 8 --sessions 1 --quiet");
+    zwidth_line(root, "verify drawn").exits(0);
+    ran(root, "run drawn --quiet --only compare");
+    let four = ["| group | control | 4 |", "| group | assisted | 4 |"];
+    ran(root, "table drawn people").prints(&four);
+    ran(root, "compare drawn --by group").prints(&["within the blocks of the drawing"]);
+    let tables = ran(root, "compare drawn --by group --json").json();
+    let groups = tables.as_array().unwrap()[0]["rows"].as_array().unwrap();
+    // Two blocks of two and two: 6 × 6 arrangements, of which each has a mirror.
+    near(&groups[0], "smallest_p_permuted", 2.0 / 36.0);
+
+    // A workbook holds them; one that is there stays.
+    let book = root.join("all.xlsx");
+    zwidth(root, &["table", "drawn", "--xlsx", book.to_str().unwrap()]).exits(0);
+    let bytes = fs::read(&book).unwrap();
+    assert!(bytes.starts_with(b"PK"));
+    let again = zwidth(root, &["table", "drawn", "people", "--xlsx", book.to_str().unwrap()]);
+    again.exits(1).says(&["all.xlsx exists already; name another file"]);
+    assert_eq!(fs::read(&book).unwrap(), bytes);
+    zwidth_line(root, "power drawn --difference 1 --groups 3,9")
+        .exits(1)
+        .says(&["a claim takes 4"]);
 }
