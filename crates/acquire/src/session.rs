@@ -189,17 +189,13 @@ fn draw_session(
     })?;
     record.person = people.row(&plan.participant).cloned().unwrap_or_default();
     let mut opening: Vec<String> = remarks;
-    let mut earlier = None;
-    for column in &plan.study.people {
-        let drawn = column.drawn(participant_number, seed);
-        let (false, Some((level, block))) = (record.person.contains_key(&column.id), drawn) else {
-            continue;
-        };
+    let mut lacking = plan.study.people.clone();
+    lacking.retain(|column| !record.person.contains_key(&column.id) && column.is_drawn());
+    let earlier = if lacking.is_empty() { Vec::new() } else { earlier_records(plan, files)? };
+    for column in &lacking {
+        let Some((level, block)) = column.drawn(participant_number, seed) else { continue };
         // What chance gave once it gave for all sessions.
-        if earlier.is_none() {
-            earlier = Some(earlier_records(plan, files)?);
-        }
-        let before = earlier.iter().flatten().find_map(|record| {
+        let before = earlier.iter().find_map(|record| {
             Some((record.person.get(&column.id)?.clone(), *record.drawn.get(&column.id)?))
         });
         let (level, block) = before.unwrap_or_else(|| {
@@ -254,9 +250,9 @@ fn person_changed(
     let Ok(people) = read_people(files, &plan.layout, &study) else { return Ok(Vec::new()) };
     let people = people.with_drawn(&study.people, [&log.record].into_iter());
     let PersonChanges { group, rest } = PersonChanges::of(log, &people, &study);
-    if let Some((_, words)) = group.as_ref().filter(|_| !plan.accept_study_change) {
+    if let Some(group) = group.as_ref().filter(|_| !plan.accept_study_change) {
         return Err(AcquireError::refused(
-            format!("{}: {words}, by the participants' file", log.path.display()),
+            format!("{}: {}, by the participants' file", log.path.display(), group.words),
             "correct the file, or go on with --accept-study-change",
         ));
     }
@@ -264,7 +260,7 @@ fn person_changed(
     let note = Event::Note { trial: None, text };
     // Noted once, however often the session is gone on with.
     let note = (!rest.is_empty() && !log.events.contains(&note)).then_some(note);
-    Ok(group.map(|(event, _)| event).into_iter().chain(note).collect())
+    Ok(group.map(|group| group.accepted).into_iter().chain(note).collect())
 }
 
 fn resume_session(

@@ -44,7 +44,7 @@ pub(super) fn import(
     let mut reports = Vec::new();
     for table in tables {
         let (rows, mut report) = table.parsed;
-        let (mut made, mut there) = (0, 0);
+        let (mut added, mut known) = (0, 0);
         for Row { row, who, person } in rows {
             let (earlier, which) = match new.get(&who) {
                 Some(row) => (Some(row), "stands twice"),
@@ -52,10 +52,10 @@ pub(super) fn import(
             };
             match earlier {
                 None => {
-                    made += 1;
+                    added += 1;
                     new.insert(who, person);
                 }
-                Some(earlier) if *earlier == person => there += 1,
+                Some(earlier) if *earlier == person => known += 1,
                 Some(earlier) => {
                     let what = format!(
                         "{who} {which}, and otherwise: {}; here {}",
@@ -67,9 +67,9 @@ pub(super) fn import(
                 }
             }
         }
-        report.made.push(format!("{made} participants"));
-        if there > 0 {
-            report.told.push(format!("{there} rows say what is known already"));
+        report.made.push(format!("{added} participants"));
+        if known > 0 {
+            report.told.push(format!("{known} rows say what is known already"));
         }
         reports.push(report);
     }
@@ -196,6 +196,18 @@ fn write(context: &Context, new: &BTreeMap<ParticipantId, Person>) -> Result<(),
             let _ = writeln!(text, "{}", cells.join(","));
         }
     }
+    // Before it takes the place of the file: what cannot be read again is not written.
+    if text.len() as u64 > MOST_STUDY {
+        let what =
+            format!("with them it would be larger than {MOST_STUDY} bytes, and is not read then");
+        return Err(StoreError::new(&path, what, "import fewer people").into());
+    }
+    let form = if is_toml { PeopleForm::Toml } else { PeopleForm::Csv };
+    if let Err(errors) = People::read(&text, form, &context.study.people) {
+        let what = errors.first().map_or_else(String::new, ToString::to_string);
+        let remedy = "mend how the file ends, so that rows can follow";
+        return Err(StoreError::new(&path, format!("with them: {what}"), remedy).into());
+    }
     replace(context.files, &path, text.as_bytes())?;
     Ok(())
 }
@@ -217,7 +229,7 @@ mod tests {
         World::with(&(template(&"demo".parse().unwrap()) + columns))
     }
 
-    fn said(world: &World, form: PeopleForm) -> String {
+    fn written(world: &World, form: PeopleForm) -> String {
         std::fs::read_to_string(world.layout.people(form)).unwrap()
     }
 
@@ -228,14 +240,14 @@ mod tests {
         let report = world.import(MAP, std::slice::from_ref(&table)).unwrap();
         assert!(report.to_string().contains("3 participants"), "{report}");
         let first = "participant,crew,age_years\nP01,expert,27\nP02,novice,\nP03,,31\n";
-        assert_eq!(said(&world, PeopleForm::Csv), first);
+        assert_eq!(written(&world, PeopleForm::Csv), first);
         assert_eq!(StudyData::load(&world.layout).unwrap().people.iter().count(), 3);
         // Again, with one more.
         let more = world.file("b.csv", "subject,grp,age\n3,?,31\n4,pro,40\n");
         let again = world.import(MAP, &[table, more]).unwrap();
         assert_eq!(again.participants, 1);
         assert!(again.to_string().contains("3 rows say what is known already"), "{again}");
-        assert_eq!(said(&world, PeopleForm::Csv), format!("{first}P04,expert,40\n"));
+        assert_eq!(written(&world, PeopleForm::Csv), format!("{first}P04,expert,40\n"));
     }
 
     #[test]
@@ -246,7 +258,7 @@ mod tests {
         let table = world.file("a.csv", "subject,grp,age\n1,pro,\n2,beginner,31\n");
         assert_eq!(world.import(MAP, &[table]).unwrap().participants, 1);
         let text = format!("{own}\n\n[P02]\nage_years = 31.0\ncrew = \"novice\"\n");
-        assert_eq!(said(&world, PeopleForm::Toml), text);
+        assert_eq!(written(&world, PeopleForm::Toml), text);
         assert_eq!(StudyData::load(&world.layout).unwrap().people.iter().count(), 2);
     }
 
@@ -271,10 +283,21 @@ mod tests {
             let table = world.file("a.csv", format!("subject,grp,age\n{rows}"));
             let errors = world.import(MAP, &[table]).unwrap_err();
             assert!(errors[0].to_string().contains(words), "{words}: {}", errors[0]);
-            assert_eq!(said(&world, PeopleForm::Csv), own);
+            assert_eq!(written(&world, PeopleForm::Csv), own);
         }
         let map = MAP.replace("age_years =", "height_m =");
         let errors = world.import(&map, &[world.file("a.csv", "subject,grp,age\n")]).unwrap_err();
         assert!(errors[0].what.contains("has no column 'height_m'"), "{}", errors[0]);
+    }
+
+    #[test]
+    fn what_could_not_be_read_again_is_not_written() {
+        let world = world();
+        let rows: String = (0..90_000).map(|n| format!("{n},pro,27\n")).collect();
+        let table = world.file("many.csv", format!("subject,grp,age\n{rows}"));
+        let map = MAP.replace("digits = 2", "digits = 30");
+        let errors = world.import(&map, &[table]).unwrap_err();
+        assert!(errors[0].what.contains("would be larger"), "{}", errors[0]);
+        assert!(!world.layout.people(PeopleForm::Csv).exists());
     }
 }

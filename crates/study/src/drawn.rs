@@ -4,6 +4,11 @@ use crate::people::{Known, People, PersonColumn, PersonValue};
 use crate::{LevelId, SessionRecord, order};
 
 impl PersonColumn {
+    /// Whether chance chooses everybody's level.
+    pub fn is_drawn(&self) -> bool {
+        matches!(self.known, Known::Level { assigned: true, .. })
+    }
+
     /// The level that chance gives the participant of that number in the counterbalancing, by the study's seed;
     /// `None` where chance chooses none. Of as many people as twice the number of levels, counted from 1, each
     /// level has two, in an order of its own. With the block, from 0.

@@ -3,20 +3,17 @@
 use crate::cells::{Cell, Cells};
 use crate::claim::Claim;
 use crate::contrasts::size;
-use crate::doses::turns_at;
+use crate::doses::{over_levels, turns_at};
 use crate::measure::Measure;
 use crate::over_trials::Weighed;
 use crate::split::{Refused, Split};
-use crate::weighed::{Condition, Own, Placed, averaged, levels_of, of_people, placed, weighed};
+use crate::weighed::{averaged, levels_of, of_people, placed};
 use crate::{CompareError, Parameters};
 use std::collections::BTreeMap;
-use zwidth_numerics::dense::dot;
-use zwidth_results::{EffectDifference, EffectLevels, FactorEffect, FactorTest, UnitOfAnalysis};
+use zwidth_results::{EffectDifference, EffectLevels, FactorEffect, UnitOfAnalysis};
 use zwidth_stats::null::Sampling;
-use zwidth_stats::{
-    FTest, Tested, Unestimable, effect, groups, hotelling, paired, rm_anova, sign_flip,
-};
-use zwidth_study::{Effect, EffectSize, LevelContrast, OverDose, counted};
+use zwidth_stats::{Tested, Unestimable, effect, groups, paired, sign_flip};
+use zwidth_study::{Effect, EffectSize, LevelContrast, counted};
 
 /// Flips that are drawn where there are too many participants to count all.
 const SAMPLING: Sampling = Sampling { draws: 9_999, seed: 1 };
@@ -81,39 +78,6 @@ impl Row<'_> {
     pub(crate) fn has_jnd(&self) -> bool {
         self.jnd.is_some()
     }
-}
-
-/// Who lacks a level has a line over the others if it is at least this certain: the spread of their doses over that of all.
-/// A line over a few near ones would count as much as any other, and scatter many times as far.
-const LEAST_SPREAD: f64 = 0.5;
-
-/// The means of somebody's levels of a dose, each with its weight in their own slope or bend, and whether they lack
-/// a level. `None` of who has too few for a line that could leave something, or too near ones; and of who lacks any where the
-/// line bends, because the slope over some of the levels is another one than that over all.
-fn over_levels(
-    over: &OverDose,
-    effect: &Effect,
-    levels: &[Vec<Placed>],
-    own: &Own,
-) -> Option<(Vec<(f64, f64)>, bool)> {
-    let mean = |level: &Vec<Placed>| weighed(level, own);
-    let means = levels.iter().map(mean).enumerate();
-    let (places, means): (Vec<usize>, Vec<f64>) =
-        means.filter_map(|(place, mean)| Some((place, mean?))).unzip();
-    let lacks = places.len() < levels.len();
-    let number = if effect.levels.iter().any(LevelContrast::is_bend) { 2 } else { 1 };
-    let degree = usize::from(over.trend.degree);
-    let weights = over.coefficient(&places, number)?;
-    if lacks {
-        // A sum of squared weights is the coefficient's variance over that of a level's mean.
-        let all: Vec<usize> = (0..levels.len()).collect();
-        let whole = over.coefficient(&all, number)?;
-        let is_near = dot(&whole, &whole) < LEAST_SPREAD * dot(&weights, &weights);
-        if places.len() < degree + 2 || number < degree || is_near {
-            return None;
-        }
-    }
-    Some((weights.into_iter().zip(means).collect(), lacks))
 }
 
 /// The effects, tested, without a verdict.
@@ -309,125 +273,16 @@ pub(crate) fn named(
     named.collect()
 }
 
-/// What the line over a dose, or its parabola, leaves of the differences between its levels, of which `contrasts` weigh
-/// people's means in `conditions`: all contrasts that are orthogonal to its trend, tested together.
-fn lack_of_fit(
-    table: &[Vec<f64>],
-    contrasts: &[Vec<f64>],
-    conditions: &[Condition],
-    dose: &Effect,
-    cells: &Cells,
-    parameters: &Parameters,
-) -> Option<FTest> {
-    let is_trend = |effect: &&Effect| {
-        (&effect.term, &effect.environment) == (&dose.term, &dose.environment)
-            && matches!(effect.levels[..], [LevelContrast::Trend(_)])
-    };
-    let trends = parameters.effects.iter().filter(is_trend).map(|effect| {
-        let weights = placed(&effect.weights, cells, parameters)?;
-        let of = |condition: &Condition| weights.iter().find(|w| w.0 == *condition);
-        Some(conditions.iter().map(|condition| of(condition).map_or(0.0, |w| w.1)).collect())
-    });
-    let trends: Vec<Vec<f64>> = trends.collect::<Option<_>>()?;
-    if trends.is_empty() {
-        return None;
-    }
-    // After Gram and Schmidt: what a trend explains, then what is left of each contrast.
-    let mut basis: Vec<Vec<f64>> = Vec::new();
-    for vector in trends.iter().chain(contrasts) {
-        let mut left = vector.clone();
-        for own in &basis {
-            let along = dot(own, vector);
-            left.iter_mut().zip(own).for_each(|(left, own)| *left -= along * own);
-        }
-        let [size, whole] = [dot(&left, &left).sqrt(), dot(vector, vector).sqrt()];
-        if size > SAME * whole {
-            left.iter_mut().for_each(|left| *left /= size);
-            basis.push(left);
-        }
-    }
-    let rest = basis.get(trends.len()..)?;
-    let left = |row: &Vec<f64>| rest.iter().map(|vector| dot(vector, row)).collect();
-    hotelling::test(&table.iter().map(left).collect::<Vec<Vec<f64>>>()).ok()
-}
-
-/// The analysis of variance: a line for each factor and interaction, over the participants who have every
-/// condition of it, each the mean of their complete sessions.
-pub(crate) fn tests(
-    cells: &Cells,
-    split: Option<&Split>,
-    measure: &Measure,
-    parameters: &Parameters,
-) -> Vec<FactorTest> {
-    let mut lines = Vec::new();
-    let same = |a: &Effect, b: &Effect| (&a.term, &a.environment) == (&b.term, &b.environment);
-    for effects in parameters.effects.chunk_by(same) {
-        // All levels less the first; of a dose its trend is claimed, which is less than all of it.
-        let is_of_pairs = |effect: &&Effect| {
-            effect.levels.iter().all(|level| matches!(level, LevelContrast::Pair(_)))
-        };
-        let effects: Vec<&Effect> = effects.iter().filter(is_of_pairs).collect();
-        let Some(first) = effects.first() else { continue };
-        let weights: Option<Vec<Vec<Placed>>> =
-            effects.iter().map(|effect| placed(&effect.weights, cells, parameters)).collect();
-        // Where the design lacks a condition, the rest is no analysis of that effect.
-        let is_whole = effects.iter().all(|e| e.lacks.is_none() && !e.levels.is_empty());
-        let Some(weights) = weights.filter(|_| is_whole) else { continue };
-        let mut conditions: Vec<Condition> = weights.iter().flatten().map(|w| w.0).collect();
-        conditions.sort_unstable();
-        conditions.dedup();
-        let contrasts: Vec<Vec<f64>> = weights
-            .iter()
-            .map(|weights| {
-                let of = |condition: &Condition| weights.iter().find(|w| w.0 == *condition);
-                conditions.iter().map(|condition| of(condition).map_or(0.0, |w| w.1)).collect()
-            })
-            .collect();
-        let people = averaged(&of_people(cells, first.is_by_session()), |own| {
-            conditions.iter().map(|condition| own.get(condition).copied()).collect()
-        });
-        // As of the effects: of groups nobody speaks who has none.
-        let speaks = |who: &usize| split.is_none_or(|split| split.level(*who).is_some());
-        let table: Vec<Vec<f64>> =
-            people.into_iter().filter(|(who, _)| speaks(who)).map(|(_, row)| row).collect();
-        let Ok(found) = rm_anova::effect(&table, &contrasts) else { continue };
-        let explained = found.test.statistic * found.test.df_num;
-        let lack = lack_of_fit(&table, &contrasts, &conditions, first, cells, parameters);
-        lines.push(FactorTest {
-            metric: measure.parameters.metric.clone(),
-            unit: measure.unit.clone(),
-            environment: first.environment.clone(),
-            effect: first.term.clone(),
-            n: table.len(),
-            f: found.test.statistic,
-            df_effect: found.test.df_num,
-            df_error: found.test.df_den,
-            p_f: found.test.p_value,
-            epsilon_gg: found.greenhouse_geisser,
-            p_gg: found.p_greenhouse_geisser,
-            eta_squared_partial: explained / (explained + found.test.df_den),
-            f_lack_of_fit: lack.map(|test| test.statistic),
-            df_lack_of_fit: lack.map(|test| test.df_num),
-            df_lack_of_fit_error: lack.map(|test| test.df_den),
-            p_lack_of_fit: lack.map(|test| test.p_value),
-        });
-    }
-    lines
-}
-
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::tests::{measured, parameters};
     use crate::{Groups, compare};
     use zwidth_results::{GroupEffect, TrialKey, Verdict};
-    use zwidth_study::{
-        DoseScale, Factor, FactorId, FactorOf, GroupsCompared, LevelId, Mode, OverTrials, Source,
-        Term, Trend, Weight,
-    };
+    use zwidth_study::{GroupsCompared, OverTrials, Source, Term, Weight};
 
     /// A number between −½ and ½: (h³ mod 9941)/9941 − ½.
-    fn u(of: [u64; 4]) -> f64 {
+    pub(crate) fn u(of: [u64; 4]) -> f64 {
         let h = 1 + 131 * of[0] + 173 * of[1] + 197 * of[2] + 211 * of[3];
         (h * h * h % 9941) as f64 / 9941.0 - 0.5
     }
@@ -553,7 +408,7 @@ mod tests {
         ),
     ];
 
-    fn near(found: Option<f64>, expect: f64) {
+    pub(crate) fn near(found: Option<f64>, expect: f64) {
         let found = found.unwrap();
         assert!((found - expect).abs() < 2e-6 * expect.abs().max(1e-3), "{found} for {expect}");
     }
@@ -635,207 +490,6 @@ mod tests {
         near(row.p_value, 0.268716871);
         assert_eq!((row.verdict, row.levels.as_ref()), (Verdict::Undecided, None));
         assert!(found.factor_tests.is_empty());
-    }
-
-    /// Eight people at four doses, three repeats. R (`lm` of each participant, `t.test`, `anova.mlm`) and SciPy have
-    /// these: effect, standard error, t, p; 7 degrees of freedom.
-    #[test]
-    fn the_slope_and_the_bend_over_a_dose_are_those_of_everybodys_own_line_and_parabola() {
-        const DOSES: [f64; 4] = [100.0, 150.0, 250.0, 400.0];
-        let mut study = zwidth_testing::study();
-        let more = Mode { id: "more".parse().unwrap(), ..study.modes[0].clone() };
-        study.modes.push(more);
-        let dose: FactorId = "stiffness".parse().unwrap();
-        let levels = DOSES.map(|dose| dose.to_string().parse().unwrap()).to_vec();
-        for (mode, level) in study.modes.iter_mut().zip(&levels) {
-            mode.factors.insert(dose.clone(), LevelId::clone(level));
-        }
-        study.environments.truncate(1);
-        let unit = Some("N/m".to_owned());
-        study.factors = vec![Factor { id: dose.clone(), levels, unit, of: FactorOf::Modes }];
-        study.compare.effects = vec![Term(vec![dose.clone()])];
-        study.compare.trend.insert(dose.clone(), Trend { degree: 2, scale: DoseScale::Linear });
-        let (mut keys, mut values) = (Vec::new(), Vec::new());
-        for person in 1..=8_u64 {
-            for (l, (mode, x)) in (1..).zip(study.modes.iter().zip(DOSES)) {
-                for repeat in 1..=3_u64 {
-                    let y = 0.5 + 0.004 * x - 0.000_003 * x * x
-                        + 0.6 * u([person, 0, 0, 0])
-                        + 0.003 * u([person, 7, 0, 0]) * x
-                        + 0.3 * u([person, l, 0, 0])
-                        + 0.3 * u([person, l, repeat, 0]);
-                    keys.push(TrialKey {
-                        participant: format!("P{person:02}").parse().unwrap(),
-                        session: "S01".parse().unwrap(),
-                        trial: (3 * l + repeat) as u32,
-                        repeat: repeat as u32,
-                        environment: study.environments[0].id.clone(),
-                        mode: mode.id.clone(),
-                        source: Source::Recorded,
-                    });
-                    values.push(Some((y * 1000.0).round() / 1000.0));
-                }
-            }
-        }
-        let mut parameters = parameters();
-        parameters.environments = vec![study.environments[0].id.clone()];
-        parameters.modes = study.modes.iter().map(|mode| mode.id.clone()).collect();
-        parameters.contrasts = Vec::new();
-        let mut found = |degree, scale| {
-            study.compare.trend.insert(dose.clone(), Trend { degree, scale });
-            parameters.effects = study.effects();
-            compare(&measured(&keys, values.iter().copied()), &parameters).unwrap()
-        };
-        let linear = found(2, DoseScale::Linear);
-        let [slope, bend] = &linear.effects[..] else { panic!("{:?}", linear.effects) };
-        let per = |row: &EffectDifference| row.levels.as_ref().unwrap().to_string();
-        assert_eq!([per(slope), per(bend)], ["per 100 N/m", "bend per (100 N/m)²"]);
-        near(slope.difference, 0.265515873);
-        near(slope.difference_std_error, 0.0291889763);
-        near(slope.statistic, 9.09644347);
-        near(slope.p_value, 3.97978153e-5);
-        near(bend.difference, -0.0291212121);
-        near(bend.difference_std_error, 0.0177948185);
-        near(bend.p_value, 0.145748125);
-        // All levels together, whatever their spacing.
-        let [line] = &linear.factor_tests[..] else { panic!("{:?}", linear.factor_tests) };
-        near(Some(line.f), 57.8715542);
-        near(Some(line.epsilon_gg), 0.606297844);
-        near(Some(line.p_gg), 5.58186273e-7);
-        // Beyond the parabola one contrast is left: the t of everybody's cubic, squared.
-        assert_eq!((line.df_lack_of_fit, line.df_lack_of_fit_error), (Some(1.0), Some(7.0)));
-        // NumPy: T² of the quadratic and the cubic over the true spacing.
-        let straight = found(1, DoseScale::Linear);
-        let [line_alone] = &straight.factor_tests[..] else { panic!() };
-        near(line_alone.f_lack_of_fit, 1.25454713);
-        near(line_alone.p_lack_of_fit, 0.350593408);
-        assert_eq!(
-            (line_alone.df_lack_of_fit, line_alone.df_lack_of_fit_error),
-            (Some(2.0), Some(6.0))
-        );
-        // SciPy: everybody's own parabola at 300 N/m, its mean and standard error; the curve has every fifth.
-        let at = |dose: f64| linear.trend_curves.iter().find(|p| (p.dose - dose).abs() < 1e-9);
-        let point = at(300.0).unwrap();
-        near(Some(point.mean), 1.414125);
-        near(Some(point.std_error), 0.0866365604);
-        near(Some(point.ci_low), 1.20926209);
-        near(Some(point.ci_high), 1.61898791);
-        assert!(point.band_low.unwrap() < point.ci_low && point.ci_high < point.band_high.unwrap());
-        let ends = [&linear.trend_curves[0], linear.trend_curves.last().unwrap()];
-        ends.iter().zip([100.0, 400.0]).for_each(|(point, dose)| near(Some(point.dose), dose));
-        assert_eq!((linear.trend_curves.len(), bend.turns_at), (61, None), "no bend was found");
-        // lme4 1.1-31 and pbkrtest 0.5.2: y ~ x + (1 + x | participant) + (1 | participant:level).
-        let [model] = &straight.trend_models[..] else { panic!("{:?}", straight.trend_models) };
-        near(model.slope, 0.265515873);
-        let [error, df] = [model.slope_std_error, model.df].map(Option::unwrap);
-        assert!((error / 0.0291889759 - 1.0).abs() < 1e-5 && (df - 7.0).abs() < 1e-4, "{model:?}");
-        let doubled = found(2, DoseScale::Log2);
-        assert_eq!(per(&doubled.effects[0]), "per doubling");
-        near(doubled.effects[0].difference, 0.403832306);
-        near(doubled.effects[0].difference_std_error, 0.0431339221);
-        near(doubled.effects[0].difference_ci_low, 0.301836788);
-        near(doubled.effects[0].difference_ci_high, 0.505827825);
-    }
-
-    /// Six people at doses whose values are a parabola about 2, each with a slope and a bend of their own.
-    fn of_doses(
-        doses: &[f64],
-        trend: Trend,
-        lacks: &[(u64, f64)],
-        value: fn(f64, f64) -> f64,
-    ) -> crate::Comparison {
-        let mut study = zwidth_testing::study();
-        let mode = study.modes[0].clone();
-        let dose: FactorId = "gain".parse().unwrap();
-        let levels: Vec<LevelId> =
-            doses.iter().map(|dose| dose.to_string().parse().unwrap()).collect();
-        study.modes = levels
-            .iter()
-            .map(|level| Mode {
-                id: format!("g{level}").parse().unwrap(),
-                factors: [(dose.clone(), level.clone())].into(),
-                ..mode.clone()
-            })
-            .collect();
-        study.environments.truncate(1);
-        study.factors = vec![Factor {
-            id: dose.clone(),
-            levels,
-            unit: Some("1".to_owned()),
-            of: FactorOf::Modes,
-        }];
-        study.compare.effects = vec![Term(vec![dose.clone()])];
-        study.compare.trend.insert(dose, trend);
-        let (mut keys, mut values) = (Vec::new(), Vec::new());
-        for person in 1..=6_u64 {
-            for (trial, (x, mode)) in (1..).zip(doses.iter().zip(&study.modes)) {
-                if lacks.contains(&(person, *x)) {
-                    continue;
-                }
-                keys.push(TrialKey {
-                    participant: format!("P{person:02}").parse().unwrap(),
-                    session: "S01".parse().unwrap(),
-                    trial,
-                    repeat: 1,
-                    environment: study.environments[0].id.clone(),
-                    mode: mode.id.clone(),
-                    source: Source::Recorded,
-                });
-                values.push(Some(value(*x, u([person, 0, 0, 0]))));
-            }
-        }
-        let mut parameters = parameters();
-        parameters.environments = vec![study.environments[0].id.clone()];
-        parameters.modes = study.modes.iter().map(|mode| mode.id.clone()).collect();
-        parameters.contrasts = Vec::new();
-        parameters.effects = study.effects();
-        compare(&measured(&keys, values.into_iter()), &parameters).unwrap()
-    }
-
-    #[test]
-    fn who_lacks_a_dose_has_a_line_over_the_others_if_it_could_leave_something() {
-        // Straight lines: whoever has three of the doses has the same slope as with all.
-        let value = |x: f64, own: f64| 1.0 + (0.5 + own) * x;
-        let line = Trend { degree: 1, scale: DoseScale::Linear };
-        let doses = [1.0, 2.0, 4.0, 8.0];
-        let whole = of_doses(&doses, line, &[], value);
-        let lacking = of_doses(&doses, line, &[(2, 4.0), (3, 1.0)], value);
-        let [one, other] = [&whole, &lacking].map(|found| &found.effects[0]);
-        near(other.difference, one.difference.unwrap());
-        near(other.difference_std_error, one.difference_std_error.unwrap());
-        assert_eq!((other.n, one.remark.as_ref()), (6, None));
-        let remark = other.remark.as_ref().unwrap().to_string();
-        assert_eq!(
-            remark,
-            "2 participants without every level: their line is over those that they have"
-        );
-        assert_eq!(lacking.trend_curves[0].n, 4, "beyond what they felt nobody's curve goes");
-        // Two levels leave nothing, and without the highest the others lie too near each other.
-        for lacks in [&[(2, 4.0), (2, 1.0)][..], &[(2, 8.0)]] {
-            let left_out = of_doses(&doses, line, lacks, value);
-            assert_eq!((left_out.effects[0].n, left_out.effects[0].remark.as_ref()), (5, None));
-        }
-        // Where the line bends, a slope over some of the levels is another one.
-        let parabola = Trend { degree: 2, scale: DoseScale::Linear };
-        let bent =
-            of_doses(&[1.0, 2.0, 3.0, 4.0, 5.0], parabola, &[(2, 3.0)], |x, own| x * x + own * x);
-        assert_eq!(bent.effects.iter().map(|row| row.n).collect::<Vec<_>>(), [5, 6]);
-    }
-
-    #[test]
-    fn a_parabola_turns_where_its_bend_is_shown_and_never_beyond_the_doses() {
-        let parabola = Trend { degree: 2, scale: DoseScale::Linear };
-        let turns = |value| {
-            let found = of_doses(&[1.0, 2.0, 3.0, 4.0], parabola, &[], value);
-            found.effects[1].turns_at
-        };
-        near(turns(|x, own| (1.0 + 0.2 * own) * (x - 2.0).powi(2)), 2.0);
-        assert_eq!(turns(|x, own| (1.0 + 0.2 * own) * (x - 6.0).powi(2)), None);
-        assert_eq!(turns(|x, own| own * (x - 2.0).powi(2)), None, "no bend is shown");
-        let doubled = Trend { degree: 2, scale: DoseScale::Log2 };
-        let value = |x: f64, own: f64| (1.0 + 0.2 * own) * (x.log2() - 1.5).powi(2);
-        let found = of_doses(&[1.0, 2.0, 4.0, 8.0], doubled, &[], value);
-        near(found.effects[1].turns_at, 8_f64.sqrt());
     }
 
     /// SciPy's Welch test of everybody's effects of the motor.

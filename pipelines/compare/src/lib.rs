@@ -23,6 +23,7 @@
 //! after Holm; so are those of several primary metrics together. Every other metric is a family of its
 //! own, and exploratory. Intervals are not adjusted.
 
+mod anova;
 mod answers;
 mod cells;
 mod claim;
@@ -304,7 +305,7 @@ impl<'a> Tested<'a> {
                 .map(|split| groups::any(split, cells, contrasts, effects, measure, parameters))
                 .unwrap_or_default(),
             effects: effects::named(effects, cells, unit, split, measure, parameters),
-            factor_tests: effects::tests(cells, split, measure, parameters),
+            factor_tests: anova::tests(cells, split, measure, parameters),
             trend_curves: doses::curves(cells, unit, measure, parameters),
             trend_models: models::of_doses(trials, unit, measure, parameters),
             group_models: split

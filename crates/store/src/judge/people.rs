@@ -77,10 +77,19 @@ pub(crate) fn people_findings(
 /// What is known of a person now and was not when a session of theirs began.
 #[derive(Debug, Default)]
 pub struct PersonChanges {
-    /// Another group, where groups are compared and nobody accepted it: the event that accepts it, and what changed.
-    pub group: Option<(Event, String)>,
+    /// Another group, where groups are compared and nobody accepted it.
+    pub group: Option<AnotherGroup>,
     /// What else changed, in words.
     pub rest: Vec<String>,
+}
+
+/// Another group of a person than a session began with.
+#[derive(Debug)]
+pub struct AnotherGroup {
+    /// The event that accepts it.
+    pub accepted: Event,
+    /// What changed, in words.
+    pub words: String,
 }
 
 impl PersonChanges {
@@ -105,7 +114,7 @@ impl PersonChanges {
             };
             let event = Event::PersonAccepted { column: column.id.clone(), level };
             match is_compared && was.is_some() && !log.events.contains(&event) {
-                true => changes.group = Some((event, words)),
+                true => changes.group = Some(AnotherGroup { accepted: event, words }),
                 false => changes.rest.push(words),
             }
         }
@@ -142,7 +151,7 @@ pub(crate) fn group_warning(
     people: &People,
     study: &Study,
 ) -> Option<StoreError> {
-    let (_, words) = PersonChanges::of(log, people, study).group?;
+    let AnotherGroup { words, .. } = PersonChanges::of(log, people, study).group?;
     let SessionRecord { participant, session, .. } = &log.record;
     let what = format!("{words}, by the participants' file, since {participant} {session} began");
     let accept = format!(

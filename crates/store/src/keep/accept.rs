@@ -56,9 +56,10 @@ pub fn accept_study(
                 "{participant} {session}: the changed study.toml is accepted: {changes}"
             ));
         }
-        if let Some((event, words)) = PersonChanges::of(log, &people, &study).group {
-            own.push(event);
+        if let Some(group) = PersonChanges::of(log, &people, &study).group {
+            let words = group.words;
             accepted.push(format!("{participant} {session}: another group is accepted: {words}"));
+            own.push(group.accepted);
         }
         if !own.is_empty() {
             events.push((&log.events_path, own));
