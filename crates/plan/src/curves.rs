@@ -14,10 +14,10 @@ use std::path::PathBuf;
 use zwidth_average::Alignment;
 use zwidth_compare::{CurveParameters, SessionCurve, compare_curves};
 use zwidth_figures::{About, CURVES_COMPARED, CurvesShown, IN_GROUPS, curves_compared};
-use zwidth_results::{CurveDifference, CurveNode, CurveRun};
+use zwidth_results::{CurveDifference, CurveNode, CurveRun, OVER_SEVERAL};
 use zwidth_runner::{Inputs, Job, JobError, Made, Making};
 use zwidth_store::StudyData;
-use zwidth_study::{Curve, Environment, SceneKind, Source};
+use zwidth_study::{Curve, Environment, EnvironmentId, SceneKind, Source};
 use zwidth_tables::{Table, TableError};
 
 /// The results of the job.
@@ -79,8 +79,8 @@ pub(crate) fn tables(data: &StudyData) -> Vec<Printed> {
 /// The means of every condition over the angle, and over the time.
 type Means = (Vec<PathBuf>, Vec<PathBuf>);
 
-pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
-    let Some(results) = of_study(data) else { return Vec::new() };
+/// The files that the study's curves are read from.
+fn means(data: &StudyData) -> Means {
     let (study, compare) = (&data.study, &data.study.compare);
     let has =
         |over_angle: bool| compare.curves.iter().any(|curve| curve.is_over_angle() == over_angle);
@@ -95,7 +95,12 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
             }
         }
     }
-    let stage = CurveParameters {
+    means
+}
+
+fn parameters(data: &StudyData) -> CurveParameters {
+    let (study, compare) = (&data.study, &data.study.compare);
+    CurveParameters {
         curves: compare.curves.clone(),
         nodes: compare.curve_nodes,
         environments: study.environments.iter().map(|e| e.id.clone()).collect(),
@@ -106,19 +111,20 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
         families: compare.families,
         alpha: compare.alpha,
         level: compare.level,
-    };
-    let simulated = data.counting().any(|trial| trial.meta.source.is_simulated());
-    let parameters = Comparing { stage, simulated };
-    vec![Job::new(STAGE, "compare curves", parameters, means, results.files(), make)]
+    }
 }
 
-fn make(
-    Comparing { stage, simulated }: &Comparing,
-    means: &Means,
-    making: &Making,
-) -> Result<Made, JobError> {
+pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
+    let Some(results) = of_study(data) else { return Vec::new() };
+    let simulated = data.counting().any(|trial| trial.meta.source.is_simulated());
+    let comparing = Comparing { stage: parameters(data), simulated };
+    vec![Job::new(STAGE, "compare curves", comparing, means(data), results.files(), make)]
+}
+
+/// Every session's mean curves in every condition.
+fn read(curves: &[Curve], means: &Means) -> Result<Vec<SessionCurve>, TableError> {
     let mut sessions = Vec::new();
-    for curve in &stage.curves {
+    for curve in curves {
         let files = if curve.is_over_angle() { &means.0 } else { &means.1 };
         let columns = SessionCurve::columns(*curve);
         let columns: Vec<&str> = columns.iter().map(String::as_str).collect();
@@ -129,6 +135,15 @@ fn make(
         let own: Vec<_> = own.collect::<Result<_, TableError>>()?;
         sessions.extend(own.into_iter().flatten());
     }
+    Ok(sessions)
+}
+
+fn make(
+    Comparing { stage, simulated }: &Comparing,
+    means: &Means,
+    making: &Making,
+) -> Result<Made, JobError> {
+    let sessions = read(&stage.curves, means)?;
     let found = compare_curves(&sessions, stage)?;
     let tables = vec![
         Table::of_rows(&found.points)?,
@@ -150,7 +165,8 @@ fn make(
 #[derive(Serialize)]
 struct Drawn {
     about: About,
-    environment: Environment,
+    /// `None` of the effects over several.
+    environment: Option<Environment>,
     curve: Curve,
     /// Whether groups are shown, or everybody.
     of_groups: bool,
@@ -159,15 +175,24 @@ struct Drawn {
     sources: Vec<Source>,
 }
 
-/// The figure of every curve in every environment.
+/// The figure of every curve in every environment, and of what is compared over several.
 pub(crate) fn figures(data: &StudyData) -> Vec<Drawing> {
     let Some(results) = of_study(data) else { return Vec::new() };
     let has_groups = has_group_differences(data);
     let of_everybody = !data.study.compare.contrasts.is_empty() || !data.study.effects().is_empty();
     let mut drawings = Vec::new();
+    let environments: Vec<&Environment> = environments(data).collect();
+    let is_moved = |id: &EnvironmentId| environments.iter().any(|own| own.id == *id);
+    let is_over_several = data.study.effects().iter().any(|effect| {
+        let is_drawn = effect.environment.is_none() && effect.is_claimed;
+        is_drawn && effect.weights.iter().all(|weight| is_moved(&weight.environment))
+    });
+    let places = environments.iter().copied().map(Some).chain(is_over_several.then_some(None));
     for curve in &data.study.compare.curves {
-        for environment in environments(data) {
-            let own = data.counting().filter(|trial| trial.meta.environment == environment.id);
+        for environment in places.clone() {
+            let own = data.counting().filter(|trial| {
+                environment.is_none_or(|environment| environment.id == trial.meta.environment)
+            });
             let n = own.count();
             for of_groups in [false, true] {
                 let is_drawn = if of_groups { has_groups } else { of_everybody };
@@ -176,14 +201,15 @@ pub(crate) fn figures(data: &StudyData) -> Vec<Drawing> {
                 }
                 let drawn = Drawn {
                     about: About::of(&data.study),
-                    environment: environment.clone(),
+                    environment: environment.cloned(),
                     curve: *curve,
                     of_groups,
                     alpha: data.study.compare.alpha,
                     level: data.study.compare.level,
                     sources: trial_sources(data),
                 };
-                let subject = [curve.as_str(), environment.id.as_str()].into_iter();
+                let place = environment.map_or(OVER_SEVERAL, |environment| environment.id.as_str());
+                let subject = [curve.as_str(), place].into_iter();
                 let subject = subject.chain(of_groups.then_some(IN_GROUPS));
                 let drawing =
                     Drawing::new(data, CURVES_COMPARED, subject, drawn, results.clone(), draw);
@@ -196,8 +222,9 @@ pub(crate) fn figures(data: &StudyData) -> Vec<Drawing> {
 
 fn draw(drawn: &Drawn, tables: &OfCurves) -> Figured {
     let Drawn { about, environment, curve, of_groups, alpha, level, sources } = drawn;
-    let is_own =
-        |own: Curve, place: &zwidth_study::EnvironmentId| own == *curve && *place == environment.id;
+    let is_own = |own: Curve, place: &Option<EnvironmentId>| {
+        own == *curve && place.as_ref() == environment.as_ref().map(|own| &own.id)
+    };
     let mut points = tables.points.read()?;
     points.retain(|row| is_own(row.curve, &row.environment));
     let mut tests = tables.tests.read()?;
@@ -212,5 +239,5 @@ fn draw(drawn: &Drawn, tables: &OfCurves) -> Figured {
         alpha: *alpha,
         level: *level,
     };
-    Ok((curves_compared(about, environment, sources, &shown), Vec::new()))
+    Ok((curves_compared(about, environment.as_ref(), sources, &shown), Vec::new()))
 }

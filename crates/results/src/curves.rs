@@ -13,6 +13,9 @@ use zwidth_study::{Curve, EnvironmentId, GroupContrast};
 
 named!(Curve);
 
+/// How files name what is over several environments, in place of an environment: no id has a dot.
+pub const OVER_SEVERAL: &str = "several.environments";
+
 rows! {
     /// A node of a compared curve.
     CurveNode = "curves", "Curves compared" {
@@ -20,8 +23,8 @@ rows! {
         curve: Curve,
         /// unit of its values
         unit: Arc<str>,
-        /// what was rendered
-        environment: EnvironmentId,
+        /// what was rendered; null over several environments
+        environment: Option<EnvironmentId>,
         /// what is compared of people: a difference between modes, an effect; between groups also a mode or
         /// the mean over modes
         effect: GroupEffect,
@@ -55,8 +58,8 @@ rows! {
         curve: Curve,
         /// unit of its values
         unit: Arc<str>,
-        /// what was rendered
-        environment: EnvironmentId,
+        /// what was rendered; null over several environments
+        environment: Option<EnvironmentId>,
         /// what is compared of people: a difference between modes, an effect; between groups also a mode or
         /// the mean over modes
         effect: GroupEffect,
@@ -104,8 +107,8 @@ rows! {
     CurveRun = "curve_runs", "Runs of large t on curves" {
         /// what is compared
         curve: Curve,
-        /// what was rendered
-        environment: EnvironmentId,
+        /// what was rendered; null over several environments
+        environment: Option<EnvironmentId>,
         /// what is compared of people
         effect: GroupEffect,
         /// in: onset to reversal; out: return to end; null over time

@@ -2,7 +2,7 @@
 //! them by chance.
 
 use crate::bootstrap::stream;
-use crate::error::all_finite;
+use crate::error::{all_finite, same_length};
 use crate::groups::{Permuted, arranged, difference, group};
 use crate::null::{Null, SAME, Sampling};
 use crate::paired::ROUNDINGS;
@@ -71,6 +71,16 @@ pub struct CurveTest {
     pub skewness: f64,
     /// Where |t| exceeds the pointwise critical value, in the order of nodes.
     pub runs: Vec<Run>,
+}
+
+impl CurveTest {
+    /// The p value that a claim rests on: where differences are skewed both tests must find the effect, and it is the
+    /// larger one; `None` of fewer people than a claim takes.
+    pub fn p_claimed(&self, people: usize) -> Option<f64> {
+        let p = self.flipped.p_value;
+        let p = if self.skewness > SKEWED { p.max(self.p_unstudentised) } else { p };
+        (people >= LEAST_FOR_A_CLAIM).then_some(p)
+    }
 }
 
 /// What one flip of signs gives: the largest |t|, the largest mass of a run, the largest |sum|, and the largest
@@ -242,20 +252,23 @@ pub struct GroupCurveTest {
 }
 
 /// Tests whether two groups' mean curves, `a` − `b`, are equal everywhere: the largest of Welch's |t| over
-/// nodes is compared with those of other labels of people's whole curves, as
-/// [`permuted`](crate::groups::permuted()) does with single values.
+/// nodes is compared with those of other labels of people's whole curves within their blocks, as
+/// [`permuted_within`](crate::groups::permuted_within()) does with single values.
 ///
 /// # Errors
-/// A group of fewer than two people; rows of different length; a value that is not finite; no node with
-/// scatter.
+/// A group of fewer than two people; not one block for each of them; rows of different length; a value that is not
+/// finite; no node with scatter.
 pub fn groups(
     [a, b]: [&[Vec<f64>]; 2],
+    blocks: [&[usize]; 2],
     lengths: &[usize],
     level: f64,
     sampling: Sampling,
 ) -> Result<GroupCurveTest, Unestimable> {
     let (na, nb) = (a.len(), b.len());
     at_least("participants of a group", na.min(nb), 2)?;
+    same_length("blocks", na, blocks[0].len())?;
+    same_length("blocks", nb, blocks[1].len())?;
     let curves = [a, b].concat();
     let number = checked(&curves, lengths)?;
     let mut nodes = Vec::new();
@@ -305,7 +318,7 @@ pub fn groups(
         })
     };
     let observed = largest_t2(&(0..na).collect::<Vec<usize>>());
-    let found = arranged(&vec![0; na + nb], na, sampling, largest_t2);
+    let found = arranged(&blocks.concat(), na, sampling, largest_t2);
     let extreme = found.of.iter().filter(|t2| **t2 >= observed * (1.0 - SAME)).count();
     let t: Vec<f64> = nodes.iter().map(|node| node.statistic.unwrap_or(0.0)).collect();
     Ok(GroupCurveTest {
@@ -507,10 +520,12 @@ mod tests {
         let value = |person| vec![curve(person)[30]];
         let [a, b]: [Vec<Vec<f64>>; 2] =
             [(1..=5).map(value).collect(), (6..=12).map(value).collect()];
-        let found = groups([&a, &b], &[1], 0.95, SAMPLING).unwrap();
+        let blocks = [&[0, 0, 1, 1, 2][..], &[0, 1, 1, 2, 2, 2, 2][..]];
+        let found = groups([&a, &b], blocks, &[1], 0.95, SAMPLING).unwrap();
         let [first, second] = [a, b].map(|rows| column(&rows, 0));
-        let alone = crate::groups::permuted(&first, &second, SAMPLING).unwrap();
+        let alone = crate::groups::permuted_within([&first, &second], blocks, SAMPLING).unwrap();
         assert_eq!(found.permuted, alone);
+        assert_eq!(found.permuted.smallest_p, 1.0 / 45.0);
         let welch = difference([group(&first), group(&second)], 0.95).unwrap();
         assert_eq!(found.nodes[0].ends, Some([welch.ci_low, welch.ci_high]));
     }
@@ -523,11 +538,13 @@ mod tests {
         };
         let [a, b]: [Vec<Vec<f64>>; 2] =
             [(1..=6).map(shifted).collect(), (7..=12).map(curve).collect()];
-        let found = groups([&a, &b], &[51], 0.95, SAMPLING).unwrap();
+        let one = [&[0; 6][..], &[0; 6][..]];
+        let found = groups([&a, &b], one, &[51], 0.95, SAMPLING).unwrap();
         assert!(found.largest > 30 && found.permuted.p_value < 0.01, "{:?}", found.permuted);
         near(found.permuted.smallest_p, 2.0 / 924.0);
-        assert!(groups([&a[..1], &b], &[51], 0.95, SAMPLING).is_err());
-        let alike = vec![vec![0.0; 3]; 4];
-        assert!(groups([&alike, &alike], &[3], 0.95, SAMPLING).is_err());
+        assert!(groups([&a[..1], &b], [&[0], one[1]], &[51], 0.95, SAMPLING).is_err());
+        assert!(groups([&a, &b], [&[0; 5], one[1]], &[51], 0.95, SAMPLING).is_err());
+        let alike = vec![vec![0.0; 3]; 6];
+        assert!(groups([&alike, &alike], one, &[3], 0.95, SAMPLING).is_err());
     }
 }

@@ -226,7 +226,8 @@ fn curves(case: &Value) {
         near(found.band.unwrap(), &Value::from(3.54480710), 1e-8, case);
     }
     let (a, b) = rows.split_at(rows.len() / 2);
-    let groups = curve::groups([a, b], &[nodes], 0.95, SAMPLING).unwrap();
+    let blocks = [&vec![0; a.len()][..], &vec![0; b.len()][..]];
+    let groups = curve::groups([a, b], blocks, &[nodes], 0.95, SAMPLING).unwrap();
     near(groups.permuted.p_value, &case["groups"], 1e-9, case);
 }
 

@@ -14,8 +14,8 @@ use zwidth_stats::curve::{self, CurveTest, GroupCurveTest, LEAST_FOR_A_CLAIM, No
 use zwidth_stats::null::Sampling;
 use zwidth_stats::{Unestimable, paired, sign_flip};
 use zwidth_study::{
-    Contrast, Curve, Effect, EnvironmentId, Families, GroupContrast, ModeId, ParticipantId,
-    SessionId, counted,
+    Contrast, Curve, Effect, EnvironmentId, Families, GroupContrast, LevelId, ModeId,
+    ParticipantId, SessionId, Weight, counted,
 };
 use zwidth_tables::{Table, TableError};
 
@@ -35,7 +35,7 @@ pub struct CurveParameters {
     pub modes: Vec<ModeId>,
     /// The contrasts.
     pub contrasts: Vec<Contrast>,
-    /// Effects of factors within an environment.
+    /// Effects of factors.
     pub effects: Vec<Effect>,
     /// The groups of people that are compared.
     pub groups: Option<Groups>,
@@ -57,7 +57,7 @@ struct Course {
 /// The mean curve of a participant's repeats in one session and condition.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SessionCurve {
-    curve: Curve,
+    pub(crate) curve: Curve,
     participant: ParticipantId,
     session: SessionId,
     environment: EnvironmentId,
@@ -155,22 +155,12 @@ pub fn compare_curves(
 ) -> Result<Curves, CompareError> {
     let mut all = Curves::default();
     for curve in &parameters.curves {
-        let mut comparisons = Vec::new();
-        for (place, environment) in parameters.environments.iter().enumerate() {
-            let here: Vec<&SessionCurve> = sessions
-                .iter()
-                .filter(|one| one.curve == *curve && one.environment == *environment)
-                .collect();
-            if !here.is_empty() {
-                for comparison in compared(environment, &here, parameters) {
-                    comparisons.push((place, comparison, here.clone()));
-                }
-            }
-        }
+        let own: Vec<&SessionCurve> = sessions.iter().filter(|one| one.curve == *curve).collect();
         // The order of results is that of the comparisons, on any number of threads.
-        let rows = comparisons.par_iter().map(|(place, comparison, here)| {
-            let people = People::of(here, &comparison.weights, parameters);
-            rows(*place, &comparison.effect, &people, parameters)
+        let comparisons = compared(&own, parameters);
+        let rows = comparisons.par_iter().map(|comparison| {
+            let people = People::of(&own, &comparison.weights, parameters);
+            rows(comparison, &people, parameters)
         });
         let mut rows: Vec<Row> = rows.collect::<Vec<Vec<Row>>>().into_iter().flatten().collect();
         let claims = rows.iter_mut().map(|row| &mut row.claim).collect();
@@ -183,93 +173,129 @@ pub fn compare_curves(
 }
 
 /// What is compared.
-struct Comparison {
-    effect: GroupEffect,
-    /// The weight of each mode.
-    weights: Vec<(ModeId, f64)>,
+pub(crate) struct Comparison {
+    pub(crate) effect: GroupEffect,
+    /// The environment in which it is; `None` of an effect over several.
+    pub(crate) environment: Option<EnvironmentId>,
+    /// The weight of each condition.
+    pub(crate) weights: Vec<Weight>,
 }
 
-/// What is compared in an environment: contrasts and effects, and where there are groups also what is compared
-/// between these alone.
-fn compared(
-    environment: &EnvironmentId,
-    here: &[&SessionCurve],
-    parameters: &CurveParameters,
-) -> Vec<Comparison> {
-    let of_contrasts = parameters.contrasts.iter().map(|contrast| {
-        let weights = vec![(contrast.mode.clone(), 1.0), (contrast.against.clone(), -1.0)];
-        Comparison { effect: GroupEffect::Of(contrast.clone()), weights }
-    });
-    let is_here = |effect: &&Effect| {
-        let is_claimed = effect.is_claimed && !effect.weights.is_empty();
-        effect.environment.as_ref() == Some(environment) && is_claimed && !effect.is_by_session()
-    };
-    let of_factors = parameters.effects.iter().filter(is_here).map(|effect| {
-        let levels = (!effect.levels.is_empty()).then(|| EffectLevels(effect.levels.clone()));
-        let name = FactorEffect { term: effect.term.clone(), levels };
-        let weights = effect.weights.iter().map(|own| (own.mode.clone(), own.weight));
-        Comparison { effect: GroupEffect::OfFactors(name), weights: weights.collect() }
-    });
-    let of_everybody = of_contrasts.chain(of_factors);
-    if parameters.groups.is_none() {
-        return of_everybody.collect();
+impl Comparison {
+    /// Whether it is of everybody, besides between groups.
+    pub(crate) fn is_of_everybody(&self) -> bool {
+        matches!(self.effect, GroupEffect::Of(_) | GroupEffect::OfFactors(_))
     }
-    let has = |mode: &&ModeId| here.iter().any(|one| one.mode == **mode);
-    let modes: Vec<ModeId> = parameters.modes.iter().filter(has).cloned().collect();
-    let share = 1.0 / modes.len() as f64;
-    let weights: Vec<(ModeId, f64)> = modes.iter().map(|mode| (mode.clone(), share)).collect();
-    let over_modes =
-        (modes.len() > 1).then_some(Comparison { effect: GroupEffect::OverModes, weights });
-    let each = modes.into_iter().map(|mode| Comparison {
-        effect: GroupEffect::In(mode.clone()),
-        weights: vec![(mode, 1.0)],
-    });
-    over_modes.into_iter().chain(of_everybody).chain(each).collect()
+}
+
+/// What is compared, environment by environment: contrasts and effects, and where there are groups also what is
+/// compared between these alone; at last the effects over several environments.
+pub(crate) fn compared(curves: &[&SessionCurve], parameters: &CurveParameters) -> Vec<Comparison> {
+    let has =
+        |environment: &EnvironmentId| curves.iter().any(|one| one.environment == *environment);
+    let of_factors = |environment: Option<&EnvironmentId>| {
+        let is_compared = |effect: &&Effect| {
+            effect.environment.as_ref() == environment
+                && effect.is_claimed
+                && !effect.weights.is_empty()
+                && effect.weights.iter().all(|weight| has(&weight.environment))
+        };
+        let effects = parameters.effects.iter().filter(is_compared).map(|effect| {
+            let levels = (!effect.levels.is_empty()).then(|| EffectLevels(effect.levels.clone()));
+            let name = FactorEffect { term: effect.term.clone(), levels };
+            Comparison {
+                effect: GroupEffect::OfFactors(name),
+                environment: environment.cloned(),
+                weights: effect.weights.clone(),
+            }
+        });
+        effects.collect::<Vec<Comparison>>()
+    };
+    let mut all = Vec::new();
+    for environment in parameters.environments.iter().filter(|environment| has(environment)) {
+        let comparison = |effect: GroupEffect, modes: &[(&ModeId, f64)]| {
+            let weights = modes.iter().map(|(mode, weight)| Weight {
+                session: None,
+                environment: environment.clone(),
+                mode: (*mode).clone(),
+                weight: *weight,
+            });
+            let weights = weights.collect();
+            Comparison { effect, environment: Some(environment.clone()), weights }
+        };
+        let is_here = |mode: &&ModeId| {
+            curves.iter().any(|one| one.environment == *environment && one.mode == **mode)
+        };
+        let modes: Vec<&ModeId> = parameters.modes.iter().filter(is_here).collect();
+        if parameters.groups.is_some() && modes.len() > 1 {
+            let share = 1.0 / modes.len() as f64;
+            let each: Vec<(&ModeId, f64)> = modes.iter().map(|mode| (*mode, share)).collect();
+            all.push(comparison(GroupEffect::OverModes, &each));
+        }
+        all.extend(parameters.contrasts.iter().map(|contrast| {
+            let modes = [(&contrast.mode, 1.0), (&contrast.against, -1.0)];
+            comparison(GroupEffect::Of(contrast.clone()), &modes)
+        }));
+        all.extend(of_factors(Some(environment)));
+        if parameters.groups.is_some() {
+            let in_mode = |mode: &ModeId| comparison(GroupEffect::In(mode.clone()), &[(mode, 1.0)]);
+            all.extend(modes.into_iter().map(in_mode));
+        }
+    }
+    all.extend(of_factors(None));
+    all
 }
 
 /// Everybody's curves on common nodes.
-struct People {
+pub(crate) struct People {
     who: Vec<ParticipantId>,
-    /// People who have some of the modes, not all.
+    /// People who have some of the conditions, not all.
     lacking: Vec<ParticipantId>,
     /// The branches that all have, with the angles or times of their nodes.
     branches: Vec<(Option<LoopBranch>, Vec<f64>)>,
     /// Which branches are left out, and why.
     left_out: Vec<String>,
-    /// The sum over modes of positive weight and that over the others, person by person, over the nodes of all
+    /// The sum over conditions of positive weight and that over the others, person by person, over the nodes of all
     /// branches; the second is taken from the first.
     sides: [Vec<Vec<f64>>; 2],
 }
 
 impl People {
-    fn of(here: &[&SessionCurve], weights: &[(ModeId, f64)], parameters: &CurveParameters) -> Self {
+    pub(crate) fn of(
+        curves: &[&SessionCurve],
+        weights: &[Weight],
+        parameters: &CurveParameters,
+    ) -> Self {
         // Of groups nobody speaks who has none.
         let in_group = |who: &ParticipantId| {
             parameters.groups.as_ref().is_none_or(|groups| groups.levels_of.contains_key(who))
         };
         let nodes = parameters.nodes;
-        // A session that lacks one of the modes would bring its own practice into a difference.
-        let mut by_person: BTreeMap<
-            &ParticipantId,
-            BTreeMap<&SessionId, BTreeMap<&ModeId, &SessionCurve>>,
-        > = BTreeMap::new();
-        let is_weighed = |one: &&&SessionCurve| {
-            weights.iter().any(|(mode, _)| *mode == one.mode) && in_group(&one.participant)
-        };
-        for one in here.iter().filter(is_weighed) {
+        // Everybody's curve of each weight: session by session, or, where sessions are levels, of all of them
+        // together. A session that lacks one would bring its own practice into a difference.
+        type OfPerson<'a> = BTreeMap<Option<&'a SessionId>, BTreeMap<usize, &'a SessionCurve>>;
+        let mut by_person: BTreeMap<&ParticipantId, OfPerson> = BTreeMap::new();
+        for one in curves.iter().filter(|one| in_group(&one.participant)) {
+            let place = weights.iter().position(|weight| {
+                weight.environment == one.environment
+                    && weight.mode == one.mode
+                    && weight.session.as_ref().is_none_or(|session| *session == one.session)
+            });
+            let Some(place) = place else { continue };
+            let session = weights[place].session.is_none().then_some(&one.session);
             let sessions = by_person.entry(&one.participant).or_default();
-            sessions.entry(&one.session).or_default().insert(&one.mode, one);
+            sessions.entry(session).or_default().insert(place, one);
         }
         let mut lacking = Vec::new();
         by_person.retain(|who, sessions| {
-            sessions.retain(|_, modes| modes.len() == weights.len());
+            sessions.retain(|_, own| own.len() == weights.len());
             if sessions.is_empty() {
                 lacking.push((*who).clone());
             }
             !sessions.is_empty()
         });
         let curves: Vec<&SessionCurve> =
-            by_person.values().flatten().flat_map(|(_, modes)| modes.values().copied()).collect();
+            by_person.values().flatten().flat_map(|(_, own)| own.values().copied()).collect();
         let kinds: BTreeSet<Option<LoopBranch>> =
             curves.iter().flat_map(|one| one.branches.keys().copied()).collect();
         let mut branches = Vec::new();
@@ -298,19 +324,20 @@ impl People {
         let side = |sign: f64| -> Vec<Vec<f64>> {
             let people = by_person.values().map(|sessions| {
                 let mut sum = vec![0.0; branches.iter().map(|(_, x)| x.len()).sum()];
-                let of_side = weights.iter().filter(|(_, weight)| weight * sign > 0.0);
-                for ((mode, weight), modes) in
-                    of_side.flat_map(|own| sessions.values().map(move |modes| (own, modes)))
-                {
-                    let session = modes[mode];
-                    let share = weight.abs() / sessions.len() as f64;
-                    let values = branches.iter().flat_map(|(branch, x)| {
-                        let course = &session.branches[branch];
-                        interpolate_all(&course.x, &course.y, x)
-                    });
-                    // Nodes lie within what every course covers.
-                    for (sum, value) in sum.iter_mut().zip(values) {
-                        *sum += share * value.unwrap_or(f64::NAN);
+                for (place, weight) in weights.iter().enumerate() {
+                    if weight.weight * sign <= 0.0 {
+                        continue;
+                    }
+                    for own in sessions.values() {
+                        let share = weight.weight.abs() / sessions.len() as f64;
+                        let values = branches.iter().flat_map(|(branch, x)| {
+                            let course = &own[&place].branches[branch];
+                            interpolate_all(&course.x, &course.y, x)
+                        });
+                        // Nodes lie within what every course covers.
+                        for (sum, value) in sum.iter_mut().zip(values) {
+                            *sum += share * value.unwrap_or(f64::NAN);
+                        }
                     }
                 }
                 sum
@@ -326,12 +353,12 @@ impl People {
         }
     }
 
-    fn lengths(&self) -> Vec<usize> {
+    pub(crate) fn lengths(&self) -> Vec<usize> {
         self.branches.iter().map(|(_, x)| x.len()).collect()
     }
 
     /// Everybody's differences; values that differ by their rounding do not differ.
-    fn differences(&self) -> Vec<Vec<f64>> {
+    pub(crate) fn differences(&self) -> Vec<Vec<f64>> {
         let mut rows = self.sides[0].clone();
         for node in 0..self.lengths().iter().sum() {
             let pairs = self.sides[0].iter().zip(&self.sides[1]);
@@ -344,7 +371,7 @@ impl People {
     }
 
     /// The branch and the place of each node.
-    fn nodes(&self) -> impl Iterator<Item = (Option<LoopBranch>, f64)> + '_ {
+    pub(crate) fn nodes(&self) -> impl Iterator<Item = (Option<LoopBranch>, f64)> + '_ {
         self.branches.iter().flat_map(|(branch, x)| x.iter().map(|x| (*branch, *x)))
     }
 }
@@ -352,6 +379,8 @@ impl People {
 /// One comparison, not judged yet.
 struct Row {
     effect: GroupEffect,
+    /// The environment in which it is; `None` of an effect over several.
+    environment: Option<EnvironmentId>,
     groups: Option<GroupContrast>,
     n: usize,
     n_second: Option<usize>,
@@ -380,16 +409,17 @@ impl Test {
 }
 
 /// The comparison of everybody, if that is asked, then of each pair of groups.
-fn rows(
-    environment: usize,
-    effect: &GroupEffect,
-    people: &People,
-    parameters: &CurveParameters,
-) -> Vec<Row> {
+fn rows(comparison: &Comparison, people: &People, parameters: &CurveParameters) -> Vec<Row> {
+    let Comparison { effect, environment, weights } = comparison;
+    // Those over several environments come together after those of each.
+    let family = parameters.environments.iter().position(|own| Some(own) == environment.as_ref());
+    let family = family.unwrap_or(parameters.environments.len());
     let mut about = Vec::new();
     if !people.lacking.is_empty() {
         let names: Vec<String> = people.lacking.iter().map(ToString::to_string).collect();
-        about.push(format!("{} without a curve in each mode", names.join(", ")));
+        let are_modes = environment.is_some() && weights.iter().all(|own| own.session.is_none());
+        let what = if are_modes { "mode" } else { "condition" };
+        about.push(format!("{} without a curve in each {what}", names.join(", ")));
     }
     about.extend(people.left_out.iter().cloned());
     let lengths = people.lengths();
@@ -402,7 +432,7 @@ fn rows(
     let places: Vec<(Option<LoopBranch>, f64)> = people.nodes().collect();
     let n = people.who.len();
     let mut rows = Vec::new();
-    if matches!(effect, GroupEffect::Of(_) | GroupEffect::OfFactors(_)) {
+    if comparison.is_of_everybody() {
         let tested = curve::differences(&differences, &lengths, parameters.level, SAMPLING);
         let mut remarks = about.clone();
         if tested.is_ok() && n < LEAST_FOR_A_CLAIM {
@@ -412,14 +442,8 @@ fn rows(
                 counted(n, "participants")
             ));
         }
-        // Of skewed differences both tests must find the effect, and the larger p is adjusted.
-        let p = tested.as_ref().ok().filter(|_| n >= LEAST_FOR_A_CLAIM).map(|test| {
-            let p = test.flipped.p_value;
-            (
-                if test.skewness > SKEWED { p.max(test.p_unstudentised) } else { p },
-                test.flipped.smallest_p,
-            )
-        });
+        let p = tested.as_ref().ok().and_then(|test| test.p_claimed(n));
+        let smallest_p = tested.as_ref().ok().filter(|_| p.is_some()).map(|t| t.flipped.smallest_p);
         if tested.as_ref().is_ok_and(|test| test.skewness > SKEWED) {
             remarks.push(
                 "the differences are skewed: the larger p of both tests counts, and the band covers less than it says"
@@ -428,33 +452,35 @@ fn rows(
         }
         rows.push(Row {
             effect: effect.clone(),
+            environment: environment.clone(),
             groups: None,
             n,
             n_second: None,
             places: places.clone(),
             means: [0, 1].map(|side| mean(&people.sides[side].iter().collect::<Vec<_>>())),
-            claim: Claim::new(environment, p.map(|p| p.0), p.map(|p| p.1), None),
+            claim: Claim::new(family, p, smallest_p, None),
             tested: tested.map(Test::Flipped),
             remarks,
         });
     }
-    for contrast in parameters.groups.iter().flat_map(|groups| &groups.compared.contrasts) {
-        let of = |level| {
-            let groups = parameters.groups.as_ref();
-            let is_of = |who: &ParticipantId| {
-                let own = groups.and_then(|groups| {
-                    groups.levels_of.get(who).map(|level| &groups.compared.levels[*level])
-                });
-                own == Some(level)
-            };
-            let own = people.who.iter().zip(&differences).filter(|(who, _)| is_of(who));
-            own.map(|(_, row)| row.clone()).collect::<Vec<Vec<f64>>>()
+    let Some(groups) = &parameters.groups else { return rows };
+    for contrast in &groups.compared.contrasts {
+        // The curves of a group's people, and the block of the drawing of each.
+        let of_group = |level: &LevelId| {
+            let place = groups.compared.levels.iter().position(|own| own == level);
+            let own = people.who.iter().zip(&differences);
+            let own = own.filter(|(who, _)| groups.levels_of.get(who).copied() == place);
+            let block = |who| groups.blocks.get(who).map_or(0, |block| *block as usize);
+            own.map(|(who, row)| (row.clone(), block(who))).unzip::<_, _, Vec<_>, Vec<_>>()
         };
-        let [first, second] = [of(&contrast.group), of(&contrast.against)];
+        let [(first, first_blocks), (second, second_blocks)] =
+            [&contrast.group, &contrast.against].map(of_group);
         let means = [&first, &second].map(|rows| mean(&rows.iter().collect::<Vec<_>>()));
-        let tested = curve::groups([&first, &second], &lengths, parameters.level, SAMPLING);
+        let blocks = [&first_blocks[..], &second_blocks[..]];
+        let tested = curve::groups([&first, &second], blocks, &lengths, parameters.level, SAMPLING);
         rows.push(Row {
             effect: effect.clone(),
+            environment: environment.clone(),
             groups: Some(contrast.clone()),
             n: first.len(),
             n_second: Some(second.len()),
@@ -462,7 +488,7 @@ fn rows(
             means,
             tested: tested.map(Test::Permuted),
             remarks: about.clone(),
-            claim: Claim::new(environment, None, None, None),
+            claim: Claim::new(family, None, None, None),
         });
     }
     rows
@@ -471,7 +497,6 @@ fn rows(
 impl Row {
     /// Adds the rows of tables.
     fn add_to(mut self, all: &mut Curves, curve: Curve, parameters: &CurveParameters) {
-        let environment = parameters.environments[self.claim.environment].clone();
         let is_angle = curve.is_over_angle();
         let split = |x: f64| if is_angle { (Some(x), None) } else { (None, Some(x)) };
         let tested = self.tested.as_ref().ok();
@@ -501,7 +526,7 @@ impl Row {
         all.tests.push(CurveDifference {
             curve,
             unit: curve.unit().into(),
-            environment: environment.clone(),
+            environment: self.environment.clone(),
             effect: self.effect.clone(),
             groups: self.groups.clone(),
             n: self.n,
@@ -529,7 +554,7 @@ impl Row {
             all.points.push(CurveNode {
                 curve,
                 unit: curve.unit().into(),
-                environment: environment.clone(),
+                environment: self.environment.clone(),
                 effect: self.effect.clone(),
                 groups: self.groups.clone(),
                 branch,
@@ -550,7 +575,7 @@ impl Row {
             let [(theta_low_rad, begins_s), (theta_high_rad, ends_s)] = [split(low), split(high)];
             all.runs.push(CurveRun {
                 curve,
-                environment: environment.clone(),
+                environment: self.environment.clone(),
                 effect: self.effect.clone(),
                 branch,
                 theta_low_rad,
@@ -568,7 +593,7 @@ impl Row {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use zwidth_study::{GroupsCompared, LevelId};
+    use zwidth_study::{FactorId, GroupsCompared, Term};
 
     /// A person's curve in a mode: of angles up to `end`, a line of that slope there and back.
     fn session(who: usize, mode: &str, end: f64, slope: f64, returns: bool) -> SessionCurve {
@@ -707,6 +732,77 @@ mod tests {
         assert!(test.p_value.unwrap() < 0.01 && test.p_adjusted == test.p_unstudentised);
         assert_eq!(test.verdict, Some(Verdict::Undecided));
         assert!(test.remark.as_ref().unwrap().to_string().contains("are skewed"));
+    }
+
+    /// Of two environments and two sessions in which the second mode is steeper by 1 and 3, and by 0.5 more in the
+    /// second session.
+    #[test]
+    fn effects_over_environments_and_over_sessions_weigh_their_conditions() {
+        let mut sessions = Vec::new();
+        for (environment, more) in [("spring", 1.0), ("wall", 3.0)] {
+            for (id, practice) in [("S01", 0.0), ("S02", 0.5)] {
+                for who in 1..=8 {
+                    let own = 0.2 * (who as f64).cos();
+                    for (mode, slope) in [("active", 2.0), ("hybrid", 2.0 + more + practice + own)]
+                    {
+                        sessions.push(SessionCurve {
+                            session: id.parse().unwrap(),
+                            environment: environment.parse().unwrap(),
+                            ..session(who, mode, 0.5, slope + 0.01 * own * more, true)
+                        });
+                    }
+                }
+            }
+        }
+        // Who lacks the second session has the mean over sessions, not the change from one to the other.
+        sessions.retain(|one| one.participant.as_str() != "P08" || one.session.as_str() == "S01");
+        let weight = |session: Option<&str>, environment: &str, mode: &str, weight| Weight {
+            session: session.map(|id| id.parse().unwrap()),
+            environment: environment.parse().unwrap(),
+            mode: mode.parse().unwrap(),
+            weight,
+        };
+        let effect = |id: &str, environment: Option<&str>, weights| Effect {
+            term: Term(vec![id.parse::<FactorId>().unwrap()]),
+            levels: Vec::new(),
+            environment: environment.map(|id| id.parse().unwrap()),
+            weights,
+            over: None,
+            is_claimed: true,
+            lacks: None,
+        };
+        let pair = |session, environment, sign: f64| {
+            [
+                weight(session, environment, "hybrid", sign),
+                weight(session, environment, "active", -sign),
+            ]
+        };
+        let both = |a: [Weight; 2], b: [Weight; 2]| [a, b].concat();
+        let effects = vec![
+            effect("wall_costs", None, both(pair(None, "wall", 1.0), pair(None, "spring", -1.0))),
+            effect(
+                "learned",
+                Some("wall"),
+                both(pair(Some("S02"), "wall", 1.0), pair(Some("S01"), "wall", -1.0)),
+            ),
+            effect("elsewhere", None, both(pair(None, "wall", 1.0), pair(None, "free", -1.0))),
+        ];
+        let environments = ["spring", "wall", "free"].map(|id| id.parse().unwrap()).to_vec();
+        let parameters =
+            CurveParameters { effects, environments, contrasts: Vec::new(), ..parameters() };
+        let found = compare_curves(&sessions, &parameters).unwrap();
+        let [learned, costs] = found.tests.as_slice() else { panic!("{:?}", found.tests) };
+        assert_eq!((learned.environment.as_ref().unwrap().as_str(), learned.n), ("wall", 7));
+        assert_eq!(
+            learned.remark.as_ref().unwrap().to_string(),
+            "P08 without a curve in each condition; the differences have no scatter"
+        );
+        assert_eq!((costs.environment.as_ref(), costs.n), (None, 8));
+        assert_eq!(costs.verdict, Some(Verdict::Different));
+        let at_the_end = found.points.iter().rfind(|point| point.environment.is_none()).unwrap();
+        let people: f64 = (1..=8).map(|who| 0.2 * f64::from(who).cos()).sum::<f64>() / 8.0;
+        let expected = 0.5 * (2.0 + 0.02 * people);
+        assert!((at_the_end.difference - expected).abs() < 1e-9, "{at_the_end:?} {expected}");
     }
 
     #[test]

@@ -59,11 +59,11 @@ fn sentence(study: &Setup, test: &CurveDifference, runs: &[&CurveRun]) -> Option
         Some(second) => format!("{} + {second} participants", test.n),
         None => counted(test.n, "participants"),
     };
-    let place = format!(
-        "{}, {}, {effect}",
-        environment_label(study, &test.environment),
-        curve_label(test.curve, study.coordinate)
-    );
+    let environment = match &test.environment {
+        Some(environment) => environment_label(study, environment),
+        None => "Over several environments".to_owned(),
+    };
+    let place = format!("{environment}, {}, {effect}", curve_label(test.curve, study.coordinate));
     let remark = test.remark.as_ref().map(|why| format!("; {why}")).unwrap_or_default();
     let (t, p, difference) = (test.largest_t?, test.p_value?, test.difference?);
     let verdict = match (&test.groups, test.verdict) {

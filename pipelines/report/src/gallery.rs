@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 use std::collections::BTreeSet;
+use zwidth_results::OVER_SEVERAL;
 use zwidth_study::{Curve, EnvironmentId};
 
 /// Where a sentence can be seen.
@@ -26,7 +27,7 @@ pub enum Shown {
         /// The curve.
         curve: Curve,
         /// Where.
-        environment: EnvironmentId,
+        environment: Option<EnvironmentId>,
         /// Whether between groups.
         of_groups: bool,
     },
@@ -127,6 +128,7 @@ impl Gallery {
             Shown::Groups(metric) => (Some(format!("groups.{metric}")), "comparison"),
             Shown::Effects(metric) => (Some(format!("effects.{metric}")), "metrics"),
             Shown::Curves { curve, environment, of_groups } => {
+                let environment = environment.as_ref().map_or(OVER_SEVERAL, |id| id.as_str());
                 let groups = if *of_groups { ".groups" } else { "" };
                 (Some(format!("curves.{}.{environment}{groups}", curve.as_str())), "curve_tests")
             }

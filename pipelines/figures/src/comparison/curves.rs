@@ -1,4 +1,4 @@
-//! Whole curves compared, one environment per figure.
+//! Whole curves compared, one environment per figure, or what is over several.
 
 use super::compared::{or_note, zero};
 use super::groups::effect_label;
@@ -25,7 +25,7 @@ pub const IN_GROUPS: &str = "groups";
 /// Height of a panel, mm: there are many.
 const PANEL_MM: f64 = 40.0;
 
-/// One curve's results in one environment.
+/// One curve's results in one environment, or over several.
 #[derive(Debug, Clone, Copy)]
 pub struct CurvesShown<'a> {
     /// The curve.
@@ -46,10 +46,11 @@ pub struct CurvesShown<'a> {
 /// way, with runs of large t along the axis.
 pub fn curves_compared(
     about: &About,
-    environment: &Environment,
+    environment: Option<&Environment>,
     sources: &[Source],
     shown: &CurvesShown,
 ) -> Figure {
+    let place_label = environment.map_or("several environments", |own| own.label.as_str());
     let words = Words::new(about.coordinate);
     let signal = match shown.curve {
         Curve::ForceOverAngle | Curve::ForceOverTime => Signal::ForceEx,
@@ -88,7 +89,9 @@ pub fn curves_compared(
         }
         let names = sides(about, test);
         let mut means = Vec::from_iter(
-            is_angle.then(|| wall_line(environment, words, Direction::Vertical)).flatten(),
+            environment
+                .filter(|_| is_angle)
+                .and_then(|environment| wall_line(environment, words, Direction::Vertical)),
         );
         for side in [1, 0] {
             let pen = match (&test.groups, &test.effect) {
@@ -191,15 +194,13 @@ pub fn curves_compared(
     };
     Figure {
         title: Some(plain(&format!(
-            "{}: {}, {}",
+            "{}: {}, {place_label}",
             about.title,
             curve_label(shown.curve, about.coordinate),
-            environment.label
         ))),
         description: format!(
-            "{} in {}: means and differences with {level} bands.",
+            "{} in {place_label}: means and differences with {level} bands.",
             curve_label(shown.curve, about.coordinate),
-            environment.label
         ),
         panels: or_note(panels),
         footnotes: verdicts.iter().chain([&note]).map(|note| plain(note)).collect(),
@@ -328,7 +329,7 @@ mod tests {
             alpha: 0.05,
             level: 0.95,
         };
-        let figure = curves_compared(&About::of(&study), &study.environments[0], &[], &shown);
+        let figure = curves_compared(&About::of(&study), Some(&study.environments[0]), &[], &shown);
         let [means, there, back, untested] = figure.panels.as_slice() else {
             panic!("{:?}", figure.panels)
         };
