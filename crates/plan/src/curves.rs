@@ -12,7 +12,7 @@ use serde::Serialize;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 use zwidth_average::Alignment;
-use zwidth_compare::{CurveParameters, SessionCurve, compare_curves};
+use zwidth_compare::{CurveParameters, CurveSpread, SessionCurve, compare_curves, curve_spreads};
 use zwidth_figures::{About, CURVES_COMPARED, CurvesShown, IN_GROUPS, curves_compared};
 use zwidth_results::{CurveDifference, CurveNode, CurveRun, OVER_SEVERAL};
 use zwidth_runner::{Inputs, Job, JobError, Made, Making};
@@ -136,6 +136,17 @@ fn read(curves: &[Curve], means: &Means) -> Result<Vec<SessionCurve>, TableError
         sessions.extend(own.into_iter().flatten());
     }
     Ok(sessions)
+}
+
+/// How people's curves scatter in what is compared; nothing of a study without.
+///
+/// # Errors
+/// Tables that do not exist.
+pub fn spreads_of_curve(data: &StudyData, curve: Curve) -> Result<Vec<CurveSpread>, TableError> {
+    if of_study(data).is_none() {
+        return Ok(Vec::new());
+    }
+    Ok(curve_spreads(&read(&[curve], &means(data))?, curve, &parameters(data)))
 }
 
 fn make(

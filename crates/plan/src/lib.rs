@@ -35,6 +35,7 @@ pub use compare::{
     By, answers, asked_in_vain, claims, compared, comparison, effects, inflation_by_groups,
     spreads, verdicts,
 };
+pub use curves::spreads_of_curve;
 pub use figures::font::font;
 pub use figures::{captions, chosen_in_vain, describe, on_demand};
 pub use ladder::ladders;
@@ -48,6 +49,7 @@ pub use responses::{Responses, responses};
 pub use tables::printed::Printed;
 pub use tables::{printed as printed_tables, write as write_table};
 pub use trade::{Traded, scenes as trade_scenes};
+pub use zwidth_compare::CurveSpread;
 pub use zwidth_metrics::{in_words as metric_in_words, is_number as is_metric};
 
 use rayon::prelude::*;

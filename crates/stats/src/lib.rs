@@ -14,6 +14,7 @@ pub mod bootstrap;
 pub mod clm;
 pub mod clmm;
 pub mod curve;
+pub mod curve_power;
 pub mod design_guard;
 pub mod effect;
 mod error;

@@ -99,6 +99,16 @@ pub struct Power {
 /// Level of the interval of power.
 const POWER_LEVEL: f64 = 0.95;
 
+impl Power {
+    /// Of studies by whether they claimed the difference.
+    pub(crate) fn of(studies: &[bool]) -> Result<Self, Unestimable> {
+        let claims = studies.iter().filter(|claim| **claim).count();
+        let (ci_low, ci_high) = clopper_pearson(claims, studies.len(), POWER_LEVEL)?;
+        let estimate = claims as f64 / studies.len() as f64;
+        Ok(Self { claims, studies: studies.len(), estimate, ci_low, ci_high })
+    }
+}
+
 /// The share of simulated studies in which the test claims a difference.
 ///
 /// # Errors
@@ -119,15 +129,7 @@ pub fn power(plan: &Plan, simulation: &Simulation) -> Result<Power, Unestimable>
             p_value.is_ok_and(|p| p < simulation.alpha)
         })
         .collect();
-    let claimed = claims.iter().filter(|claim| **claim).count();
-    let (ci_low, ci_high) = clopper_pearson(claimed, simulation.studies, POWER_LEVEL)?;
-    Ok(Power {
-        claims: claimed,
-        studies: simulation.studies,
-        estimate: claimed as f64 / simulation.studies as f64,
-        ci_low,
-        ci_high,
-    })
+    Power::of(&claims)
 }
 
 /// The progress of a search. It counts participants, because a simulated study takes as long as it
@@ -142,25 +144,24 @@ pub struct Searched {
 }
 
 /// The fewest participants whose power is at least `target`, with it; `None` if 10,000 do not have
-/// it. By doubling, then halving: power grows with participants. `progress` is called each time
-/// that studies of one size were simulated.
+/// it. By doubling, then halving: power grows with participants. `at` simulates `studies` studies of so many
+/// participants; `progress` is called each time that it did.
 ///
 /// # Errors
-/// As [`power`], `target` outside (0, 1).
+/// Those of `at`, `target` outside (0, 1).
 pub fn participants_for(
     target: f64,
-    plan: &Plan,
-    simulation: &Simulation,
+    studies: usize,
+    at: &dyn Fn(usize) -> Result<Power, Unestimable>,
     progress: &dyn Fn(Searched),
 ) -> Result<Option<(usize, Power)>, Unestimable> {
     check_level(target)?;
-    let at = |participants| power(&Plan { participants, ..*plan }, simulation);
     let mut simulated = 0;
     let mut searched = |participants: usize, low: usize, high: usize| {
-        simulated += participants * simulation.studies;
+        simulated += participants * studies;
         // Each halving tries about the middle.
         let halvings = (high - low).next_power_of_two().ilog2() as usize;
-        let to_come = halvings * (low + high) / 2 * simulation.studies;
+        let to_come = halvings * (low + high) / 2 * studies;
         progress(Searched { simulated, to_come });
     };
     let mut low = 1;
@@ -188,47 +189,69 @@ pub fn participants_for(
     Ok(Some((high, at_high)))
 }
 
-/// The smallest difference that the planned participants find with power `target`, in the unit of
-/// the plan's SDs. `progress` is called each time that studies with one difference were simulated.
+/// A search for the smallest difference that a study finds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DifferenceSearch {
+    /// The power that it is to have.
+    pub target: f64,
+    /// Where the search begins: about the standard error of the difference, in its unit.
+    pub start: f64,
+    /// How often the bounds are halved: the difference is found to 2⁻ⁿ of where they were.
+    pub halvings: usize,
+    /// Participants of all studies simulated at one difference, of which `progress` is told.
+    pub participants: usize,
+}
+
+/// The smallest difference that is found with the target's power, in the unit of its start; none if even one of 2⁴⁰ times
+/// the start is not. `at` simulates studies with a difference; `progress` is called each time that it did.
 ///
 /// # Errors
-/// As [`power`], `target` outside (0, 1), SDs that are all zero.
+/// Those of `at`, a target outside (0, 1), a start that is not above 0.
 pub fn smallest_difference(
-    target: f64,
-    plan: &Plan,
-    simulation: &Simulation,
+    search: &DifferenceSearch,
+    at: &dyn Fn(f64) -> Result<Power, Unestimable>,
     progress: &dyn Fn(Searched),
-) -> Result<f64, Unestimable> {
+) -> Result<Option<f64>, Unestimable> {
+    /// Doublings of the start after which no difference is found.
+    const MOST_DOUBLINGS: usize = 40;
+    let DifferenceSearch { target, start, halvings, participants } = *search;
     check_level(target)?;
-    let participants = plan.participants * simulation.studies;
+    not_constant("planned values", !(start.is_finite() && start > 0.0))?;
     let mut simulated = 0;
     let mut at = |difference: f64, halvings: usize| {
-        let power = power(&Plan { difference, ..*plan }, simulation)?;
+        let power = at(difference)?;
         simulated += participants;
         progress(Searched { simulated, to_come: halvings * participants });
         Ok::<_, Unestimable>(power)
     };
-    // SD of a participant's difference of mode means: √(2 (σ²_mode + σ² / repeats)).
-    let [interaction, residual] = [plan.interaction_sd, plan.residual_sd].map(|sd| sd * sd);
-    let contrast_sd = (2.0 * (interaction + residual / plan.repeats as f64)).sqrt();
-    let mut high = contrast_sd / (plan.participants as f64).sqrt();
-    not_constant("planned values", high <= 0.0)?;
+    let mut high = start;
     let mut low = 0.0;
-    while at(high, HALVINGS)?.estimate < target {
+    let mut doublings = 0;
+    while at(high, halvings)?.estimate < target {
         (low, high) = (high, 2.0 * high);
-        if !high.is_finite() {
-            return Err(Unestimable::NotConverged { what: "the difference", slope: 0.0 });
+        doublings += 1;
+        if doublings > MOST_DOUBLINGS {
+            return Ok(None);
         }
     }
-    for halving in 1..=HALVINGS {
+    for halving in 1..=halvings {
         let middle = low + (high - low) / 2.0;
-        if at(middle, HALVINGS - halving)?.estimate < target {
+        if at(middle, halvings - halving)?.estimate < target {
             low = middle;
         } else {
             high = middle;
         }
     }
-    Ok(high)
+    Ok(Some(high))
+}
+
+impl Plan {
+    /// Standard error of the mean of participants' differences of mode means: √(2 (σ²_mode + σ² / repeats) / n).
+    pub fn difference_std_error(&self) -> f64 {
+        let [interaction, residual] = [self.interaction_sd, self.residual_sd].map(|sd| sd * sd);
+        let contrast_sd = (2.0 * (interaction + residual / self.repeats as f64)).sqrt();
+        contrast_sd / (self.participants as f64).sqrt()
+    }
 }
 
 fn check(plan: &Plan, simulation: &Simulation) -> Result<(), Unestimable> {
@@ -274,7 +297,7 @@ fn simulate(plan: &Plan, simulation: &Simulation, study: u64) -> Vec<f64> {
 }
 
 /// A standard normal number (Box & Muller 1958), by libm: the same on any machine.
-fn normal(rng: &mut ChaCha8Rng) -> f64 {
+pub(crate) fn normal(rng: &mut ChaCha8Rng) -> f64 {
     /// 2⁻⁵³, so that 53 bits make a number in [0, 1).
     const UNIT: f64 = 1.0 / (1_u64 << 53) as f64;
     // Not `bootstrap::normal`: its numbers lie half a step further, and power is stored.
@@ -437,9 +460,35 @@ mod tests {
         assert_ne!(on(1).claims, power(&PLAN, &other).unwrap().claims);
     }
 
+    /// The power of a plan with other participants.
+    fn of_participants(
+        plan: Plan,
+        simulation: Simulation,
+    ) -> impl Fn(usize) -> Result<Power, Unestimable> {
+        move |participants| power(&Plan { participants, ..plan }, &simulation)
+    }
+
+    /// The power of a plan with another difference.
+    fn of_difference(
+        plan: Plan,
+        simulation: Simulation,
+    ) -> impl Fn(f64) -> Result<Power, Unestimable> {
+        move |difference| power(&Plan { difference, ..plan }, &simulation)
+    }
+
+    fn search(plan: Plan, studies: usize) -> DifferenceSearch {
+        DifferenceSearch {
+            target: 0.8,
+            start: plan.difference_std_error(),
+            halvings: HALVINGS,
+            participants: plan.participants * studies,
+        }
+    }
+
     #[test]
     fn the_fewest_participants_are_enough_and_one_fewer_are_not() {
-        let (n, found) = participants_for(0.8, &PLAN, &SIMULATION, &|_| {}).unwrap().unwrap();
+        let at = of_participants(PLAN, SIMULATION);
+        let (n, found) = participants_for(0.8, SIMULATION.studies, &at, &|_| {}).unwrap().unwrap();
         assert!(found.estimate >= 0.8, "{found:?}");
         let fewer = power(&Plan { participants: n - 1, ..PLAN }, &SIMULATION).unwrap();
         assert!(fewer.estimate < 0.8);
@@ -447,15 +496,21 @@ mod tests {
         assert!(n.abs_diff(exact) <= 1, "{n} for {exact}");
         let hopeless = Plan { difference: 0.0, ..PLAN };
         let few = Simulation { studies: 5, ..SIMULATION };
-        assert_eq!(participants_for(0.8, &hopeless, &few, &|_| {}).unwrap(), None);
+        let at = of_participants(hopeless, few);
+        assert_eq!(participants_for(0.8, few.studies, &at, &|_| {}).unwrap(), None);
     }
 
     #[test]
     fn the_smallest_difference_is_found_with_its_power() {
-        let found = smallest_difference(0.8, &PLAN, &SIMULATION, &|_| {}).unwrap();
+        let at = of_difference(PLAN, SIMULATION);
+        let of_plan = search(PLAN, SIMULATION.studies);
+        let found = smallest_difference(&of_plan, &at, &|_| {}).unwrap().unwrap();
         assert!((found / DIFFERENCE_OF_R - 1.0).abs() < 0.04, "{found}");
         let none = Plan { interaction_sd: 0.0, residual_sd: 0.0, ..PLAN };
-        assert!(smallest_difference(0.8, &none, &SIMULATION, &|_| {}).is_err());
+        assert!(smallest_difference(&search(none, 1), &at, &|_| {}).is_err());
+        // Where no difference makes a claim, none is found.
+        let never = |_| power(&Plan { difference: 0.0, ..PLAN }, &SIMULATION);
+        assert_eq!(smallest_difference(&of_plan, &never, &|_| {}).unwrap(), None);
     }
 
     #[test]
@@ -463,9 +518,11 @@ mod tests {
         let few = Simulation { studies: 100, ..SIMULATION };
         let steps = RefCell::new(Vec::new());
         let keep = |searched| steps.borrow_mut().push(searched);
-        let (n, _) = participants_for(0.8, &PLAN, &few, &keep).unwrap().unwrap();
+        let at = of_participants(PLAN, few);
+        let (n, _) = participants_for(0.8, few.studies, &at, &keep).unwrap().unwrap();
         let of_participants = steps.take();
-        smallest_difference(0.8, &PLAN, &few, &keep).unwrap();
+        let at = of_difference(PLAN, few);
+        smallest_difference(&search(PLAN, few.studies), &at, &keep).unwrap();
         let of_difference = steps.take();
         assert!(n > 16 && n < 64, "doubled to 32 or 64: {n}");
         for all in [&of_participants, &of_difference] {
@@ -512,7 +569,8 @@ mod tests {
             assert!(power(&plan, &SIMULATION).is_err(), "{plan:?}");
         }
         assert!(power(&PLAN, &Simulation { alpha: 1.0, ..SIMULATION }).is_err());
-        assert!(participants_for(80.0, &PLAN, &SIMULATION, &|_| {}).is_err());
+        let at = of_participants(PLAN, SIMULATION);
+        assert!(participants_for(80.0, SIMULATION.studies, &at, &|_| {}).is_err());
     }
 
     const POWER_OF_R: [(usize, f64); 3] =

@@ -29,6 +29,7 @@ mod cells;
 mod claim;
 mod contrasts;
 mod covariates;
+mod curve_spread;
 mod curves;
 mod differences;
 mod doses;
@@ -59,6 +60,7 @@ mod trials;
 mod weighed;
 
 pub use answers::{AnswerParameters, AnswersCompared, answers_table, compare_answers};
+pub use curve_spread::{CurveSpread, curve_spreads};
 pub use curves::{CurveParameters, Curves, SessionCurve, compare_curves};
 pub use drawn::{DrawnOrder, SessionOrder};
 pub use error::CompareError;

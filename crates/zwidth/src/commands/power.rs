@@ -7,18 +7,27 @@ use crate::limits::{MOST_PARTICIPANTS, positive};
 use crate::screen::Screen;
 use crate::text::read_beside;
 use anyhow::{Context as _, bail};
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use indicatif::ProgressBar;
 use serde::Serialize;
 use serde_json::Value;
 use std::collections::BTreeSet;
 use std::path::Path;
 use zwidth_plan as plan;
-use zwidth_results::{EffectLevels, ModeDifference, Model, UnitOfAnalysis};
+use zwidth_plan::CurveSpread;
+use zwidth_results::{EffectLevels, GroupEffect, ModeDifference, Model, UnitOfAnalysis};
+use zwidth_stats::Unestimable;
+use zwidth_stats::curve::LEAST_FOR_A_CLAIM as LEAST_OF_CURVES;
+use zwidth_stats::curve_power::{CurvePlan, curve_power};
 use zwidth_stats::groups::LEAST_FOR_A_CLAIM;
-use zwidth_stats::power::{self, HALVINGS, Plan, PlannedTest, Searched, Simulation};
+use zwidth_stats::power::{
+    self, DifferenceSearch, HALVINGS, Plan, PlannedTest, Power, Searched, Simulation,
+};
 use zwidth_store::{Raw, RealFiles, StudyData, hex_blake3, write_new};
-use zwidth_study::{Effect, LevelContrast, Study, StudyId, Term, contrast_label};
-use zwidth_tables::number;
+use zwidth_study::{
+    Curve, Effect, LevelContrast, Study, StudyId, Term, contrast_label, counted, curve_label,
+};
+use zwidth_tables::{number, shown_unit, with_unit};
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct PowerArgs {
@@ -41,6 +50,19 @@ pub(crate) struct PowerArgs {
     /// The metric's column in the table of metrics [default: the primary one, the first of several]
     #[arg(long, value_name = "METRIC")]
     pub(crate) metric: Option<String>,
+    /// A whole curve in place of a metric: the difference is along it, or between two places of it, and people's curves
+    /// scatter as those of the study's own trials
+    #[arg(long, value_name = "CURVE", value_parser = curves(), conflicts_with_all = ["metric", "groups", "participant_sd", "participant_mode_sd", "residual_sd"])]
+    pub(crate) curve: Option<Curve>,
+    /// Where along the curve the difference is, from and to, in degrees, millimetres or seconds [default: everywhere]
+    #[arg(
+        long,
+        value_name = "FROM,TO",
+        value_delimiter = ',',
+        requires = "curve",
+        allow_negative_numbers = true
+    )]
+    pub(crate) between: Vec<f64>,
     /// Standard deviation of participants' levels [default: that of the study's own trials]
     #[arg(long, value_name = "SD", value_parser = positive)]
     pub(crate) participant_sd: Option<f64>,
@@ -50,9 +72,9 @@ pub(crate) struct PowerArgs {
     /// Standard deviation of repeats [default: likewise]
     #[arg(long, value_name = "SD", value_parser = positive)]
     pub(crate) residual_sd: Option<f64>,
-    /// Number of studies that are simulated
-    #[arg(long, value_name = "N", default_value_t = 2000, value_parser = clap::value_parser!(u32).range(100..=100_000))]
-    pub(crate) studies: u32,
+    /// Number of studies that are simulated [default: 2000, of whole curves 500]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(100..=100_000))]
+    pub(crate) studies: Option<u32>,
     /// Seed of the simulated studies
     #[arg(long, value_name = "K", default_value_t = 1)]
     pub(crate) seed: u64,
@@ -62,10 +84,20 @@ pub(crate) struct PowerArgs {
     pub(crate) plan: bool,
 }
 
+fn curves() -> impl TypedValueParser<Value = Curve> {
+    let words = Curve::ALL.map(Curve::as_str);
+    PossibleValuesParser::new(words).try_map(|word| Curve::from_word(&word).ok_or("no such curve"))
+}
+
 /// The power that a study is planned with.
 const TARGET: f64 = 0.8;
 /// Participants where none are named: as many as the smallest studies have.
 const PARTICIPANTS: usize = 12;
+/// Studies that are simulated where no number is named; each of whole curves takes as long as a hundred others.
+const STUDIES: usize = 2000;
+const STUDIES_OF_CURVES: usize = 500;
+/// Halvings of a searched difference of whole curves: to a hundredth, as near as so few studies tell.
+const HALVINGS_OF_CURVES: usize = 7;
 
 /// What was planned and found, as printed with `--json` and written as a plan.
 #[derive(Debug, Serialize)]
@@ -84,9 +116,12 @@ struct Planned {
     effect: Option<Term>,
     /// In the metric's SI unit, as the SDs.
     difference: f64,
-    participant_sd: f64,
-    participant_mode_sd: f64,
-    residual_sd: f64,
+    /// Where along a whole curve, in radians or seconds; none everywhere.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    between: Option<[f64; 2]>,
+    /// None of these of a whole curve, which scatters as people's own curves.
+    #[serde(flatten)]
+    spread: Option<Deviations>,
     /// Where the SDs come from.
     source: String,
     repeats: usize,
@@ -102,8 +137,64 @@ struct Planned {
     power_ci_high: f64,
     /// The fewest participants with a power of 80 %; none if 10,000 do not have it.
     participants_needed: Option<usize>,
-    /// The smallest difference that the participants named find with a power of 80 %.
-    smallest_difference: f64,
+    /// The smallest difference that the participants named find with a power of 80 %; none if none is.
+    smallest_difference: Option<f64>,
+}
+
+/// The standard deviations that are simulated, in the metric's SI unit.
+#[derive(Debug, Clone, Copy, Serialize)]
+struct Deviations {
+    participant_sd: f64,
+    participant_mode_sd: f64,
+    residual_sd: f64,
+}
+
+/// What is simulated, and how it is tested.
+enum Planning {
+    Values(Plan, PlannedTest),
+    Curves(CurvePlan),
+}
+
+impl Planning {
+    fn participants(&self) -> usize {
+        match self {
+            Self::Values(plan, _) => plan.participants,
+            Self::Curves(plan) => plan.participants,
+        }
+    }
+
+    /// The power of so many participants with that difference.
+    fn power(
+        &self,
+        participants: usize,
+        difference: f64,
+        simulation: &Simulation,
+    ) -> Result<Power, Unestimable> {
+        match self {
+            Self::Values(plan, _) => {
+                power::power(&Plan { participants, difference, ..*plan }, simulation)
+            }
+            Self::Curves(plan) => {
+                let Simulation { alpha, studies, seed, .. } = *simulation;
+                let plan = CurvePlan { participants, difference, ..plan.clone() };
+                curve_power(&plan, alpha, studies, seed)
+            }
+        }
+    }
+
+    /// The search for the smallest difference that these studies find.
+    fn search(&self, studies: usize) -> DifferenceSearch {
+        let (start, halvings) = match self {
+            Self::Values(plan, _) => (plan.difference_std_error(), HALVINGS),
+            Self::Curves(plan) => (plan.difference_std_error(), HALVINGS_OF_CURVES),
+        };
+        DifferenceSearch {
+            target: TARGET,
+            start,
+            halvings,
+            participants: self.participants() * studies,
+        }
+    }
 }
 
 /// The SDs that a plan rests on.
@@ -118,14 +209,6 @@ pub(crate) fn power(root: &Path, command: &PowerArgs, screen: &Screen) -> anyhow
     let data = super::load(root, &command.study)?;
     let layout = &data.layout;
     let compare = &data.study.compare;
-    let metric = match &command.metric {
-        Some(metric) => metric.clone(),
-        None => compare.primary.metrics().first().context("no metric is primary")?.to_string(),
-    };
-    let spread = match &command.effect {
-        None => spread(&data, command, &metric, screen)?,
-        Some(effect) => spread_of_effect(&data, command, &metric, effect, screen)?,
-    };
     let repeats = usize::try_from(data.study.design.repeats)?;
     let groups = match *command.groups.as_slice() {
         [first, second] => {
@@ -144,36 +227,87 @@ pub(crate) fn power(root: &Path, command: &PowerArgs, screen: &Screen) -> anyhow
         [] => None,
         _ => bail!("--groups: give the participants of two groups, such as 8,8"),
     };
-    let planned = Plan {
-        participant_sd: spread.participant,
-        interaction_sd: spread.participant_mode,
-        residual_sd: spread.residual,
-        repeats,
-        modes: data.study.modes.len(),
-        difference: command.difference,
-        participants: match groups {
-            Some([first, second]) => first + second,
-            None => command.participants.map_or(Ok(PARTICIPANTS), usize::try_from)?,
-        },
+    let participants = match groups {
+        Some([first, second]) => first + second,
+        None => command.participants.map_or(Ok(PARTICIPANTS), usize::try_from)?,
+    };
+    let between = between(command, &data.study)?;
+    let (metric, planning, source, claims) = match command.curve {
+        Some(curve) => {
+            let (spread, source) = spread_of_curve(&data, command, curve, screen)?;
+            let is_there = |place: &f64| {
+                between.is_none_or(|[from, to]: [f64; 2]| from <= *place && *place <= to)
+            };
+            let differs: Vec<bool> = spread.places.iter().map(is_there).collect();
+            if !differs.contains(&true) {
+                bail!("--between: no place that all participants reach lies between these");
+            }
+            let plan = CurvePlan {
+                known: spread.differences,
+                lengths: spread.lengths,
+                differs,
+                difference: command.difference,
+                participants,
+            };
+            (curve.as_str().to_owned(), Planning::Curves(plan), source, spread.together)
+        }
+        None => {
+            let metric = match &command.metric {
+                Some(metric) => metric.clone(),
+                None => {
+                    let first = compare.primary.metrics().first();
+                    first.context("no metric is primary")?.to_string()
+                }
+            };
+            let spread = match &command.effect {
+                None => spread(&data, command, &metric, screen)?,
+                Some(effect) => spread_of_effect(&data, command, &metric, effect, screen)?,
+            };
+            let plan = Plan {
+                participant_sd: spread.participant,
+                interaction_sd: spread.participant_mode,
+                residual_sd: spread.residual,
+                repeats,
+                modes: data.study.modes.len(),
+                difference: command.difference,
+                participants,
+            };
+            let test = groups.map_or(PlannedTest::PairedT, PlannedTest::Welch);
+            let claims = plan::claims(&data.study, &metric);
+            (metric, Planning::Values(plan, test), spread.source, claims)
+        }
+    };
+    let (test, studies) = match &planning {
+        Planning::Values(_, test) => (*test, STUDIES),
+        Planning::Curves(_) => (PlannedTest::PairedT, STUDIES_OF_CURVES),
     };
     let simulation = Simulation {
-        test: groups.map_or(PlannedTest::PairedT, PlannedTest::Welch),
+        test,
         // Bonferroni: each claim of a family is tested at its share of alpha.
-        alpha: compare.alpha / plan::claims(&data.study, &metric).max(1) as f64,
-        studies: usize::try_from(command.studies)?,
+        alpha: compare.alpha / claims.max(1) as f64,
+        studies: command.studies.map_or(Ok(studies), usize::try_from)?,
         seed: command.seed,
     };
     // In participants of all simulated studies.
     let bar = screen.bar(0);
-    let each = planned.participants * simulation.studies;
-    let estimated = power::power(&planned, &simulation)?;
-    let needed = power::participants_for(TARGET, &planned, &simulation, &|searched| {
-        advance(&bar, searched, each, (HALVINGS + 1) * each);
-    })?;
+    let search = planning.search(simulation.studies);
+    let each = search.participants;
+    let at = |participants, difference| planning.power(participants, difference, &simulation);
+    let estimated = at(participants, command.difference)?;
+    let needed = power::participants_for(
+        TARGET,
+        simulation.studies,
+        &|participants| at(participants, command.difference),
+        &|searched| advance(&bar, searched, each, (search.halvings + 1) * each),
+    )?;
     let before = usize::try_from(bar.position())?;
-    let smallest = power::smallest_difference(TARGET, &planned, &simulation, &|searched| {
-        advance(&bar, searched, before, 0);
-    })?;
+    let smallest = power::smallest_difference(
+        &search,
+        &|difference| at(participants, difference),
+        &|searched| {
+            advance(&bar, searched, before, 0);
+        },
+    )?;
     bar.finish_and_clear();
     let study_toml =
         read_beside(&layout.study_toml())?.context("there is no study.toml any more")?;
@@ -185,13 +319,19 @@ pub(crate) fn power(root: &Path, command: &PowerArgs, screen: &Screen) -> anyhow
         trials_before: data.counting().count(),
         metric,
         effect: command.effect.clone(),
-        difference: planned.difference,
-        participant_sd: planned.participant_sd,
-        participant_mode_sd: planned.interaction_sd,
-        residual_sd: planned.residual_sd,
-        source: spread.source,
+        difference: command.difference,
+        between,
+        spread: match &planning {
+            Planning::Values(plan, _) => Some(Deviations {
+                participant_sd: plan.participant_sd,
+                participant_mode_sd: plan.interaction_sd,
+                residual_sd: plan.residual_sd,
+            }),
+            Planning::Curves(_) => None,
+        },
+        source,
         repeats,
-        participants: planned.participants,
+        participants,
         groups,
         alpha: simulation.alpha,
         seed: simulation.seed,
@@ -226,6 +366,79 @@ fn advance(bar: &ProgressBar, searched: Searched, before: usize, next: usize) {
     let done = before + searched.simulated;
     bar.set_length((done + searched.to_come + next) as u64);
     bar.set_position(done as u64);
+}
+
+/// Where along a curve the difference is, in radians or seconds; none everywhere.
+fn between(command: &PowerArgs, study: &Study) -> anyhow::Result<Option<[f64; 2]>> {
+    let (Some(curve), [_, ..]) = (command.curve, command.between.as_slice()) else {
+        return Ok(None);
+    };
+    let (_, factor) = match curve.is_over_angle() {
+        true => shown_unit("rad", study.coordinate),
+        false => shown_unit("s", study.coordinate),
+    };
+    match *command.between.as_slice() {
+        [from, to] if from < to => Ok(Some([from / factor, to / factor])),
+        _ => bail!("--between: give two places of the curve, the smaller one first, such as 10,25"),
+    }
+}
+
+/// People's curves in the comparison in which they differ most, and where they come from.
+fn spread_of_curve(
+    data: &StudyData,
+    command: &PowerArgs,
+    curve: Curve,
+    screen: &Screen,
+) -> anyhow::Result<(CurveSpread, String)> {
+    let study = data.layout.study();
+    let compared = &data.study.compare.curves;
+    if !compared.contains(&curve) {
+        bail!("--curve: {study} does not compare {}; name it in [compare] curves", curve.as_str());
+    }
+    super::compare::make(data, screen)?;
+    let mut spreads = plan::spreads_of_curve(data, curve)?;
+    spreads.retain(|spread| match (&command.effect, &spread.effect) {
+        (None, _) => true,
+        (Some(asked), GroupEffect::OfFactors(effect)) => effect.term == *asked,
+        (Some(_), _) => false,
+    });
+    let fewest = spreads.iter().map(|spread| spread.differences.len()).max().unwrap_or(0);
+    spreads.retain(|spread| spread.differences.len() >= LEAST_OF_CURVES);
+    // The mean over nodes of the variance of people's differences.
+    let variance = |spread: &CurveSpread| {
+        let n = spread.differences.len() as f64;
+        let nodes = spread.places.len();
+        let of_node = |node: usize| {
+            let mean = spread.differences.iter().map(|row| row[node]).sum::<f64>() / n;
+            let squares = spread.differences.iter().map(|row| (row[node] - mean).powi(2));
+            squares.sum::<f64>() / (n - 1.0)
+        };
+        (0..nodes).map(of_node).sum::<f64>() / nodes.max(1) as f64
+    };
+    let widest = spreads.into_iter().max_by(|a, b| variance(a).total_cmp(&variance(b)));
+    let widest = widest.with_context(|| {
+        format!(
+            "{study} has the curves of {} in such a comparison, and it takes those of {LEAST_OF_CURVES} to tell how \
+             people's curves scatter",
+            counted(fewest, "participants")
+        )
+    })?;
+    let simulated = data.counting().any(|trial| trial.meta.source.is_simulated());
+    let mark = if simulated { "; SYNTHETIC: simulated data" } else { "" };
+    let effect = match &widest.effect {
+        GroupEffect::Of(contrast) => contrast_label(&data.study.modes, contrast),
+        other => other.to_string(),
+    };
+    let place = widest.environment.as_ref().map(|id| {
+        let environment = data.study.environment(id);
+        format!("{}, ", environment.map_or(id.as_str(), |environment| &environment.label))
+    });
+    let source = format!(
+        "from the study's own trials, {}{effect}: what {} differ in most{mark}",
+        place.unwrap_or_default(),
+        counted(widest.differences.len(), "participants")
+    );
+    Ok((widest, source))
 }
 
 /// The SDs of the command, or those of the study's own trials.
@@ -371,7 +584,12 @@ fn widest(
 /// The result in sentences.
 fn sentences(study: &Study, result: &Planned) -> [String; 4] {
     let Planned { metric, difference, participants, studies, alpha, source, .. } = result;
-    let named = plan::metric_in_words(study, metric).map(|words| format!("{words} ({metric})"));
+    let curve = Curve::from_word(metric).filter(|_| result.spread.is_none());
+    let named = match curve {
+        Some(curve) => Some(curve_label(curve, study.coordinate)),
+        None => plan::metric_in_words(study, metric),
+    };
+    let named = named.map(|words| format!("{words} ({metric})"));
     let effect = result.effect.as_ref().map(|effect| effect.to_string().replace(':', " × "));
     let what = match (effect, result.groups) {
         (None, None) => "two modes differ by".to_owned(),
@@ -379,15 +597,26 @@ fn sentences(study: &Study, result: &Planned) -> [String; 4] {
         (None, Some(_)) => "the difference between two modes differs between groups by".to_owned(),
         (Some(effect), Some(_)) => format!("the effect of {effect} differs between groups by"),
     };
+    let place = curve.map(|curve| match result.between {
+        None => " along the whole curve".to_owned(),
+        Some(ends) => {
+            let unit = if curve.is_over_angle() { "rad" } else { "s" };
+            let (unit, factor) = shown_unit(unit, study.coordinate);
+            let [from, to] = ends.map(|end| with_unit(&number(end * factor, None), &unit));
+            format!(" between {from} and {to}")
+        }
+    });
+    let place = place.unwrap_or_default();
     let people = match result.groups {
         Some([first, second]) => format!("{first} and {second}"),
         None => participants.to_string(),
     };
     let [power, low, high] =
         [result.power, result.power_ci_low, result.power_ci_high].map(|share| 100.0 * share);
+    let alpha = number(*alpha, None);
     [
         format!(
-            "{}: if {what} {difference}, a study of {people} participants finds it with a \
+            "{}: if {what} {difference}{place}, a study of {people} participants finds it with a \
              probability (power) of {power:.1} % ({low:.1} to {high:.1} %, from {studies} simulated studies).",
             named.unwrap_or_else(|| metric.clone())
         ),
@@ -398,19 +627,27 @@ fn sentences(study: &Study, result: &Planned) -> [String; 4] {
             Some(needed) => format!("For a power of 80 % it takes {needed} participants."),
             None => "Even 10,000 participants do not reach a power of 80 %.".to_owned(),
         },
-        format!(
-            "The smallest difference that {people} participants find with a power of 80 % is {:.4}.",
-            result.smallest_difference
-        ),
-        format!(
-            "This rests on these standard deviations ({source}): {:.4} between participants, {:.4} between \
-             participants in how they respond to a mode, {:.4} between repeats. Each contrast is tested at a level \
-             of {}. All differences and deviations are in the metric's SI unit.",
-            result.participant_sd,
-            result.participant_mode_sd,
-            result.residual_sd,
-            number(*alpha, None)
-        ),
+        match result.smallest_difference {
+            Some(smallest) => format!(
+                "The smallest difference that {people} participants find with a power of 80 % is {smallest:.4}."
+            ),
+            None => format!(
+                "{people} participants find no difference with a power of 80 %, however large: the signs of so few \
+                 reach no p value that is small enough."
+            ),
+        },
+        match &result.spread {
+            Some(spread) => format!(
+                "This rests on these standard deviations ({source}): {:.4} between participants, {:.4} between \
+                 participants in how they respond to a mode, {:.4} between repeats. Each contrast is tested at a level \
+                 of {alpha}. All differences and deviations are in the metric's SI unit.",
+                spread.participant_sd, spread.participant_mode_sd, spread.residual_sd,
+            ),
+            None => format!(
+                "Simulated people's curves scatter as those known ({source}). The largest t along the curve is tested by \
+                 flipped signs at a level of {alpha}. Differences are in the curve's SI unit."
+            ),
+        },
     ]
 }
 

@@ -4,7 +4,8 @@ use super::people::{CONTRASTS, PARTICIPANTS, People, THESIS, Truth, What};
 use super::studies::{ALPHA, Found, LEVEL, Said};
 use anyhow::{Context as _, ensure};
 use zwidth_stats::power::{
-    Plan, PlannedTest, Simulation, clopper_pearson, power, smallest_difference,
+    DifferenceSearch, HALVINGS, Plan, PlannedTest, Simulation, clopper_pearson, power,
+    smallest_difference,
 };
 use zwidth_stats::student_t::two_sided_p;
 
@@ -114,7 +115,15 @@ fn planned(people: &People, found: &Found) -> anyhow::Result<()> {
         };
         let of_two = people.plan(what, &CONTRASTS[what.contrast])?;
         let of_all = people.plan(what, &THESIS)?;
-        let difference = smallest_difference(TARGET, &of_two, &simulation, &|_| {})?;
+        let search = DifferenceSearch {
+            target: TARGET,
+            start: of_two.difference_std_error(),
+            halvings: HALVINGS,
+            participants: of_two.participants * SIMULATED,
+        };
+        let at = |difference| power(&Plan { difference, ..of_two }, &simulation);
+        let difference = smallest_difference(&search, &at, &|_| {})?
+            .context("no difference is found with that power")?;
         let predicted = power(&Plan { difference, ..of_two }, &simulation)?.estimate;
         let by_all = power(&Plan { difference, ..of_all }, &simulation)?.estimate;
         let claims = |said: &Said| -> anyhow::Result<bool> {

@@ -1,0 +1,49 @@
+//! How people's curves scatter in what is compared, from which another study is planned.
+
+use crate::curves::{Comparison, CurveParameters, People, SessionCurve, compared};
+use zwidth_results::GroupEffect;
+use zwidth_study::{Curve, EnvironmentId, Families};
+
+/// People's differences in one comparison of whole curves.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CurveSpread {
+    /// What is compared.
+    pub effect: GroupEffect,
+    /// The environment in which it is; `None` of an effect over several.
+    pub environment: Option<EnvironmentId>,
+    /// Everybody's differences, node by node, in the unit of the curve.
+    pub differences: Vec<Vec<f64>>,
+    /// The number of nodes of each branch.
+    pub lengths: Vec<usize>,
+    /// The angle (rad) or the time (s) of each node.
+    pub places: Vec<f64>,
+    /// How many comparisons are adjusted together, this one among them.
+    pub together: usize,
+}
+
+/// What is compared of everybody's curves, in the order of the tables, with everybody's differences.
+pub fn curve_spreads(
+    sessions: &[SessionCurve],
+    curve: Curve,
+    parameters: &CurveParameters,
+) -> Vec<CurveSpread> {
+    let own: Vec<&SessionCurve> = sessions.iter().filter(|one| one.curve == curve).collect();
+    let comparisons: Vec<Comparison> =
+        compared(&own, parameters).into_iter().filter(Comparison::is_of_everybody).collect();
+    let spread = |comparison: &Comparison| {
+        let is_beside = |other: &&Comparison| {
+            parameters.families != Families::Environment
+                || other.environment == comparison.environment
+        };
+        let people = People::of(&own, &comparison.weights, parameters);
+        CurveSpread {
+            effect: comparison.effect.clone(),
+            environment: comparison.environment.clone(),
+            differences: people.differences(),
+            lengths: people.lengths(),
+            places: people.nodes().map(|(_, place)| place).collect(),
+            together: comparisons.iter().filter(is_beside).count(),
+        }
+    };
+    comparisons.iter().map(spread).collect()
+}
