@@ -230,6 +230,7 @@ fn metrics_job(
         bytes(&found.group_contrasts, file)?,
         bytes(&found.group_members, file)?,
         bytes(&found.group_models, file)?,
+        bytes(&found.group_model_tests, file)?,
         bytes(&found.sessions, file)?,
         bytes(&found.learning, file)?,
         bytes(&found.repeats, file)?,

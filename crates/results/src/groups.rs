@@ -235,6 +235,29 @@ rows! {
         remark: Option<Sentence>,
     }
 
+    /// Whether groups differ in any difference between modes, by the mixed model of all trials: F of group × mode.
+    GroupModelTest = "group_model_tests", "Group × mode by the mixed model of groups (for comparison)" {
+        ..of_metric,
+        /// groups
+        groups: usize,
+        /// modes
+        modes: usize,
+        /// participants
+        n: usize,
+        /// trials
+        trials: usize,
+        /// F of group × mode (Kenward–Roger)
+        f: Option<f64>,
+        /// its degrees of freedom
+        df_effect: Option<f64>,
+        /// its degrees of freedom for error
+        df_error: Option<f64>,
+        /// its p value, no claim
+        p_value: Option<f64>,
+        /// why there is no test
+        remark: Option<Sentence>,
+    }
+
     /// How people's differences between two modes change with a number of people.
     CovariateSlope = "covariates", "Differences between modes over a number of people" {
         ..of_metric,

@@ -31,6 +31,7 @@
 //! | [`GroupDifference`] | metric, environment, effect, groups | `compare` | figures, page, summary |
 //! | [`PersonCount`] | column, level | `compare` | printed tables |
 //! | [`GroupModel`] | metric, environment, effect, groups | `compare` | printed tables |
+//! | [`GroupModelTest`] | metric, environment | `compare` | printed tables |
 //! | [`AnyGroup`] | metric, environment, effect | `compare` | printed tables |
 //! | [`EffectDifference`] | metric, environment, effect, levels | `compare` | figures, summary |
 //! | [`FactorTest`] | metric, environment, effect | `compare` | summary, printed tables |

@@ -401,6 +401,14 @@ pub(crate) mod tests {
 
     /// Twelve people in three modes, four repeats each, of whom the last five scatter three times as much.
     pub(crate) fn comparison(parameters: &Parameters) -> Comparison {
+        comparison_without(parameters, |_| false)
+    }
+
+    /// The same without some of the trials.
+    fn comparison_without(
+        parameters: &Parameters,
+        is_lacking: impl Fn(&TrialKey) -> bool,
+    ) -> Comparison {
         let mut keys = Vec::new();
         let mut values = Vec::new();
         for person in 1..=12 {
@@ -414,8 +422,7 @@ pub(crate) mod tests {
                         + 0.8 * u([person, 0, 0])
                         + 0.6 * (1.0 + 2.0 * expert) * u([person, m + 1, 0])
                         + 0.4 * u([person, m + 1, repeat]);
-                    values.push(Some((value * 1000.0).round() / 1000.0));
-                    keys.push(TrialKey {
+                    let key = TrialKey {
                         participant: code(person),
                         session: "S01".parse().unwrap(),
                         trial: (4 * m + repeat) as u32,
@@ -423,7 +430,11 @@ pub(crate) mod tests {
                         environment: "spring".parse().unwrap(),
                         mode: mode.parse().unwrap(),
                         source: Source::Recorded,
-                    });
+                    };
+                    if !is_lacking(&key) {
+                        values.push(Some((value * 1000.0).round() / 1000.0));
+                        keys.push(key);
+                    }
                 }
             }
         }
@@ -506,6 +517,14 @@ pub(crate) mod tests {
             near_to(row.difference_std_error, error, 1e-5);
             near_to(row.df, df, 1e-5);
         }
+        let [interaction] = found.group_model_tests.as_slice() else {
+            panic!("{:?}", found.group_model_tests)
+        };
+        near_to(interaction.f, 1.27123, 1e-5);
+        near_to(interaction.df_error, 20.0, 1e-5);
+        near_to(interaction.p_value, 0.302193894, 1e-5);
+        assert_eq!((interaction.df_effect, interaction.n), (Some(2.0), 12));
+        assert_eq!((interaction.groups, interaction.modes, interaction.trials), (2, 3, 144));
         let model = &found.models[0];
         near(model.difference, 0.667921429);
         near_to(model.difference_std_error, 0.154200517, 1e-5);
@@ -574,6 +593,19 @@ pub(crate) mod tests {
                 (has_p, experts > 3)
             );
         }
+    }
+
+    #[test]
+    fn group_by_mode_has_no_f_where_a_group_lacks_a_mode_and_no_row_of_one_group() {
+        let mut parameters = split(&["novice", "expert"], &HALVES);
+        parameters.groups.as_mut().unwrap().levels_of.retain(|who, _| *who <= code(7));
+        assert!(comparison(&parameters).group_model_tests.is_empty());
+        let lacking = |key: &TrialKey| key.participant > code(7) && key.mode.as_str() == "passive";
+        let found = comparison_without(&split(&["novice", "expert"], &HALVES), lacking);
+        let [row] = found.group_model_tests.as_slice() else { panic!() };
+        assert_eq!((row.f, row.p_value, row.trials), (None, None, 124));
+        let remark = row.remark.as_ref().unwrap().to_string();
+        assert_eq!(remark, "nobody of the group expert has trials in the mode passive");
     }
 
     #[test]

@@ -78,9 +78,9 @@ use split::Split;
 use trials::Trials;
 use zwidth_results::{
     AnyGroup, Cell, Compared, CovariateSlope, DoseModel, DosePoint, EffectDifference, FactorTest,
-    GroupDifference, GroupMean, GroupMember, GroupModeDifference, GroupModel, Learning, Mean,
-    MetricNote, ModeDifference, Model, Omnibus, OrderTest, PersonDifference, RedrawnDifference,
-    RepeatMean, Role, SessionChange, TrialSlope, UnitOfAnalysis,
+    GroupDifference, GroupMean, GroupMember, GroupModeDifference, GroupModel, GroupModelTest,
+    Learning, Mean, MetricNote, ModeDifference, Model, Omnibus, OrderTest, PersonDifference,
+    RedrawnDifference, RepeatMean, Role, SessionChange, TrialSlope, UnitOfAnalysis,
 };
 use zwidth_study::Families;
 use zwidth_tables::Measured;
@@ -129,6 +129,8 @@ pub struct Comparison {
     pub trend_models: Vec<DoseModel>,
     /// Groups by mixed models.
     pub group_models: Vec<GroupModel>,
+    /// Whether groups differ in any difference between modes, by these models.
+    pub group_model_tests: Vec<GroupModelTest>,
     /// Changes between sessions.
     pub sessions: Vec<SessionChange>,
     /// Changes from repeat to repeat.
@@ -202,6 +204,7 @@ pub fn compare_tables(
         all.trend_curves.extend(metric.trend_curves);
         all.trend_models.extend(metric.trend_models);
         all.group_models.extend(metric.group_models);
+        all.group_model_tests.extend(metric.group_model_tests);
         all.sessions.extend(metric.sessions);
         all.learning.extend(metric.learning);
         all.repeats.extend(metric.repeats);
@@ -262,6 +265,9 @@ impl<'a> Tested<'a> {
         let split = split.as_ref();
         let means = means::means(cells, split, unit, measure, parameters)?;
         let models = models::models(trials, unit, split, measure, parameters);
+        let by_group = split
+            .map(|split| models::of_groups(trials, split, measure, parameters))
+            .unwrap_or_default();
         let sessions = sessions::changes(cells, measure, parameters);
         let notes = [
             notes::means(measure, &means, split, unit),
@@ -310,9 +316,8 @@ impl<'a> Tested<'a> {
             factor_tests: anova::tests(cells, split, measure, parameters),
             trend_curves: doses::curves(cells, unit, measure, parameters),
             trend_models: models::of_doses(trials, unit, measure, parameters),
-            group_models: split
-                .map(|split| models::of_groups(trials, split, measure, parameters))
-                .unwrap_or_default(),
+            group_models: by_group.differences,
+            group_model_tests: by_group.tests,
             sessions: sessions.rows,
             learning: learning::changes(trials, unit, measure, parameters),
             repeats: repeats::means(trials, measure, parameters)?,

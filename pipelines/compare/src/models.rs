@@ -9,9 +9,12 @@ use crate::measure::Measure;
 use crate::split::Split;
 use crate::trials::Trials;
 use std::collections::BTreeSet;
-use zwidth_results::{DoseModel, EffectLevels, GroupEffect, GroupModel, Model, UnitOfAnalysis};
-use zwidth_stats::Unestimable;
+use zwidth_results::{
+    DoseModel, EffectLevels, GroupEffect, GroupModel, GroupModelTest, Model, UnitOfAnalysis,
+};
+use zwidth_stats::lmm::Tests;
 use zwidth_stats::lmm::trials::{self as lmm, Dosed, Term, TrialFit, fit_doses, fit_trials};
+use zwidth_stats::{FTest, Unestimable};
 use zwidth_study::LevelContrast;
 
 /// The trials of one environment that have the metric, by the places of their names.
@@ -133,16 +136,26 @@ pub(crate) fn models(
     models
 }
 
+/// What the mixed models say of groups.
+#[derive(Default)]
+pub(crate) struct ByGroup {
+    /// Differences between two groups.
+    pub(crate) differences: Vec<GroupModel>,
+    /// Whether groups differ in any difference between modes.
+    pub(crate) tests: Vec<GroupModelTest>,
+}
+
 /// Groups compared by the mixed model of their environment, in which each has means of its own: in the mean over modes,
-/// and in every difference between modes.
+/// in every difference between modes, and in all of these together.
 pub(crate) fn of_groups(
     trials: &Trials,
     split: &Split,
     measure: &Measure,
     parameters: &Parameters,
-) -> Vec<GroupModel> {
+) -> ByGroup {
     let modes = parameters.modes.len();
     let mut models = Vec::new();
+    let mut interactions = Vec::new();
     for (environment, rows) in by_environment(trials, Some(split), parameters).iter().enumerate() {
         if rows.value.is_empty() {
             continue;
@@ -201,8 +214,63 @@ pub(crate) fn of_groups(
                 });
             }
         }
+        let groups = rows.groups(parameters);
+        if groups.len() < 2 || own.len() < 2 {
+            continue;
+        }
+        let cells: Vec<Vec<usize>> = groups
+            .iter()
+            .map(|group| own.iter().map(|mode| group * modes + mode).collect())
+            .collect();
+        let lacking = cells.iter().flatten().find(|cell| !rows.cell.contains(cell));
+        let tested = match (&fit, &tests, lacking) {
+            (_, _, Some(cell)) => Err(format!(
+                "nobody of the group {} has trials in the mode {}",
+                split.groups.compared.levels[cell / modes],
+                parameters.modes[cell % modes]
+            )),
+            (Err(why), ..) | (_, Err(why), _) => Err(why.to_string()),
+            (Ok(fit), Ok(tests), None) => {
+                group_by_mode(fit, tests, &cells).map_err(|why| why.to_string())
+            }
+        };
+        let found = tested.as_ref().ok();
+        let people: BTreeSet<usize> = rows.participant.iter().copied().collect();
+        interactions.push(GroupModelTest {
+            metric: measure.parameters.metric.clone(),
+            unit: measure.unit.clone(),
+            environment: parameters.environments[environment].clone(),
+            groups: groups.len(),
+            modes: own.len(),
+            n: people.len(),
+            trials: rows.value.len(),
+            f: found.map(|f| f.statistic),
+            df_effect: found.map(|f| f.df_num),
+            df_error: found.map(|f| f.df_den),
+            p_value: found.map(|f| f.p_value),
+            remark: tested.as_ref().err().map(|why| why.clone().into()),
+        });
     }
-    models
+    ByGroup { differences: models, tests: interactions }
+}
+
+/// Kenward and Roger's F of group × mode: whether the differences of later modes from the first are those of the first group
+/// in every later group, (groups − 1)(modes − 1) contrasts at once. `cells` has the means of each group, mode by mode, by their
+/// numbers in the model; two groups and two modes at least.
+fn group_by_mode(
+    fit: &TrialFit,
+    tests: &Tests,
+    cells: &[Vec<usize>],
+) -> Result<FTest, Unestimable> {
+    let mut contrasts = Vec::new();
+    for group in &cells[1..] {
+        for mode in 1..group.len() {
+            let own = fit.difference(group[mode], group[0])?;
+            let of_first = fit.difference(cells[0][mode], cells[0][0])?;
+            contrasts.push(combined(&[(1.0, own), (-1.0, of_first)]));
+        }
+    }
+    tests.test_all(&contrasts.iter().map(Vec::as_slice).collect::<Vec<_>>())
 }
 
 /// The slope over a dose by a mixed model with everybody's own line and level, where each level is one condition and

@@ -29,9 +29,9 @@ use zwidth_figures::{
 use zwidth_results::{
     AnswerDifference, AnyGroup, Cell, Compared, CovariateSlope, DoseModel, DosePoint,
     EffectDifference, FactorTest, GivenAnswer, GroupDifference, GroupMean, GroupMember,
-    GroupModeDifference, GroupModel, Learning, Mean, MetricNote, ModeDifference, Model, Omnibus,
-    OrderTest, PersonDifference, PersonSuperiority, PrintedDifference, RedrawnDifference,
-    RepeatMean, Row, SessionChange, TrialScore, TrialSlope,
+    GroupModeDifference, GroupModel, GroupModelTest, Learning, Mean, MetricNote, ModeDifference,
+    Model, Omnibus, OrderTest, PersonDifference, PersonSuperiority, PrintedDifference,
+    RedrawnDifference, RepeatMean, Row, SessionChange, TrialScore, TrialSlope,
 };
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, Stage};
 use zwidth_store::{Answer, Layout, StudyData};
@@ -41,12 +41,13 @@ use zwidth_tables::{Measured, Table, TableError};
 pub(crate) const STAGE: Stage = Stage { name: "compare", version: zwidth_compare::VERSION };
 
 /// The tables of a study whose people are of several groups, in the order in which they are read.
-const OF_GROUPS: [&str; 5] = [
+const OF_GROUPS: [&str; 6] = [
     GroupDifference::NAME,
     GroupMean::NAME,
     GroupModeDifference::NAME,
     AnyGroup::NAME,
     GroupModel::NAME,
+    GroupModelTest::NAME,
 ];
 
 /// The tables of a study with factors, likewise.
@@ -295,6 +296,7 @@ pub(crate) fn tables(data: &StudyData) -> Vec<Printed> {
             (of_groups, GroupMean::NAME),
             (of_groups, GroupModeDifference::NAME),
             (of_groups, GroupModel::NAME),
+            (of_groups && data.study.modes.len() > 1, GroupModelTest::NAME),
             (of_more_groups, AnyGroup::NAME),
             (several_and_again, SessionChange::NAME),
             (true, Learning::NAME),
@@ -407,6 +409,7 @@ fn make(
             table_of(results.group_contrasts)?,
             table_of(results.any_group)?,
             table_of(results.group_models)?,
+            table_of(results.group_model_tests)?,
         ]);
     }
     if !stage.effects.is_empty() {

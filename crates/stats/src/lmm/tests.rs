@@ -1,6 +1,6 @@
 use super::design::reduce;
 use super::profile::profile;
-use super::trials::{Term, Trials, fit_trials};
+use super::trials::{Dosed, Term, Trials, fit_doses, fit_trials};
 use super::*;
 use crate::tested::{Tested, Unestimable};
 use rand_chacha::ChaCha8Rng;
@@ -347,4 +347,80 @@ fn the_unit_and_the_origin_of_the_values_do_not_matter() {
     let (a, b) = (test(&table), test(&other));
     assert!(relative(a.df, b.df) < 1e-6 && relative(a.statistic, b.statistic) < 1e-7);
     assert!(relative(a.estimate * 1e-6, b.estimate) < 1e-9);
+}
+
+/// A number between −½ and ½ that anybody can make again: (h³ mod 9941)/9941 − ½.
+fn by_formula(p: usize, a: usize, b: usize) -> f64 {
+    let h = 1 + 131 * p + 173 * a + 197 * b;
+    (h * h * h % 9941) as f64 / 9941.0 - 0.5
+}
+
+fn to_three_decimals(value: f64) -> f64 {
+    (value * 1000.0).round() / 1000.0
+}
+
+/// lme4 1.1-31 (`REMLcrit`) and pbkrtest 0.5.2 (`KRmodcomp`) on twelve people of two groups in three modes, of whom the last five
+/// scatter more: y ~ group * mode + (1 | participant) + (1 | participant:mode).
+#[test]
+fn two_groups_in_three_modes_have_lme4s_criterion_and_pbkrtests_f() {
+    let mut table = Table::default();
+    for p in 1..=12 {
+        let expert = usize::from(p > 7);
+        for m in 0..3 {
+            let effect = if m == 2 { 0.15 + 0.3 * expert as f64 } else { 0.0 };
+            let own =
+                0.8 * by_formula(p, 0, 0) + 0.6 * (1 + 2 * expert) as f64 * by_formula(p, m + 1, 0);
+            for r in 1..=4 {
+                let value = 2.0 + 0.25 * m as f64 + effect + own + 0.4 * by_formula(p, m + 1, r);
+                table.push(p, 0, 3 * expert + m, to_three_decimals(value));
+            }
+        }
+    }
+    let fit = fit_trials(table.trials()).unwrap().fit;
+    assert!(relative(fit.deviance, -64.6760928) < 1e-8, "{}", fit.deviance);
+    let interaction: [&[f64]; 2] =
+        [&[1.0, -1.0, 0.0, -1.0, 1.0, 0.0], &[1.0, 0.0, -1.0, -1.0, 0.0, 1.0]];
+    let joint = fit.kenward_roger().unwrap().test_all(&interaction).unwrap();
+    assert!(relative(joint.statistic, 1.27123) < 1e-5, "{joint:?}");
+    assert!((joint.df_num - 2.0).abs() < 1e-12 && relative(joint.df_den, 20.0) < 1e-8);
+    assert!(relative(joint.p_value, 0.302193894) < 1e-5, "{joint:?}");
+}
+
+/// lme4 and pbkrtest on eight people at four doses: y ~ x + (1 + x | participant) + (1 | participant:level), and with a
+/// random intercept alone, which takes repeats for people.
+#[test]
+fn lines_over_doses_have_lme4s_criterion_and_an_intercept_alone_is_far_too_sure() {
+    const DOSES: [f64; 4] = [100.0, 150.0, 250.0, 400.0];
+    let (mut people, mut levels, mut dose, mut values) = (vec![], vec![], vec![], vec![]);
+    for p in 1..=8 {
+        for (l, x) in (1..).zip(DOSES) {
+            for r in 1..=3 {
+                let mean = 0.5 + 0.004 * x - 0.000_003 * x * x;
+                let own = 0.6 * by_formula(p, 0, 0) + 0.003 * by_formula(p, 7, 0) * x;
+                let scatter = 0.3 * by_formula(p, l, 0) + 0.3 * by_formula(p, l, r);
+                people.push(p);
+                levels.push(l);
+                dose.push(x / 100.0);
+                values.push(to_three_decimals(mean + own + scatter));
+            }
+        }
+    }
+    let dosed = Dosed { participant: &people, level: &levels, dose: &dose, value: &values };
+    let fitted = fit_doses(dosed).unwrap();
+    assert!(relative(fitted.deviance, -117.67382) < 1e-7, "{}", fitted.deviance);
+    let slope = fitted.kenward_roger().unwrap().test(&[0.0, 1.0], 0.95).unwrap();
+    assert!(relative(slope.std_error, 0.0291889759) < 1e-5 && relative(slope.df, 7.0) < 1e-5);
+    let alone = Model {
+        fixed: vec![
+            Column { name: "level".to_owned(), values: vec![1.0; values.len()] },
+            Column { name: "slope".to_owned(), values: dose },
+        ],
+        random: vec![RandomTerm::intercept("participant", vec![0; values.len()])],
+        response: values,
+        group: people,
+    };
+    let alone = fit(&alone, Criterion::Reml).unwrap().kenward_roger().unwrap();
+    let slope = alone.test(&[0.0, 1.0], 0.95).unwrap();
+    assert!(relative(slope.std_error, 0.0123689614) < 1e-5, "{slope:?}");
+    assert!(relative(slope.df, 87.0) < 1e-8, "{slope:?}");
 }
