@@ -1,4 +1,4 @@
-//! The same data in R: lme4, lmerTest and pbkrtest.
+//! The same data in R: lme4, lmerTest and pbkrtest, and base R.
 //! `cargo test -p zwidth-stats --test r -- --ignored` with `Rscript` in the path; without it these
 //! tests fail. `ZWIDTH_R_CASES` sets how many data sets are drawn beside those of R's packages
 //! (60), `ZWIDTH_R_SEED` the seed they are drawn from.
@@ -16,8 +16,16 @@ use serde_json::Value;
 use shared::{note, setting};
 use std::path::Path;
 use std::process::Command;
-use zwidth_stats::Unestimable;
+use zwidth_stats::effect::{Effect, d_av, d_z};
+use zwidth_stats::groups::{self, any_difference, group};
+use zwidth_stats::line::common_slope;
+use zwidth_stats::lmm::trials::{Dosed, Trials, fit_doses, fit_trials};
 use zwidth_stats::lmm::{Column, Criterion, Fit, Model, RandomTerm, fit};
+use zwidth_stats::null::Sampling;
+use zwidth_stats::paired::mean_difference;
+use zwidth_stats::reliability::{alpha, omega};
+use zwidth_stats::rm_anova::{self, RmAnova};
+use zwidth_stats::{FTest, Tested, Unestimable, holm, hotelling};
 
 /// What `tests/interop/stats/<script>` prints, as JSON.
 fn r(script: &str, arguments: &[String]) -> Vec<Value> {
@@ -246,4 +254,445 @@ fn known_data_sets_have_their_known_fits() {
         assert!((test.std_error / std_error - 1.0).abs() < 5e-8, "{name}: {}", test.std_error);
         assert!((test.df / df - 1.0).abs() < 1e-9, "{name}: {}", test.df);
     }
+}
+
+/// A value of `reference.R` by its study and its name, and what it is known to be: found by R 4.2 and, without R, by NumPy and
+/// SciPy (mixed models by R alone).
+type Reference = (&'static str, &'static str, &'static [f64]);
+
+const REFERENCE: &[Reference] = &[
+    (
+        "groups",
+        "expert_minus_novice_of_c",
+        &[
+            0.0245571429,
+            0.408888294,
+            0.0600583172,
+            4.33041842,
+            0.954780048,
+            -1.07733935,
+            1.12645364,
+        ],
+    ),
+    (
+        "groups",
+        "expert_minus_novice_in_hybrid",
+        &[
+            0.161135714,
+            0.317231867,
+            0.507943026,
+            5.33019637,
+            0.631813917,
+            -0.639372133,
+            0.961643561,
+        ],
+    ),
+    (
+        "groups",
+        "expert_minus_novice_of_mean_over_modes",
+        &[
+            0.00707857143,
+            0.227658336,
+            0.0310929595,
+            5.98639374,
+            0.976206109,
+            -0.550288365,
+            0.564445508,
+        ],
+    ),
+    (
+        "groups",
+        "c_groups_with_equal_weight",
+        &[0.667921429, 0.204444147, 3.26701174, 4.33041842, 0.0274871718],
+    ),
+    ("groups", "c_in_novice", &[0.655642857, 0.0812110503, 8.07332074, 6.0, 1.93413820e-4]),
+    ("groups", "c_in_expert", &[0.6802, 0.400742314, 1.69735008, 4.0, 0.164866159]),
+    (
+        "groups",
+        "c_one_t_over_all_people",
+        &[0.665875, 0.162617016, 4.09474368, 11.0, 1.77516675e-3],
+    ),
+    ("groups", "permutations_of_c", &[792.0, 742.0]),
+    ("groups", "permutations_in_hybrid", &[792.0, 531.0]),
+    ("groups", "welch_f_of_c_over_band", &[1.58017655, 2.0, 4.52137704, 0.301728201]),
+    (
+        "groups",
+        "c_per_year_of_age",
+        &[-0.0400901549, 0.0247294347, 10.0, 0.136052006, 0.665875, 0.151772394],
+    ),
+    ("groups", "kr", &[-64.6760928, 0.367984657, 0.283013434, 0.114736586]),
+    ("groups", "kr_group_difference_of_c", &[0.0245571429, 0.308401035, 20.0]),
+    ("groups", "kr_c_equal_weight", &[0.667921429, 0.154200517, 20.0]),
+    ("groups", "kr_group_over_modes", &[0.00707857143, 0.208119097, 10.0]),
+    ("groups", "kr_f_group_by_mode", &[1.27123, 2.0, 20.0, 0.302193894]),
+    ("groups", "d_z", &[1.18205068, 1.09925963, 0.419908837, 1.91392995]),
+    ("groups", "d_av", &[1.44314294, 1.38996880, 0.512658620, 2.33668025]),
+    (
+        "factorial",
+        "spring_motor",
+        &[0.449375, 0.0484558049, 9.27391467, 7.0, 3.50853872e-5, 0.334795229, 0.563954771],
+    ),
+    (
+        "factorial",
+        "spring_brake",
+        &[0.324458333, 0.0534009314, 6.07589278, 7.0, 5.02904728e-4, 0.198185196, 0.450731471],
+    ),
+    (
+        "factorial",
+        "spring_motor_brake",
+        &[0.118916667, 0.0541652655, 2.1954414, 7.0, 0.0641613136, -0.00916383385, 0.246997167],
+    ),
+    (
+        "factorial",
+        "wall_motor",
+        &[0.367333333, 0.061609763, 5.9622585, 7.0, 5.63103835e-4, 0.221649394, 0.513017273],
+    ),
+    (
+        "factorial",
+        "wall_brake",
+        &[0.1965, 0.0518914178, 3.78675334, 7.0, 0.00683177888, 0.0737962949, 0.319203705],
+    ),
+    (
+        "factorial",
+        "wall_motor_brake",
+        &[0.0168333333, 0.100066565, 0.168221357, 7.0, 0.871166399, -0.219786493, 0.25345316],
+    ),
+    (
+        "factorial",
+        "wall_minus_spring_motor",
+        &[-0.0820416667, 0.0682969179, -1.20124991, 7.0, 0.268716871, -0.243538215, 0.0794548818],
+    ),
+    (
+        "factorial",
+        "wall_minus_spring_motor_brake",
+        &[-0.102083333, 0.103192045, -0.989255839, 7.0, 0.355492112, -0.346093746, 0.14192708],
+    ),
+    (
+        "factorial",
+        "holm_of_the_six",
+        &[2.10512e-4, 0.00251452, 0.128323, 0.00251452, 0.0204953, 0.871166],
+    ),
+    // Everybody's own line over trials: our own is in the stage that compares, which its tests hold against these.
+    (
+        "factorial",
+        "spring_motor_brake_by_trial",
+        &[0.14443999, 0.0546080023, 2.6450334, 7.0, 0.0331800679, 0.0153125832, 0.273567396],
+    ),
+    (
+        "factorial",
+        "wall_motor_by_trial",
+        &[0.369108272, 0.0576589951, 6.4015731, 7.0, 3.66732648e-4, 0.232766414, 0.50545013],
+    ),
+    (
+        "factorial",
+        "spring_slope_per_trial",
+        &[
+            -0.0219326312,
+            0.00377492312,
+            -5.81008685,
+            7.0,
+            6.56743528e-4,
+            -0.0308589059,
+            -0.0130063564,
+        ],
+    ),
+    (
+        "dose",
+        "contrasts",
+        &[
+            -0.545544726,
+            -0.327326835,
+            0.109108945,
+            0.763762616,
+            0.512822594,
+            -0.170940865,
+            -0.740743747,
+            0.398862018,
+            -0.43519414,
+            0.783349452,
+            -0.43519414,
+            0.087038828,
+        ],
+    ),
+    (
+        "dose",
+        "slope_per_n_per_m",
+        &[
+            0.00265515873,
+            2.91889763e-4,
+            9.09644347,
+            7.0,
+            3.97978153e-5,
+            0.00196494912,
+            0.00334536834,
+        ],
+    ),
+    (
+        "dose",
+        "quadratic_coefficient",
+        &[
+            -2.91212121e-6,
+            1.77948185e-6,
+            -1.63649953,
+            7.0,
+            0.145748125,
+            -7.11992716e-6,
+            1.29568474e-6,
+        ],
+    ),
+    (
+        "dose",
+        "per_doubling",
+        &[0.403832306, 0.0431339221, 9.36229044, 7.0, 3.29767885e-5, 0.301836788, 0.505827825],
+    ),
+    (
+        "dose",
+        "quadratic_curve_at_300",
+        &[1.414125, 0.0866365604, 16.322497, 7.0, 7.89257028e-7, 1.20926209, 1.61898791],
+    ),
+    ("dose", "greenhouse_geisser", &[57.8715542, 0.606297844, 5.58186273e-7, 2.52648464e-10]),
+    ("dose", "lack_of_fit_of_the_line", &[1.25454713, 2.0, 6.0, 0.350593408]),
+    ("dose", "hotelling_all", &[23.2154895, 3.0, 5.0, 0.00230820166]),
+    ("dose", "kr_random_slope_and_level", &[0.265515873, 0.0291889759, 7.0, -117.67382]),
+    ("dose", "random_intercept_alone", &[0.0123689614, 87.0]),
+    // Scores are of the stage that makes them, whose tests hold them against these.
+    ("scales", "sus", &[49.0, 63.0, 14.0, 3.6930866, 0.0042769536]),
+    ("scales", "tlx_raw", &[51.6666667, 43.3333333, -8.33333333, 2.4876237, 0.0085246659]),
+    ("scales", "tlx_weighted", &[52.7, 44.1333333, -8.56666667, 2.7826846, 0.013170526]),
+    ("scales", "p01_active", &[30.0, 61.6666667, 63.6666667]),
+    ("scales", "alpha_sus_active", &[0.920056348, 0.818096844, 0.976622338]),
+    ("scales", "alpha_sus_hybrid", &[0.936924494, 0.856478490, 0.981555030]),
+    ("scales", "odd_items_hybrid", &[0.918703008, 0.917815110]),
+    ("scales", "odd_items_active", &[0.895833333]),
+];
+
+/// Of what is known, and of R beside us: lme4 finds variances to half of the digits of its criterion.
+const BY_FORMULA: f64 = 1e-5;
+
+fn tested(found: Tested) -> Vec<f64> {
+    let Tested { estimate, std_error, ci_low, ci_high, statistic, df, p_value } = found;
+    vec![estimate, std_error, statistic, df, p_value, ci_low, ci_high]
+}
+
+fn f_tested(found: FTest) -> Vec<f64> {
+    vec![found.statistic, found.df_num, found.df_den, found.p_value]
+}
+
+fn sized(found: Effect) -> Vec<f64> {
+    [vec![found.d, found.g.unwrap()], found.interval.unwrap().to_vec()].concat()
+}
+
+/// Estimate, standard error and degrees of freedom of a combination of coefficients after Kenward & Roger.
+fn kenward_roger(fit: &Fit, weights: &[f64]) -> Vec<f64> {
+    tested(fit.kenward_roger().unwrap().test(weights, 0.95).unwrap())
+        .into_iter()
+        .enumerate()
+        .filter_map(|(place, value)| [0, 1, 3].contains(&place).then_some(value))
+        .collect()
+}
+
+fn sum(values: &[f64], weights: &[f64]) -> f64 {
+    values.iter().zip(weights).map(|(value, weight)| value * weight).sum()
+}
+
+type Named = Vec<(&'static str, Vec<f64>)>;
+
+fn of_groups(study: &Value) -> Named {
+    let (participant, mode) = (whole(&study["participant"]), whole(&study["mode"]));
+    let (expert, value) = (whole(&study["expert"]), numbers(&study["value"]));
+    let mean = |person: usize, own: usize| {
+        let trials = (0..value.len()).filter(|t| (participant[*t], mode[*t]) == (person, own));
+        let trials: Vec<f64> = trials.map(|t| value[t]).collect();
+        trials.iter().sum::<f64>() / trials.len() as f64
+    };
+    let means: Vec<[f64; 3]> = (1..=12).map(|p| [0, 1, 2].map(|m| mean(p, m))).collect();
+    let differences: Vec<f64> = means.iter().map(|[active, _, hybrid]| hybrid - active).collect();
+    let hybrid: Vec<f64> = means.iter().map(|means| means[2]).collect();
+    let over: Vec<f64> = means.iter().map(|means| means.iter().sum::<f64>() / 3.0).collect();
+    let welch = |all: &[f64]| {
+        let (novices, experts) = all.split_at(7);
+        tested(groups::difference([group(experts), group(novices)], 0.95).unwrap())
+    };
+    let permuted = |all: &[f64]| {
+        let (novices, experts) = all.split_at(7);
+        let none = Sampling { draws: 1, seed: 1 };
+        vec![792.0, 792.0 * groups::permuted(experts, novices, none).unwrap().p_value]
+    };
+    let (novices, experts) = differences.split_at(7);
+    let equal = groups::mean(&[group(novices), group(experts)], 0.95).unwrap();
+    let bands: Vec<_> = (0..3)
+        .map(|band| {
+            let of_band = (1..=12).filter(|person| person % 3 == band);
+            group(&of_band.map(|person| differences[person - 1]).collect::<Vec<f64>>())
+        })
+        .collect();
+    let age = numbers(&study["age"]);
+    let points: Vec<[f64; 2]> = age.iter().zip(&differences).map(|(a, c)| [*a, *c]).collect();
+    let slope = common_slope(&[points], 0.95).unwrap();
+    // A mean for each group and mode: active, passive and hybrid of novices, then of experts.
+    let cells: Vec<usize> = expert.iter().zip(&mode).map(|(e, m)| 3 * e + m).collect();
+    let session = vec![0; value.len()];
+    let trials =
+        Trials { participant: &participant, session: &session, mode: &cells, value: &value };
+    let fitted = fit_trials(trials).unwrap().fit;
+    let sd = |term: usize| fitted.terms[term].covariance[0][0].sqrt();
+    let interaction: [&[f64]; 2] =
+        [&[1.0, -1.0, 0.0, -1.0, 1.0, 0.0], &[1.0, 0.0, -1.0, -1.0, 0.0, 1.0]];
+    let joint = fitted.kenward_roger().unwrap().test_all(&interaction).unwrap();
+    let third = 1.0 / 3.0;
+    let pairs: Vec<[f64; 2]> = means.iter().map(|[active, _, hybrid]| [*hybrid, *active]).collect();
+    vec![
+        ("expert_minus_novice_of_c", welch(&differences)),
+        ("expert_minus_novice_in_hybrid", welch(&hybrid)),
+        ("expert_minus_novice_of_mean_over_modes", welch(&over)),
+        ("c_groups_with_equal_weight", tested(equal)[..5].to_vec()),
+        ("c_in_novice", tested(mean_difference(novices, 0.95).unwrap())),
+        ("c_in_expert", tested(mean_difference(experts, 0.95).unwrap())),
+        ("c_one_t_over_all_people", tested(mean_difference(&differences, 0.95).unwrap())),
+        ("permutations_of_c", permuted(&differences)),
+        ("permutations_in_hybrid", permuted(&hybrid)),
+        ("welch_f_of_c_over_band", f_tested(any_difference(&bands).unwrap())),
+        ("c_per_year_of_age", vec![slope.estimate, slope.std_error, slope.df, slope.p_value]),
+        ("kr", vec![fitted.deviance, sd(1), sd(0), fitted.residual_variance.sqrt()]),
+        ("kr_group_difference_of_c", kenward_roger(&fitted, &[1.0, 0.0, -1.0, -1.0, 0.0, 1.0])),
+        ("kr_c_equal_weight", kenward_roger(&fitted, &[-0.5, 0.0, 0.5, -0.5, 0.0, 0.5])),
+        (
+            "kr_group_over_modes",
+            kenward_roger(&fitted, &[-third, -third, -third, third, third, third]),
+        ),
+        ("kr_f_group_by_mode", f_tested(joint)),
+        ("d_z", sized(d_z(&pairs, 0.95).unwrap())),
+        ("d_av", sized(d_av(&pairs, 0.95).unwrap())),
+    ]
+}
+
+fn of_factors(study: &Value) -> Named {
+    const EFFECTS: [(&str, [f64; 4]); 3] = [
+        ("motor", [-0.5, -0.5, 0.5, 0.5]),
+        ("brake", [-0.5, 0.5, -0.5, 0.5]),
+        ("motor_brake", [1.0, -1.0, -1.0, 1.0]),
+    ];
+    const NAMES: [[&str; 3]; 2] = [
+        ["spring_motor", "spring_brake", "spring_motor_brake"],
+        ["wall_motor", "wall_brake", "wall_motor_brake"],
+    ];
+    let tables = [rows(&study["spring"]), rows(&study["wall"])];
+    let of = |table: &[Vec<f64>], weights: &[f64]| -> Vec<f64> {
+        table.iter().map(|means| sum(means, weights)).collect()
+    };
+    let (mut found, mut p, mut f) = (Named::new(), Vec::new(), Vec::new());
+    for (table, names) in tables.iter().zip(NAMES) {
+        for ((_, weights), name) in EFFECTS.iter().zip(names) {
+            let test = mean_difference(&of(table, weights), 0.95).unwrap();
+            f.push(rm_anova::effect(table, &[weights.to_vec()]).unwrap().test.statistic);
+            p.push(test.p_value);
+            found.push((name, tested(test)));
+        }
+    }
+    for (name, (_, weights)) in
+        [("wall_minus_spring_motor", EFFECTS[0]), ("wall_minus_spring_motor_brake", EFFECTS[2])]
+    {
+        let [spring, wall] = tables.each_ref().map(|table| of(table, &weights));
+        let each: Vec<f64> = wall.iter().zip(&spring).map(|(wall, spring)| wall - spring).collect();
+        found.push((name, tested(mean_difference(&each, 0.95).unwrap())));
+    }
+    found.push(("holm_of_the_six", holm::adjusted(&p).unwrap()));
+    found.push(("f_of_the_six", f));
+    found
+}
+
+fn of_doses(study: &Value) -> Named {
+    let means = rows(&study["means"]);
+    let polynomials = rows(&study["polynomials"]);
+    let along = |which: &[Vec<f64>]| -> Vec<Vec<f64>> {
+        let each = |means: &Vec<f64>| which.iter().map(|weights| sum(means, weights)).collect();
+        means.iter().map(each).collect()
+    };
+    let RmAnova { test, greenhouse_geisser, p_greenhouse_geisser, .. } =
+        rm_anova::rm_anova(&means).unwrap();
+    let (participant, level) = (whole(&study["participant"]), whole(&study["level"]));
+    let (dose, value) = (numbers(&study["dose"]), numbers(&study["value"]));
+    let dosed = Dosed { participant: &participant, level: &level, dose: &dose, value: &value };
+    let own = fit_doses(dosed).unwrap();
+    let ones = vec![1.0; value.len()];
+    let alone = Model {
+        fixed: vec![
+            Column { name: "level".to_owned(), values: ones },
+            Column { name: "slope".to_owned(), values: dose },
+        ],
+        random: vec![RandomTerm::intercept("participant", vec![0; value.len()])],
+        response: value,
+        group: participant,
+    };
+    let alone = fit(&alone, Criterion::Reml).unwrap();
+    vec![
+        (
+            "greenhouse_geisser",
+            vec![test.statistic, greenhouse_geisser, p_greenhouse_geisser, test.p_value],
+        ),
+        ("lack_of_fit_of_the_line", f_tested(hotelling::test(&along(&polynomials[1..])).unwrap())),
+        ("hotelling_all", f_tested(hotelling::test(&along(&polynomials)).unwrap())),
+        (
+            "kr_random_slope_and_level",
+            [kenward_roger(&own, &[0.0, 1.0]), vec![own.deviance]].concat(),
+        ),
+        ("random_intercept_alone", kenward_roger(&alone, &[0.0, 1.0])[1..].to_vec()),
+    ]
+}
+
+fn of_scales(study: &Value) -> Named {
+    let alpha_of = |items: &str| {
+        let found = alpha(&rows(&study[items]), 0.95).unwrap();
+        vec![found.alpha, found.ends[0], found.ends[1]]
+    };
+    let odd = rows(&study["odd"]);
+    vec![
+        ("alpha_sus_active", alpha_of("active")),
+        ("alpha_sus_hybrid", alpha_of("hybrid")),
+        ("odd_items_hybrid", vec![alpha(&odd, 0.95).unwrap().alpha, omega(&odd).unwrap()]),
+    ]
+}
+
+#[test]
+#[ignore = "needs R"]
+fn studies_made_by_formula_have_the_values_of_r() {
+    let studies = r("reference.R", &[]);
+    let (mut known, mut looked, mut broken) = (0, 0, Vec::new());
+    for study in &studies {
+        let name = text(study, "name");
+        let ours = match name {
+            "groups" => of_groups(study),
+            "factorial" => of_factors(study),
+            "dose" => of_doses(study),
+            "scales" => of_scales(study),
+            other => panic!("what is {other}?"),
+        };
+        let of_r = |value: &str| numbers(&study["values"][value]);
+        let mut differences = Differences { case: name.to_owned(), found: Vec::new(), looked: 0 };
+        for (_, value, expected) in REFERENCE.iter().filter(|(own, ..)| *own == name) {
+            let of_r = of_r(value);
+            assert!(of_r.len() >= expected.len(), "{name}, {value}: {of_r:?}");
+            for (of_r, expected) in of_r.iter().zip(*expected) {
+                differences.look(&format!("{value}, known as"), *expected, *of_r, BY_FORMULA);
+            }
+        }
+        known += differences.looked;
+        for (value, ours) in ours {
+            let of_r = of_r(value);
+            assert!(of_r.len() >= ours.len(), "{name}, {value}: {of_r:?}");
+            for (ours, of_r) in ours.iter().zip(&of_r) {
+                differences.look(value, *ours, *of_r, BY_FORMULA);
+            }
+        }
+        looked += differences.looked;
+        broken.extend(differences.found);
+    }
+    assert!(broken.is_empty(), "{}", broken.join("\n"));
+    let words = format!(
+        "Base R, lme4 and pbkrtest: {} studies made by formula: {known} numbers known beforehand, {} of ours.",
+        studies.len(),
+        looked - known
+    );
+    println!("{words}");
+    note("r-4", &words);
 }
