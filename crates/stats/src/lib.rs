@@ -30,6 +30,8 @@ pub mod line;
 pub mod lmm;
 mod logistic;
 pub mod null;
+pub mod over_doses;
+pub mod over_trials;
 pub mod paired;
 pub mod power;
 mod profile;

@@ -5,13 +5,13 @@ use crate::claim::Claim;
 use crate::differences::{Difference, of_everybody};
 use crate::measure::Measure;
 use crate::orders::{NoTest, SharpNull};
-use crate::over_trials::Weighed;
 use crate::split::{Refused, Split};
 use crate::{CompareError, Parameters};
 use zwidth_results::{ModeDifference, Size, UnitOfAnalysis, Verdict};
 use zwidth_stats::effect;
 use zwidth_stats::groups::{self, group};
 use zwidth_stats::null::Sampling;
+use zwidth_stats::over_trials::WeighedCondition;
 use zwidth_stats::paired;
 use zwidth_stats::sharp_null::Randomised;
 use zwidth_stats::welch::Group;
@@ -174,9 +174,10 @@ pub(crate) fn rows(
                 (UnitOfAnalysis::TrialsOf(_), _) => (differences[0].within.clone(), None),
             };
             let of_people = unit == UnitOfAnalysis::Participants;
-            let weights = [1.0, -1.0].into_iter().zip(modes);
-            let weights: Vec<Weighed> =
-                weights.map(|(weight, mode)| (None, [environment, mode], weight)).collect();
+            let weights = [1.0, -1.0].into_iter().zip(modes).map(|(weight, mode)| {
+                WeighedCondition { session: None, environment, mode, weight }
+            });
+            let weights: Vec<_> = weights.collect();
             let people = differences.iter().map(|one| one.participant);
             let refused = refused.or_else(|| Refused::ordered(cells, people, &weights));
             // A claim rests on the p value of the participants' differences; with one participant, on that of the

@@ -2,10 +2,8 @@
 
 use crate::Parameters;
 use crate::cells::Cells;
-
 use crate::measure::Measure;
-use crate::weighed::{Own, Placed, averaged, levels_of, of_people, weighed};
-use zwidth_numerics::dense::dot;
+use crate::weighed::{Placed, averaged, levels_of, of_people, weighed};
 use zwidth_results::{DosePoint, UnitOfAnalysis};
 use zwidth_stats::curve;
 use zwidth_stats::null::Sampling;
@@ -17,39 +15,6 @@ const POINTS: usize = 61;
 
 /// Flips that are drawn where there are too many participants to count all.
 const SAMPLING: Sampling = Sampling { draws: 9_999, seed: 1 };
-
-/// Who lacks a level has a line over the others if it is at least this certain: the spread of their doses over that of all.
-/// A line over a few near ones would count as much as any other, and scatter many times as far.
-const LEAST_SPREAD: f64 = 0.5;
-
-/// The means of somebody's levels of a dose, each with its weight in their own slope or bend, and whether they lack
-/// a level. `None` of who has too few for a line that could leave something, or too near ones; and of who lacks any where the
-/// line bends, because the slope over some of the levels is another one than that over all.
-pub(crate) fn over_levels(
-    over: &OverDose,
-    effect: &Effect,
-    levels: &[Vec<Placed>],
-    own: &Own,
-) -> Option<(Vec<(f64, f64)>, bool)> {
-    let mean = |level: &Vec<Placed>| weighed(level, own);
-    let means = levels.iter().map(mean).enumerate();
-    let (places, means): (Vec<usize>, Vec<f64>) =
-        means.filter_map(|(place, mean)| Some((place, mean?))).unzip();
-    let lacks = places.len() < levels.len();
-    let number = if effect.levels.iter().any(LevelContrast::is_bend) { 2 } else { 1 };
-    let degree = usize::from(over.trend.degree);
-    let weights = over.coefficient(&places, number)?;
-    if lacks {
-        // A sum of squared weights is the coefficient's variance over that of a level's mean.
-        let all: Vec<usize> = (0..levels.len()).collect();
-        let whole = over.coefficient(&all, number)?;
-        let is_near = dot(&whole, &whole) < LEAST_SPREAD * dot(&weights, &weights);
-        if places.len() < degree + 2 || number < degree || is_near {
-            return None;
-        }
-    }
-    Some((weights.into_iter().zip(means).collect(), lacks))
-}
 
 /// Everybody's means of all levels of a dose; of who lacks a level a curve would go beyond what they felt.
 fn means_of_levels(

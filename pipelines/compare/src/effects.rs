@@ -3,15 +3,16 @@
 use crate::cells::{Cell, Cells};
 use crate::claim::Claim;
 use crate::contrasts::size;
-use crate::doses::{over_levels, turns_at};
+use crate::doses::turns_at;
 use crate::measure::Measure;
-use crate::over_trials::Weighed;
 use crate::split::{Refused, Split};
-use crate::weighed::{averaged, levels_of, of_people, placed};
+use crate::weighed::{averaged, levels_of, of_people, placed, weighed};
 use crate::{CompareError, Parameters};
 use std::collections::BTreeMap;
 use zwidth_results::{EffectDifference, EffectLevels, FactorEffect, UnitOfAnalysis};
 use zwidth_stats::null::Sampling;
+use zwidth_stats::over_doses::{Term, own_coefficient};
+use zwidth_stats::over_trials::WeighedCondition;
 use zwidth_stats::{Tested, Unestimable, effect, groups, paired, sign_flip};
 use zwidth_study::{Effect, EffectSize, LevelContrast, counted};
 
@@ -103,16 +104,24 @@ pub(crate) fn rows<'a>(
         let levels = effect.over.as_ref().map(|over| levels_of(over, cells, parameters));
         let levels = levels.unwrap_or_default();
         let values = averaged(people, |own| {
-            let (line, lacks) = match &effect.over {
-                Some(over) => over_levels(over, effect, &levels, own)?,
+            let (terms, lacks) = match &effect.over {
+                Some(over) => {
+                    let means: Vec<Option<f64>> =
+                        levels.iter().map(|level| weighed(level, own)).collect();
+                    let is_bend = effect.levels.iter().any(LevelContrast::is_bend);
+                    let found = own_coefficient(over, if is_bend { 2 } else { 1 }, &means)?;
+                    (found.terms, found.lacks_levels)
+                }
                 None => {
-                    let each = weights.iter().map(|(at, weight)| Some((*weight, *own.get(at)?)));
+                    let each = weights
+                        .iter()
+                        .map(|(at, weight)| Some(Term { weight: *weight, mean: *own.get(at)? }));
                     (each.collect::<Option<_>>()?, false)
                 }
             };
             let mut sides = vec![0.0, 0.0, f64::from(u8::from(lacks))];
-            for (weight, value) in &line {
-                sides[usize::from(*weight < 0.0)] += weight.abs() * value;
+            for Term { weight, mean } in &terms {
+                sides[usize::from(*weight < 0.0)] += weight.abs() * mean;
             }
             (!weights.is_empty()).then_some(sides)
         });
@@ -136,9 +145,13 @@ pub(crate) fn rows<'a>(
                 (groups::mean(&levels, parameters.level), refused)
             }
         };
-        let weighed: Vec<Weighed> =
-            weights.iter().map(|((session, place), weight)| (*session, *place, *weight)).collect();
-        let refused = refused.or_else(|| Refused::ordered(cells, values.keys().copied(), &weighed));
+        let conditions = weights.iter().map(|((session, [environment, mode]), weight)| {
+            let (session, environment, mode) = (*session, *environment, *mode);
+            WeighedCondition { session, environment, mode, weight: *weight }
+        });
+        let conditions: Vec<_> = conditions.collect();
+        let refused =
+            refused.or_else(|| Refused::ordered(cells, values.keys().copied(), &conditions));
         let environment = effect
             .environment
             .as_ref()

@@ -4,6 +4,7 @@ use crate::cells::{Cell, Cells};
 use crate::differences::of_everybody;
 use crate::measure::Measure;
 use crate::orders;
+use crate::over_trials::Lines;
 use crate::sessions::Changes;
 use crate::split::Split;
 use crate::{Groups, Parameters, contrasts, effects, groups};
@@ -158,7 +159,17 @@ pub(crate) fn over_trials(
         );
         (NoteKind::Care, text)
     });
-    let care: Vec<Note> = left_out.into_iter().chain(as_they_are).collect();
+    let in_one_order = cells.lines.as_ref().map(Lines::in_one_order).unwrap_or_default();
+    let in_one_order = in_one_order.into_iter().map(|place| {
+        let environment = &parameters.environments[place];
+        let text = format!(
+            "{environment}: everybody had the modes in the same order, so that no claim is safe unless practice is a line. \
+             Where it dies away, what the line leaves of it is found as a difference between modes in blocks that follow each \
+             other in 7.1 % of studies of 20 people without one (of 12, in 6.1 %), more often with more people."
+        );
+        (NoteKind::Care, text)
+    });
+    let care: Vec<Note> = left_out.into_iter().chain(as_they_are).chain(in_one_order).collect();
     let notes = || [general(&text)].into_iter().chain(care.iter().cloned()).collect();
     let below_all = [
         below::<Mean>(measure, notes()),

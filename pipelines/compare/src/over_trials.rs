@@ -5,28 +5,9 @@ use crate::measure::Measure;
 use crate::trials::{Trial, Trials};
 use std::collections::{BTreeMap, BTreeSet};
 use zwidth_results::{TrialSlope, UnitOfAnalysis};
+use zwidth_stats::over_trials::{Line, TrialPoint, WeighedCondition, inflation};
 use zwidth_stats::paired;
 use zwidth_study::OverTrials;
-
-/// Modes whose order inflates the variance of a difference by more than this cannot be told apart from practice.
-pub(crate) const MOST_INFLATED: f64 = 5.0;
-
-/// The weight of a condition: of a session (of all of them if none is named), in an environment and a mode.
-pub(crate) type Weighed = (Option<usize>, [usize; 2], f64);
-
-/// A participant's line in an environment.
-#[derive(Debug, Clone, PartialEq)]
-struct Line {
-    /// Change of the metric from trial to trial, over all sessions: modes have means of their own in each.
-    slope: f64,
-    /// The middle of each session's trials with the metric.
-    centres: BTreeMap<usize, f64>,
-    /// Sum of squares of the trials' numbers about the mean of their session and mode. Whatever the line is over, the
-    /// numbers say how far modes and practice hang together.
-    squares: f64,
-    /// Trials with the metric in each session and mode, and the middle of their numbers.
-    cells: BTreeMap<[usize; 2], (usize, f64)>,
-}
 
 /// Everybody's lines, by participant and environment.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -35,12 +16,12 @@ pub(crate) struct Lines(BTreeMap<[usize; 2], Line>);
 impl Lines {
     /// The lines over what `over` names of the trials. Who did each mode once in a session has none.
     pub(crate) fn of(trials: &Trials, over: OverTrials) -> Self {
-        let mut people: BTreeMap<[usize; 2], Vec<(&Trial, f64)>> = BTreeMap::new();
+        let mut people: BTreeMap<[usize; 2], Vec<TrialPoint>> = BTreeMap::new();
         for trial in &trials.trials {
             let own = people.entry([trial.participant, trial.environment]).or_default();
-            own.extend(trial.value.map(|value| (trial, value)));
+            own.extend(point(trial, over));
         }
-        let lines = people.into_iter().filter_map(|(who, own)| Some((who, Line::of(&own, over)?)));
+        let lines = people.into_iter().filter_map(|(who, own)| Some((who, Line::of(&own)?)));
         Self(lines.collect())
     }
 
@@ -53,10 +34,7 @@ impl Lines {
                 return trial.value;
             }
             let line = self.0.get(&[trial.participant, trial.environment])?;
-            Some(
-                trial.value?
-                    - line.slope * (place(trial, over) - line.centres.get(&trial.session)?),
-            )
+            line.adjusted(&point(trial, over)?)
         };
         trials.trials.iter().map(value).collect()
     }
@@ -75,93 +53,46 @@ impl Lines {
         (nobody.into_iter().map(|[_, environment]| environment).collect(), people.len())
     }
 
+    /// Environments in which several participants have a line, and all of these had the modes in the same order.
+    pub(crate) fn in_one_order(&self) -> Vec<usize> {
+        let mut orders: BTreeMap<usize, Vec<Vec<[usize; 2]>>> = BTreeMap::new();
+        for ([_, environment], line) in &self.0 {
+            orders.entry(*environment).or_default().push(line.order());
+        }
+        let is_one = |orders: &[Vec<[usize; 2]>]| {
+            orders.len() > 1 && orders[0].len() > 1 && orders.iter().all(|own| *own == orders[0])
+        };
+        orders
+            .into_iter()
+            .filter_map(|(environment, orders)| is_one(&orders).then_some(environment))
+            .collect()
+    }
+
     /// How many times the line makes the variance of a weighted sum of somebody's conditions larger, mean over
     /// participants.
     pub(crate) fn inflation(
         &self,
         people: impl Iterator<Item = usize>,
-        weights: &[Weighed],
+        weights: &[WeighedCondition],
     ) -> f64 {
-        let each: Vec<f64> = people.filter_map(|who| self.inflation_of(who, weights)).collect();
+        let of_person = |who| inflation(weights, |environment| self.0.get(&[who, environment]));
+        let each: Vec<f64> = people.filter_map(of_person).collect();
         each.iter().sum::<f64>() / each.len().max(1) as f64
     }
-
-    fn inflation_of(&self, participant: usize, weights: &[Weighed]) -> Option<f64> {
-        let mut without = 0.0;
-        // By environment: each has a line of its own.
-        let mut moved: BTreeMap<usize, f64> = BTreeMap::new();
-        for (session, [environment, mode], weight) in weights {
-            let line = self.0.get(&[participant, *environment])?;
-            let own = line.cells.iter().filter(|([own_session, own_mode], _)| {
-                own_mode == mode && session.is_none_or(|session| session == *own_session)
-            });
-            let own: Vec<_> = own.collect();
-            let share = weight / own.len().max(1) as f64;
-            for ([session, _], (n, middle)) in own {
-                without += share * share / *n as f64;
-                *moved.entry(*environment).or_default() += share * (middle - line.middle(*session));
-            }
-        }
-        let by_lines: f64 = moved
-            .iter()
-            .filter_map(|(environment, moved)| {
-                Some(moved * moved / self.0.get(&[participant, *environment])?.squares)
-            })
-            .sum();
-        (without > 0.0).then(|| 1.0 + by_lines / without)
-    }
 }
 
-impl Line {
-    fn of(trials: &[(&Trial, f64)], over: OverTrials) -> Option<Self> {
-        // Place, number and value of each trial.
-        let mut cells: BTreeMap<[usize; 2], Vec<[f64; 3]>> = BTreeMap::new();
-        let mut sessions: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
-        for (trial, value) in trials {
-            let place = place(trial, over);
-            let own = cells.entry([trial.session, trial.mode]).or_default();
-            own.push([place, f64::from(trial.number), *value]);
-            sessions.entry(trial.session).or_default().push(place);
-        }
-        let (mut along, mut products, mut squares) = (0.0, 0.0, 0.0);
-        let mut middles = BTreeMap::new();
-        for (cell, points) in cells {
-            let [x, number, y] = [0, 1, 2].map(|i| mean(points.iter().map(|point| point[i])));
-            for point in &points {
-                along += (point[0] - x).powi(2);
-                squares += (point[1] - number).powi(2);
-                products += (point[0] - x) * (point[2] - y);
-            }
-            middles.insert(cell, (points.len(), number));
-        }
-        let centres = sessions.into_iter().map(|(id, places)| (id, mean(places.iter().copied())));
-        (along > 0.0 && squares > 0.0).then(|| Self {
-            slope: products / along,
-            centres: centres.collect(),
-            squares,
-            cells: middles,
-        })
-    }
-
-    /// The middle of the numbers of a session's trials.
-    fn middle(&self, session: usize) -> f64 {
-        let own = self.cells.iter().filter(|([id, _], _)| *id == session).map(|(_, cell)| cell);
-        let [sum, n] = own.fold([0.0, 0.0], |[sum, n], (count, middle)| {
-            [sum + *count as f64 * middle, n + *count as f64]
-        });
-        sum / n
-    }
-}
-
-fn mean(values: impl ExactSizeIterator<Item = f64>) -> f64 {
-    let n = values.len() as f64;
-    values.sum::<f64>() / n
-}
-
-fn place(trial: &Trial, over: OverTrials) -> f64 {
-    f64::from(match over {
+/// A trial that has the metric, with what the line is over.
+fn point(trial: &Trial, over: OverTrials) -> Option<TrialPoint> {
+    let place = match over {
         OverTrials::Trial => trial.number,
         OverTrials::Repeat => trial.repeat,
+    };
+    Some(TrialPoint {
+        session: trial.session,
+        mode: trial.mode,
+        place: place.into(),
+        number: trial.number.into(),
+        value: trial.value?,
     })
 }
 
@@ -208,10 +139,15 @@ mod tests {
 
     /// Six people who become better from trial to trial, with trials in modes in that order.
     fn practised(order: [&'static str; 6]) -> Comparison {
+        practised_in([order, order])
+    }
+
+    /// Of whom every second one has the other order.
+    fn practised_in(orders: [[&'static str; 6]; 2]) -> Comparison {
         const CODES: [&str; 6] = ["P01", "P02", "P03", "P04", "P05", "P06"];
         let mut trials: Vec<Trial> = Vec::new();
         for (person, who) in CODES.into_iter().enumerate() {
-            for (place, mode) in order.into_iter().enumerate() {
+            for (place, mode) in orders[person % 2].into_iter().enumerate() {
                 let (person, place) = (person as f64, place as f64);
                 let noise = 0.02 * (7.0 * person + 3.0 * place).sin();
                 let value = 5.0 - (0.3 + 0.01 * person) * place + noise;
@@ -247,6 +183,19 @@ mod tests {
         );
         assert_eq!((far.verdict, far.p_adjusted), (Verdict::NotTested, None));
         assert!(far.p_value.is_some() && near.remark.is_none() && near.p_adjusted.is_some());
+    }
+
+    #[test]
+    fn one_order_for_everybody_is_said_and_two_are_not() {
+        let [h, a] = ["hybrid", "active"];
+        let (first, second) = ([a, a, a, h, h, h], [h, h, h, a, a, a]);
+        let said = |found: &Comparison| {
+            let words = "spring: everybody had the modes in the same order";
+            found.notes.iter().filter(|note| note.note.to_string().starts_with(words)).count()
+        };
+        // Below means, contrasts, effects, their analysis of variance, and groups.
+        assert_eq!(said(&practised_in([first, first])), 5);
+        assert_eq!(said(&practised_in([first, second])), 0);
     }
 
     #[test]

@@ -1,11 +1,11 @@
 //! The people of a study by their groups, and when a group is too small.
 
 use crate::cells::Cells;
-use crate::over_trials::{MOST_INFLATED, Weighed};
 use crate::{Groups, Parameters};
 use std::fmt;
 use zwidth_results::UnitOfAnalysis;
 use zwidth_stats::groups::{LEAST_FOR_A_CLAIM, LEAST_FOR_A_P};
+use zwidth_stats::over_trials::{MOST_INFLATED, WeighedCondition};
 use zwidth_study::counted;
 
 /// The people of a study by their groups.
@@ -86,7 +86,7 @@ impl Refused {
     pub(crate) fn ordered(
         cells: &Cells,
         people: impl Iterator<Item = usize>,
-        weights: &[Weighed],
+        weights: &[WeighedCondition],
     ) -> Option<Self> {
         let inflation = cells.lines.as_ref()?.inflation(people, weights);
         (inflation > MOST_INFLATED).then_some(Self::Ordered(inflation))

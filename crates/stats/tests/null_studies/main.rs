@@ -11,12 +11,14 @@
 
 mod answers;
 mod curves;
+mod doses;
 mod drawn;
 mod effects;
 mod groups;
 mod judged;
 mod metric;
 mod page;
+mod practice;
 mod predicted;
 
 use drawn::{Kind, Measured, differences, kinds};
@@ -90,6 +92,20 @@ fn tests_of_factors_find_nothing_more_often_than_they_promise() {
 fn tests_of_curves_find_nothing_more_often_than_they_promise() {
     let kinds = curves::kinds().into_iter().map(|kind| (kind.name(), kind)).collect();
     hold(9, "Whole curves", kinds, |kind| curves::tests(kind, studies_of(2500)));
+}
+
+#[test]
+fn lines_over_trials_find_nothing_more_often_than_they_promise() {
+    let kinds = practice::kinds().into_iter().map(|kind| (kind.name(), kind)).collect();
+    hold(10, "Practice: own lines over trials", kinds, |kind| practice::tests(kind, studies()));
+}
+
+#[test]
+fn lines_over_doses_find_nothing_more_often_than_they_promise() {
+    let kinds = doses::kinds().into_iter().map(|kind| (kind.name(), kind)).collect();
+    hold(11, "Doses of which a fifth of the cells is missing", kinds, |kind| {
+        doses::tests(kind, studies())
+    });
 }
 
 #[test]

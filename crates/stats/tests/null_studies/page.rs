@@ -9,7 +9,7 @@ pub(crate) fn write(place: u8, title: &str, table: &str) {
     let text = format!("### {title}\n\n{table}");
     println!("{text}");
     if let Ok(folder) = std::env::var("ZWIDTH_TRIED") {
-        let file = std::path::Path::new(&folder).join(format!("null-{place}.md"));
+        let file = std::path::Path::new(&folder).join(format!("null-{place:02}.md"));
         std::fs::write(file, text).unwrap();
     }
 }

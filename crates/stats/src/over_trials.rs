@@ -1,0 +1,192 @@
+//! Practice apart from modes: somebody's own line over their trials, besides the means of the modes.
+
+use std::collections::BTreeMap;
+
+/// Modes whose order inflates the variance of a difference by more than this cannot be told apart from practice.
+pub const MOST_INFLATED: f64 = 5.0;
+
+/// A trial of somebody in an environment.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TrialPoint {
+    /// Its session, any number.
+    pub session: usize,
+    /// Its mode, likewise.
+    pub mode: usize,
+    /// What the line is over: the number of the trial, or of the repeat.
+    pub place: f64,
+    /// The number of the trial in its session.
+    pub number: f64,
+    /// The metric.
+    pub value: f64,
+}
+
+/// A condition in a weighted sum.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WeighedCondition {
+    /// Its session; all of them with the same weight if none is named.
+    pub session: Option<usize>,
+    /// Its environment.
+    pub environment: usize,
+    /// Its mode.
+    pub mode: usize,
+    /// Its weight.
+    pub weight: f64,
+}
+
+/// A participant's line in an environment: least squares besides a mean for each session and mode.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Line {
+    /// Change of the metric from one place to the next, over all sessions.
+    pub slope: f64,
+    /// The middle of each session's places.
+    centres: BTreeMap<usize, f64>,
+    /// Sum of squares of the trials' numbers about the mean of their session and mode. Whatever the line is over, the
+    /// numbers say how far modes and practice hang together.
+    squares: f64,
+    /// Trials in each session and mode, and the middle of their numbers.
+    cells: BTreeMap<[usize; 2], (usize, f64)>,
+}
+
+impl Line {
+    /// The line of somebody's trials in an environment; none of who did each mode once in a session.
+    pub fn of(trials: &[TrialPoint]) -> Option<Self> {
+        let mut cells: BTreeMap<[usize; 2], Vec<&TrialPoint>> = BTreeMap::new();
+        let mut sessions: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
+        for trial in trials {
+            cells.entry([trial.session, trial.mode]).or_default().push(trial);
+            sessions.entry(trial.session).or_default().push(trial.place);
+        }
+        let (mut along, mut products, mut squares) = (0.0, 0.0, 0.0);
+        let mut middles = BTreeMap::new();
+        for (cell, trials) in cells {
+            let x = mean(trials.iter().map(|trial| trial.place));
+            let number = mean(trials.iter().map(|trial| trial.number));
+            let y = mean(trials.iter().map(|trial| trial.value));
+            for trial in &trials {
+                along += (trial.place - x).powi(2);
+                squares += (trial.number - number).powi(2);
+                products += (trial.place - x) * (trial.value - y);
+            }
+            middles.insert(cell, (trials.len(), number));
+        }
+        let centres = sessions.into_iter().map(|(id, places)| (id, mean(places.iter().copied())));
+        (along > 0.0 && squares > 0.0).then(|| Self {
+            slope: products / along,
+            centres: centres.collect(),
+            squares,
+            cells: middles,
+        })
+    }
+
+    /// The value of a trial in the middle of its session, along the line; none in a session that the line has no trial of.
+    pub fn adjusted(&self, trial: &TrialPoint) -> Option<f64> {
+        Some(trial.value - self.slope * (trial.place - self.centres.get(&trial.session)?))
+    }
+
+    /// Sessions and modes in the order of the middles of their trials.
+    pub fn order(&self) -> Vec<[usize; 2]> {
+        let mut cells: Vec<(&[usize; 2], f64)> =
+            self.cells.iter().map(|(cell, (_, middle))| (cell, *middle)).collect();
+        cells.sort_by(|a, b| a.0[0].cmp(&b.0[0]).then(a.1.total_cmp(&b.1)));
+        cells.into_iter().map(|(cell, _)| *cell).collect()
+    }
+
+    /// The middle of the numbers of a session's trials.
+    fn middle(&self, session: usize) -> f64 {
+        let own = self.cells.iter().filter(|([id, _], _)| *id == session).map(|(_, cell)| cell);
+        let [sum, n] = own.fold([0.0, 0.0], |[sum, n], (count, middle)| {
+            [sum + *count as f64 * middle, n + *count as f64]
+        });
+        sum / n
+    }
+}
+
+/// How many times somebody's lines make the variance of a weighted sum of their conditions larger: 1 + Σ m²/S over the
+/// variance without lines, in units of that of a trial; m is how far apart the weights have the trials of an environment along
+/// its line, and S that line's sum of squares. None if they have no line in one of the environments, or none of the conditions.
+pub fn inflation<'a>(
+    weights: &[WeighedCondition],
+    line_in: impl Fn(usize) -> Option<&'a Line>,
+) -> Option<f64> {
+    let mut without = 0.0;
+    // By environment: each has a line of its own.
+    let mut moved: BTreeMap<usize, f64> = BTreeMap::new();
+    for condition in weights {
+        let line = line_in(condition.environment)?;
+        let own = line.cells.iter().filter(|([session, mode], _)| {
+            *mode == condition.mode && condition.session.is_none_or(|only| only == *session)
+        });
+        let own: Vec<_> = own.collect();
+        let share = condition.weight / own.len().max(1) as f64;
+        for ([session, _], (n, middle)) in own {
+            without += share * share / *n as f64;
+            *moved.entry(condition.environment).or_default() +=
+                share * (middle - line.middle(*session));
+        }
+    }
+    let by_lines: f64 = moved
+        .iter()
+        .filter_map(|(environment, moved)| Some(moved * moved / line_in(*environment)?.squares))
+        .sum();
+    (without > 0.0).then(|| 1.0 + by_lines / without)
+}
+
+fn mean(values: impl ExactSizeIterator<Item = f64>) -> f64 {
+    let n = values.len() as f64;
+    values.sum::<f64>() / n
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn trials(modes: &[usize], value: impl Fn(usize, f64) -> f64) -> Vec<TrialPoint> {
+        let trial = |(number, mode): (usize, &usize)| {
+            let number = number as f64;
+            TrialPoint {
+                session: 0,
+                mode: *mode,
+                place: number,
+                number,
+                value: value(*mode, number),
+            }
+        };
+        modes.iter().enumerate().map(trial).collect()
+    }
+
+    fn difference(weight: f64, mode: usize) -> WeighedCondition {
+        WeighedCondition { session: None, environment: 0, mode, weight }
+    }
+
+    #[test]
+    fn a_line_is_found_beside_the_modes_and_its_values_lie_in_the_middle() {
+        let own = trials(&[0, 1, 1, 0, 0, 1], |mode, number| 3.0 * mode as f64 - 0.5 * number);
+        let line = Line::of(&own).unwrap();
+        assert!((line.slope + 0.5).abs() < 1e-12);
+        for trial in &own {
+            let expected = 3.0 * trial.mode as f64 - 0.5 * 2.5;
+            assert!((line.adjusted(trial).unwrap() - expected).abs() < 1e-12);
+        }
+        assert_eq!(line.adjusted(&TrialPoint { session: 1, ..own[0] }), None);
+        // Middles of the numbers: 7/3 of the first mode, 8/3 of the second.
+        assert_eq!(line.order(), [[0, 0], [0, 1]]);
+        assert_eq!(Line::of(&trials(&[0, 1], |_, number| number)), None);
+    }
+
+    /// Var(difference) over σ²: the diagonal of (XᵀX)⁻¹ with columns of both modes and the number, by hand 1/n + 1/n + d²/S.
+    #[test]
+    fn blocks_inflate_by_the_square_of_their_distance_over_the_squares_within() {
+        let weights = [difference(1.0, 1), difference(-1.0, 0)];
+        let of = |modes: &[usize]| {
+            let line = Line::of(&trials(modes, |_, _| 0.0)).unwrap();
+            inflation(&weights, |_| Some(&line)).unwrap()
+        };
+        // Three trials each, 3 apart; within each block 1 + 0 + 1.
+        let expected = 1.0 + 3.0 * 3.0 / 4.0 / (1.0 / 3.0 + 1.0 / 3.0);
+        assert!((of(&[0, 0, 0, 1, 1, 1]) - expected).abs() < 1e-12);
+        assert!((of(&[0, 1, 1, 0]) - 1.0).abs() < 1e-12, "middles are the same");
+        let line = Line::of(&trials(&[0, 0, 1, 1], |_, _| 0.0)).unwrap();
+        assert_eq!(inflation(&weights, |_| None), None);
+        assert_eq!(inflation(&[difference(1.0, 7)], |_| Some(&line)), None);
+    }
+}
