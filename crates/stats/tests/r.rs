@@ -327,6 +327,7 @@ const REFERENCE: &[Reference] = &[
     ("groups", "kr_f_group_by_mode", &[1.27123, 2.0, 20.0, 0.302193894]),
     ("groups", "d_z", &[1.18205068, 1.09925963, 0.419908837, 1.91392995]),
     ("groups", "d_av", &[1.44314294, 1.38996880, 0.512658620, 2.33668025]),
+    ("groups", "between_c", &[0.0376880380, 0.0309151729, -1.19457246, 1.26575650]),
     (
         "factorial",
         "spring_motor",
@@ -563,6 +564,7 @@ fn of_groups(study: &Value) -> Named {
         ("kr_f_group_by_mode", f_tested(joint)),
         ("d_z", sized(d_z(&pairs, 0.95).unwrap())),
         ("d_av", sized(d_av(&pairs, 0.95).unwrap())),
+        ("between_c", sized(groups::effect([group(experts), group(novices)], 0.95).unwrap())),
     ]
 }
 

@@ -10,6 +10,7 @@ suppressPackageStartupMessages({
   library(pbkrtest)
   library(jsonlite)
 })
+options(warn = -1) # pt() with a noncentrality says where it has fewer digits than it could
 
 # A number between -1/2 and 1/2: (h^3 mod 9941)/9941 - 1/2 with whole h, exact in double precision
 u <- function(a, b = 0, c = 0, d = 0) ((1 + 131 * a + 173 * b + 197 * c + 211 * d)^3 %% 9941) / 9941 - 0.5
@@ -24,6 +25,14 @@ kenward_roger <- function(fit, weights) {
   error <- sqrt(as.numeric(weights %*% covariance %*% weights))
   c(sum(weights * fixef(fit)), error, get_Lb_ddf(fit, weights))
 }
+# Ends of d are those of the noncentrality of t, whose 97.5 and 2.5 % points it is
+noncentralities <- function(t, df) {
+  sapply(c(0.975, 0.025), function(share) {
+    uniroot(function(ncp) pt(t, df, ncp) - share, t + c(-8, 8), tol = 1e-12)$root
+  })
+}
+# d, g and the interval of d
+sized <- function(d, df, ends) c(d, d * exp(lgamma(df / 2) - lgamma((df - 1) / 2)) / sqrt(df / 2), ends)
 precise <- lmerControl(optimizer = "bobyqa", optCtrl = list(rhobeg = 0.1, rhoend = 1e-12, maxfun = 1e5), calc.derivs = FALSE)
 mixed <- function(formula, data) suppressMessages(do.call(lmer, list(formula, data, control = precise)))
 by_person <- function(values, ...) tapply(values, list(...), mean)
@@ -59,18 +68,20 @@ groups <- function() {
   joint <- KRmodcomp(fit, rbind(c(0, 0, 0, 0, 1, 0), c(0, 0, 0, 0, 0, 1)))$test["Ftest", ]
   within <- function(a, b) {
     n <- length(a)
-    t <- unname(t.test(a, b, paired = TRUE)$statistic)
-    # Ends of d are those of the noncentrality of t, whose 2.5 and 97.5 % points it is
-    ends <- sapply(c(0.975, 0.025), function(share) {
-      uniroot(function(ncp) pt(t, n - 1, ncp) - share, t + c(-8, 8), tol = 1e-12)$root
-    })
-    bias <- function(df) exp(lgamma(df / 2) - lgamma((df - 1) / 2)) / sqrt(df / 2)
+    ends <- noncentralities(unname(t.test(a, b, paired = TRUE)$statistic), n - 1)
     spread <- sd(a - b)
     both <- sqrt((var(a) + var(b)) / 2)
     df <- (n - 1) * (var(a) + var(b))^2 / (var(a)^2 + var(b)^2 + 2 * cov(a, b)^2)
-    z <- mean(a - b) / spread
-    av <- mean(a - b) / both
-    list(d_z = c(z, z * bias(n - 1), ends / sqrt(n)), d_av = c(av, av * bias(df), ends * spread / (both * sqrt(n))))
+    list(
+      d_z = sized(mean(a - b) / spread, n - 1, ends / sqrt(n)),
+      d_av = sized(mean(a - b) / both, df, ends * spread / (both * sqrt(n)))
+    )
+  }
+  between <- function(a, b) {
+    found <- welch(a, b)
+    both <- sqrt((var(a) + var(b)) / 2)
+    df <- (var(a) + var(b))^2 / (var(a)^2 / (length(a) - 1) + var(b)^2 / (length(b) - 1))
+    sized(found[1] / both, df, noncentralities(found[3], found[4]) * found[2] / both)
   }
   list(
     name = "groups", participant = d$p, mode = d$m, expert = d$expert, value = d$y, age = age,
@@ -93,7 +104,8 @@ groups <- function() {
         kr_group_over_modes = kenward_roger(fit, c(0, 1, 0, 0, 1 / 3, 1 / 3)),
         kr_f_group_by_mode = c(joint$stat, joint$ndf, joint$ddf, joint$p.value)
       ),
-      within(means[, 3], means[, 1])
+      within(means[, 3], means[, 1]),
+      list(between_c = between(c[expert], c[!expert]))
     )
   )
 }
