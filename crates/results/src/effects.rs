@@ -80,6 +80,22 @@ impl FromStr for FactorEffect {
     }
 }
 
+impl EffectDifference {
+    /// Its factors and levels, or the weighted contrast.
+    pub fn name(&self) -> FactorEffect {
+        FactorEffect { term: self.effect.clone(), levels: self.levels.clone() }
+    }
+
+    /// The standard deviation of everybody's effects (those of conditions are of no single size), by which an effect is
+    /// measured where it is not known what is felt: with it the mean of n people has this standard error. Over groups
+    /// with the same weight each that is, of groups of one size, the root mean of their variances. None where nothing
+    /// varies.
+    pub fn deviation(&self) -> Option<f64> {
+        let deviation = self.difference_std_error? * (self.n as f64).sqrt();
+        (deviation > 0.0).then_some(deviation)
+    }
+}
+
 rows! {
     /// The effect of a factor, of an interaction or of a weighted contrast, tested.
     EffectDifference = "effects", "Effects of factors" {

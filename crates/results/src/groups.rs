@@ -9,8 +9,10 @@ use crate::sentence::Sentence;
 use crate::value::{named, texts};
 use std::fmt;
 use std::str::FromStr;
+use std::sync::Arc;
 use zwidth_study::{
-    Contrast, GroupContrast, IdError, LevelId, ModeId, OverTrials, ParticipantId, PersonColumnId,
+    Contrast, EnvironmentId, GroupContrast, IdError, LevelId, MetricId, ModeId, OverTrials,
+    ParticipantId, PersonColumnId,
 };
 
 /// What of people is compared between groups.
@@ -52,6 +54,15 @@ impl FromStr for GroupEffect {
             _ if text.contains(Contrast::MINUS) => text.parse().map(Self::Of),
             _ => text.parse().map(Self::In),
         }
+    }
+}
+
+impl GroupDifference {
+    /// The root mean of both groups' variances, by which a difference is measured where it is not known what is felt;
+    /// none where nothing varies.
+    pub fn deviation(&self) -> Option<f64> {
+        let deviation = ((self.sd_first?.powi(2) + self.sd_second?.powi(2)) / 2.0).sqrt();
+        (deviation > 0.0).then_some(deviation)
     }
 }
 
@@ -143,9 +154,14 @@ rows! {
         remark: Option<Sentence>,
     }
 
-    /// The difference of two groups in one environment, tested.
+    /// The difference of two groups, tested.
     GroupDifference = "groups", "Groups compared" {
-        ..of_metric,
+        /// what is compared
+        metric: MetricId,
+        /// unit of the metric
+        unit: Arc<str>,
+        /// what was rendered; null over several environments
+        environment: Option<EnvironmentId>,
         /// what of people: in a mode, over all modes, their difference between two, or an effect of factors
         effect: GroupEffect,
         /// the groups compared: the one minus the other
@@ -318,7 +334,12 @@ rows! {
 
     /// Whether any of several groups differs from another.
     AnyGroup = "any_group", "Any difference between groups" {
-        ..of_metric,
+        /// what is compared
+        metric: MetricId,
+        /// unit of the metric
+        unit: Arc<str>,
+        /// what was rendered; null over several environments
+        environment: Option<EnvironmentId>,
         /// what of people: in a mode, over all modes, or their difference between two
         effect: GroupEffect,
         /// groups

@@ -209,7 +209,7 @@ pub(crate) fn rows(
             };
             let noticed = measure.parameters.noticed.as_ref();
             // Most JNDs are a share of the value: of the second mode's, with which the first is compared.
-            row.jnd = noticed.and_then(|n| n.jnd(environment, row.mean(1), &measure.unit));
+            row.jnd = noticed.and_then(|n| n.jnd(Some(environment), row.mean(1), &measure.unit));
             rows.push(row);
         }
     }

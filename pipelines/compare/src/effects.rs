@@ -156,12 +156,6 @@ pub(crate) fn rows<'a>(
             .environment
             .as_ref()
             .and_then(|id| parameters.environments.iter().position(|own| own == id));
-        // What is commanded, and what is too small to matter, can be another thing in each environment.
-        let bounds = &measure.parameters.bounds;
-        let bound = match environment {
-            Some(place) => bounds[place],
-            None => bounds[0].filter(|_| bounds.iter().all(|bound| *bound == bounds[0])),
-        };
         // A trend is over a step of the dose, and weights can be of any size: neither is a difference between two
         // values, which a bound or what is felt speaks of.
         let size: f64 = weights.iter().map(|(_, weight)| weight.abs() / 2.0).sum();
@@ -169,7 +163,7 @@ pub(crate) fn rows<'a>(
             [] => (size - 1.0).abs() < SAME,
             levels => levels.iter().all(|level| matches!(level, LevelContrast::Pair(_))),
         };
-        let bound = bound.filter(|_| is_difference);
+        let bound = measure.parameters.bound(environment).filter(|_| is_difference);
         let has_p = refused.as_ref().is_none_or(Refused::has_p);
         let equivalence = tested.as_ref().ok().zip(bound.filter(|_| has_p));
         let equivalence = equivalence
@@ -193,13 +187,10 @@ pub(crate) fn rows<'a>(
                 equivalence.map(|e| e.p_value()),
             ),
         };
-        let noticed = measure.parameters.noticed.as_ref().filter(|noticed| {
-            is_difference
-                && (environment.is_some() || noticed.commanded.iter().all(Option::is_none))
-        });
-        row.jnd = noticed.zip(row.against()).and_then(|(noticed, against)| {
-            noticed.jnd(environment.unwrap_or_default(), against, &measure.unit)
-        });
+        let noticed = measure.parameters.noticed.as_ref().filter(|_| is_difference);
+        row.jnd = noticed
+            .zip(row.against())
+            .and_then(|(noticed, against)| noticed.jnd(environment, against, &measure.unit));
         rows.push(row);
     }
     Ok(rows)
@@ -486,16 +477,37 @@ pub(crate) mod tests {
         assert!(as_they_are.over_trials.is_empty());
     }
 
-    #[test]
-    fn a_weighted_contrast_over_environments_is_the_difference_of_their_effects() {
-        let (keys, values) = eight();
-        let mut parameters = of_eight();
+    /// How much more the motor does at the wall than on the spring.
+    fn wall_costs() -> Effect {
         let of_motor = |e: &'static str, sign: f64| {
             [("motor", 0.5), ("both", 0.5), ("none", -0.5), ("brake", -0.5)]
                 .map(|(mode, weight)| (e, mode, sign * weight))
         };
         let weights = [of_motor("wall", 1.0), of_motor("spring", -1.0)].concat();
-        parameters.effects = vec![effect("wall_costs", None, &weights)];
+        effect("wall_costs", None, &weights)
+    }
+
+    /// The first people in the first group, the next ones in the next.
+    fn groups(sizes: &[usize]) -> Groups {
+        let levels: Vec<_> =
+            ["few", "many", "most"][..sizes.len()].iter().map(|id| id.parse().unwrap()).collect();
+        let compared = GroupsCompared {
+            column: "group".parse().unwrap(),
+            contrasts: vec!["many − few".parse().unwrap()],
+            levels,
+            assigned: false,
+        };
+        let of = sizes.iter().enumerate().flat_map(|(level, size)| vec![level; *size]);
+        let levels_of =
+            (1..).zip(of).map(|(who, level)| (format!("P{who:02}").parse().unwrap(), level));
+        Groups { compared, levels_of: levels_of.collect(), blocks: BTreeMap::new() }
+    }
+
+    #[test]
+    fn a_weighted_contrast_over_environments_is_the_difference_of_their_effects() {
+        let (keys, values) = eight();
+        let mut parameters = of_eight();
+        parameters.effects = vec![wall_costs()];
         let found = compare(&measured(&keys, values.into_iter()), &parameters).unwrap();
         let [row] = &found.effects[..] else { panic!("{:?}", found.effects) };
         near(row.difference, -0.0820416667);
@@ -510,20 +522,7 @@ pub(crate) mod tests {
     fn groups_differ_in_an_effect_by_welchs_t_and_it_has_the_same_weight_for_each() {
         let (keys, values) = eight();
         let mut parameters = of_eight();
-        let levels = ["few", "many"].map(|id| id.parse().unwrap()).to_vec();
-        let compared = GroupsCompared {
-            column: "group".parse().unwrap(),
-            contrasts: vec!["many − few".parse().unwrap()],
-            levels,
-            assigned: false,
-        };
-        let of =
-            |person: usize| (format!("P{person:02}").parse().unwrap(), usize::from(person > 4));
-        parameters.groups = Some(Groups {
-            compared,
-            levels_of: (1..=8).map(of).collect(),
-            blocks: BTreeMap::new(),
-        });
+        parameters.groups = Some(groups(&[4, 4]));
         let found = compare(&measured(&keys, values.into_iter()), &parameters).unwrap();
         let of_motor: GroupEffect = "motor: yes − no".parse().unwrap();
         let row = found.groups.iter().find(|row| row.effect == of_motor).unwrap();
@@ -536,6 +535,44 @@ pub(crate) mod tests {
         let effect = &found.effects[0];
         near(effect.difference, 0.449375);
         assert!(effect.df < Some(7.0) && effect.g_av.is_none(), "{effect:?}");
+    }
+
+    /// SciPy's Welch test of everybody's weighted sums over both environments, and Welch's F of three
+    /// groups by his formula in NumPy.
+    #[test]
+    fn groups_differ_in_a_contrast_over_environments_by_welchs_t() {
+        let (keys, values) = eight();
+        let mut parameters = of_eight();
+        parameters.effects.push(wall_costs());
+        parameters.groups = Some(groups(&[4, 4]));
+        let found = compare(&measured(&keys, values.iter().copied()), &parameters).unwrap();
+        let over_both: Vec<_> =
+            found.groups.iter().filter(|row| row.environment.is_none()).collect();
+        let [row] = over_both[..] else { panic!("{over_both:?}") };
+        assert_eq!(row.effect.to_string(), "contrast wall_costs");
+        near(row.difference, -0.148166667);
+        near(row.statistic, -1.10105175);
+        near(row.df, 5.70499556);
+        near(row.p_value, 0.315146836);
+        near(row.difference_ci_low, -0.4816151746801661);
+        near(row.difference_ci_high, 0.18528184134683293);
+        assert_eq!((row.n_first, row.n_second, row.verdict), (4, 4, Some(Verdict::Undecided)));
+        assert_eq!(found.groups.last(), Some(row), "after those of each environment");
+        // In each of two environments groups differ in the mean over modes and in three effects, which are claims
+        // themselves; those over both make one family of their own where environments are families.
+        parameters.families = zwidth_study::Families::Environment;
+        let apart = compare(&measured(&keys, values.iter().copied()), &parameters).unwrap();
+        let own = [apart.groups.last().unwrap().p_value, apart.effects.last().unwrap().p_value];
+        let [groups_p, effect_p] = own.map(Option::unwrap);
+        let least = groups_p.min(effect_p);
+        near(apart.groups.last().unwrap().p_adjusted, (2.0 * least).max(groups_p));
+
+        parameters.groups = Some(groups(&[3, 2, 3]));
+        let found = compare(&measured(&keys, values.into_iter()), &parameters).unwrap();
+        let any = found.any_group.iter().find(|row| row.environment.is_none()).unwrap();
+        near(any.f, 6.13098788);
+        near(any.df_error, 2.0861104);
+        near(any.p_value, 0.133809346);
     }
 
     /// In a second session, which P08 lacks, everybody has a tenth of their number more, and half as much again

@@ -17,7 +17,7 @@ use zwidth_study::{EffectSize, GroupContrast};
 /// Arrangements of labels that are drawn where there are too many to count all.
 const SAMPLING: Sampling = Sampling { draws: 9_999, seed: 1 };
 
-/// An effect of groups in one environment.
+/// An effect of groups in one environment, or over several.
 pub(crate) struct Row<'a> {
     effect: GroupEffect,
     groups: &'a GroupContrast,
@@ -37,7 +37,7 @@ pub(crate) struct Row<'a> {
 /// Everybody's value, by the place of the participant.
 type Values = BTreeMap<usize, f64>;
 
-/// What is compared between groups in an environment.
+/// What is compared between groups in an environment, or over several.
 struct Compared {
     effect: GroupEffect,
     values: Values,
@@ -53,7 +53,8 @@ struct Compared {
     refused: Option<Refused>,
 }
 
-/// What is compared between groups in an environment, with everybody's values.
+/// What is compared between groups in an environment, with everybody's values; after the last environment, the effects
+/// over several.
 fn compared(
     environment: usize,
     cells: &Cells,
@@ -138,7 +139,8 @@ pub(crate) fn rows<'a>(
 ) -> Result<Vec<Row<'a>>, CompareError> {
     let levels = &split.groups.compared.levels;
     let mut rows = Vec::new();
-    for environment in 0..parameters.environments.len() {
+    for environment in 0..=parameters.environments.len() {
+        let known = (environment < parameters.environments.len()).then_some(environment);
         for compared in compared(environment, cells, contrasts, of_factors, parameters) {
             let Compared {
                 effect,
@@ -168,9 +170,8 @@ pub(crate) fn rows<'a>(
                 let refused = smallest.and_then(|(n, id)| Refused::too_few(n, id.as_str()));
                 let refused = refused.or_else(|| ordered.clone());
                 let has_p = refused.as_ref().is_none_or(Refused::has_p);
-                let bound = measure.parameters.bounds[environment];
-                let bound = bound.filter(|_| has_p && is_difference);
-                let equivalence = tested.as_ref().ok().zip(bound);
+                let bound = measure.parameters.bound(known).filter(|_| is_difference);
+                let equivalence = tested.as_ref().ok().zip(bound.filter(|_| has_p));
                 let equivalence = equivalence
                     .map(|(t, bound)| paired::equivalence(t, bound, parameters.alpha))
                     .transpose()?;
@@ -182,11 +183,10 @@ pub(crate) fn rows<'a>(
                     effect: effect.clone(),
                     groups: contrast,
                     permuted: permuted.ok(),
-                    jnd: noticed.and_then(|n| {
-                        n.jnd(environment, noticed_from.unwrap_or(b.mean), &measure.unit)
-                    }),
+                    jnd: noticed
+                        .and_then(|n| n.jnd(known, noticed_from.unwrap_or(b.mean), &measure.unit)),
                     claim: Claim::new(environment, p.map(|t| t.p_value), None, p_not_equivalent),
-                    bound: measure.parameters.bounds[environment].filter(|_| is_difference),
+                    bound,
                     values: [first, second],
                     tested,
                     refused,
@@ -218,7 +218,7 @@ pub(crate) fn named(
         GroupDifference {
             metric: measure.parameters.metric.clone(),
             unit: measure.unit.clone(),
-            environment: parameters.environments[row.claim.environment].clone(),
+            environment: parameters.environments.get(row.claim.environment).cloned(),
             effect: row.effect.clone(),
             groups: row.groups.clone(),
             n_first: a.n,
@@ -265,7 +265,7 @@ pub(crate) fn any(
     parameters: &Parameters,
 ) -> Vec<AnyGroup> {
     let mut rows = Vec::new();
-    let environments = 0..parameters.environments.len();
+    let environments = 0..=parameters.environments.len();
     for environment in environments.filter(|_| split.groups.compared.levels.len() > 2) {
         for Compared { effect, values, .. } in
             compared(environment, cells, contrasts, of_factors, parameters)
@@ -277,7 +277,7 @@ pub(crate) fn any(
             rows.push(AnyGroup {
                 metric: measure.parameters.metric.clone(),
                 unit: measure.unit.clone(),
-                environment: parameters.environments[environment].clone(),
+                environment: parameters.environments.get(environment).cloned(),
                 effect,
                 groups: groups.len(),
                 n: groups.iter().map(|group| group.n).sum(),

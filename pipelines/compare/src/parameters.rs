@@ -98,11 +98,26 @@ pub struct Noticed {
     pub commanded: Vec<Option<f64>>,
 }
 
+impl MetricParameters {
+    /// The size up to which differences in an environment are equivalent; over several environments (none) where each
+    /// has the same.
+    pub(crate) fn bound(&self, environment: Option<usize>) -> Option<f64> {
+        match environment {
+            Some(place) => self.bounds[place],
+            None => self.bounds[0].filter(|_| self.bounds.iter().all(|own| *own == self.bounds[0])),
+        }
+    }
+}
+
 impl Noticed {
     /// The just noticeable difference from a mode of that `mean`, in the metric's unit: where a
-    /// value is commanded, from that.
-    pub(crate) fn jnd(&self, environment: usize, mean: f64, unit: &str) -> Option<f64> {
-        let from = self.commanded[environment].unwrap_or(mean);
+    /// value is commanded, from that. Over several environments (none) it is known where none commands a value.
+    pub(crate) fn jnd(&self, environment: Option<usize>, mean: f64, unit: &str) -> Option<f64> {
+        let from = match environment {
+            Some(place) => self.commanded[place].unwrap_or(mean),
+            None if self.commanded.iter().all(Option::is_none) => mean,
+            None => return None,
+        };
         let jnd = self.perception.bound(from, unit, self.lever_m);
         let jnd = jnd.filter(|_| !(self.is_slide && matches!(unit, "rad" | "m")));
         // Differences are divided by it, and a share of 0 is 0.

@@ -6,7 +6,7 @@ use crate::people::capital;
 use serde::Serialize;
 use zwidth_results::{
     Compared, EffectDifference, FactorTest, GroupDifference, Mean, ModeDifference,
-    RedrawnDifference, Role, UnitOfAnalysis, Verdict,
+    RedrawnDifference, Role, Sentence, Size, UnitOfAnalysis, Verdict,
 };
 use zwidth_study::{
     Better, Coordinate, EnvironmentId, ModeId, Setup, Study, contrast_label, in_a_sentence,
@@ -284,6 +284,56 @@ pub(crate) fn environment_label(study: &Setup, id: &EnvironmentId) -> String {
     environment.map_or_else(|| id.to_string(), |environment| environment.label.clone())
 }
 
+/// The environment before what is compared in it; nothing over several environments.
+pub(crate) fn before(study: &Setup, id: Option<&EnvironmentId>, separator: &str) -> String {
+    id.map_or_else(String::new, |id| environment_label(study, id) + separator)
+}
+
+/// What came out of a comparison in a metric that is not primary.
+pub(crate) struct Brief<'a> {
+    /// What is compared, and where.
+    pub(crate) place: String,
+    /// In the metric's unit, with its standard error and the ends of its interval.
+    pub(crate) difference: Option<f64>,
+    pub(crate) error: Option<f64>,
+    pub(crate) ends: Option<(f64, f64)>,
+    pub(crate) verdict: Verdict,
+    pub(crate) size: Option<Size>,
+    pub(crate) remark: Option<&'a Sentence>,
+}
+
+/// `Exploratory, the force: Spring, effect of motor (yes − no): 0.45 N (0.20 to 0.71, different, felt); …`; nothing of
+/// none.
+pub(crate) fn explored(
+    study: &Setup,
+    metric: &ComparedMetric,
+    briefs: Vec<Brief>,
+    shown: Shown,
+) -> Option<Finding> {
+    let (unit, factor) = shown_unit(&metric.metric.unit, study.coordinate);
+    let texts = briefs.iter().map(|brief| {
+        let error = brief.error.map(|error| error * factor);
+        let rounded = |value: f64| number(value * factor, error);
+        let ends = brief.ends.map(|(low, high)| format!("{} to {}, ", rounded(low), rounded(high)));
+        let size = brief.size.map(|size| format!(", {}", size.as_str())).unwrap_or_default();
+        let why = brief.remark.map(|why| format!(": {why}")).unwrap_or_default();
+        let verdict = brief.verdict.as_str();
+        match brief.difference {
+            Some(difference) => format!(
+                "{}: {} ({}{verdict}{size}{why})",
+                brief.place,
+                with_unit(&rounded(difference), &unit),
+                ends.unwrap_or_default(),
+            ),
+            None => format!("{}: {verdict}{why}", brief.place),
+        }
+    });
+    let texts: Vec<String> = texts.collect();
+    let words = metric.words(study.coordinate);
+    (!texts.is_empty())
+        .then(|| Finding::new(format!("Exploratory, {words}: {}.", texts.join("; ")), shown))
+}
+
 /// A difference between two modes in one environment: in a sentence of its own if the metric's
 /// `words` are given, else in brief.
 fn difference(
@@ -374,6 +424,82 @@ pub(crate) mod tests {
             sd,
             ci_low: None,
             ci_high: None,
+        }
+    }
+
+    /// The effect of a motor on a metric of four in `spring`, which cannot be estimated.
+    pub(crate) fn unestimated(metric: &Compared) -> EffectDifference {
+        EffectDifference {
+            metric: metric.metric.clone(),
+            unit: metric.unit.clone(),
+            environment: Some("spring".parse().unwrap()),
+            effect: "motor".parse().unwrap(),
+            levels: None,
+            n: 4,
+            difference: None,
+            difference_std_error: None,
+            difference_ci_low: None,
+            difference_ci_high: None,
+            statistic: None,
+            df: None,
+            p_value: None,
+            p_adjusted: None,
+            g_av: None,
+            d_av: None,
+            g_z: None,
+            d_z: None,
+            p_sign_flip: None,
+            jnd: None,
+            difference_jnd: None,
+            difference_jnd_ci_low: None,
+            difference_jnd_ci_high: None,
+            size: None,
+            bound: None,
+            p_not_equivalent: None,
+            dose_unit: None,
+            turns_at: None,
+            verdict: Verdict::NotTested,
+            remark: None,
+        }
+    }
+
+    /// A metric's difference between five experts and seven novices, each with a standard deviation of 0.5.
+    pub(crate) fn between_groups(metric: &Compared) -> GroupDifference {
+        GroupDifference {
+            metric: metric.metric.clone(),
+            unit: metric.unit.clone(),
+            environment: Some("spring".parse().unwrap()),
+            effect: "mean over modes".parse().unwrap(),
+            groups: "expert − novice".parse().unwrap(),
+            n_first: 5,
+            n_second: 7,
+            mean_first: Some(1.25),
+            mean_second: Some(1.0),
+            sd_first: Some(0.5),
+            sd_second: Some(0.5),
+            difference: Some(0.25),
+            difference_std_error: None,
+            difference_ci_low: None,
+            difference_ci_high: None,
+            statistic: None,
+            df: None,
+            p_value: None,
+            p_adjusted: Some(0.5),
+            p_permuted: None,
+            smallest_p_permuted: None,
+            g_av: None,
+            d_av: None,
+            d_av_ci_low: None,
+            d_av_ci_high: None,
+            jnd: None,
+            difference_jnd: None,
+            difference_jnd_ci_low: None,
+            difference_jnd_ci_high: None,
+            size: None,
+            bound: None,
+            p_not_equivalent: None,
+            verdict: Some(Verdict::Undecided),
+            remark: None,
         }
     }
 
@@ -485,6 +611,48 @@ pub(crate) mod tests {
             "Spring, Hybrid − Active: the difference in angle past the wall is −5.7° (interval −8.6 to −2.9, \
              n = 6 participants, t(5) = −5, adjusted p = 0.0123, d_av = −1.25): different."
         );
+    }
+
+    #[test]
+    fn effects_and_groups_of_a_metric_that_is_not_primary_are_told_in_brief() {
+        let metric = Compared {
+            role: Role::Exploratory,
+            ..metric("force_n", "N", "force", UnitOfAnalysis::Participants)
+        };
+        let shown = EffectDifference {
+            levels: Some("yes − no".parse().unwrap()),
+            difference: Some(0.45),
+            difference_std_error: Some(0.1),
+            difference_ci_low: Some(0.2),
+            difference_ci_high: Some(0.7),
+            verdict: Verdict::Different,
+            size: Some(Size::Felt),
+            ..unestimated(&metric)
+        };
+        let over_both = EffectDifference {
+            environment: None,
+            effect: "wall_costs".parse().unwrap(),
+            remark: Some("nobody has all conditions that it weighs".to_owned().into()),
+            ..unestimated(&metric)
+        };
+        let effects = [shown, over_both];
+        let claim = between_groups(&metric);
+        let described = GroupDifference { verdict: None, ..claim.clone() };
+        let groups = [claim, described];
+        let compared =
+            ComparedMetric { effects: &effects, groups: &groups, ..without_results(&metric) };
+        let study = study();
+        let told = [
+            crate::explored_effects(&study, &compared),
+            crate::explored_groups(&study, &compared),
+            crate::explored_effects(&study, &without_results(&metric)),
+        ];
+        let told = told.map(|finding| finding.map(|finding| finding.text.to_string()));
+        let of_effects = "Exploratory, force: Spring, effect of motor (yes − no): 0.45 N (0.20 to 0.70, different, felt); \
+                          effect of wall_costs: not tested: nobody has all conditions that it weighs.";
+        let of_groups = "Exploratory, force: Spring, expert − novice in the mean over modes: 0.25 N (undecided).";
+        let nb = |text: &str| text.replace(" N (", "\u{a0}N (");
+        assert_eq!(told, [Some(nb(of_effects)), Some(nb(of_groups)), None]);
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! What the comparison of factors says, in sentences.
 
-use crate::compared::{ComparedMetric, environment_label};
+use crate::compared::{Brief, ComparedMetric, before, explored};
 use crate::findings::Finding;
 use crate::gallery::Shown;
 use zwidth_results::{EffectDifference, FactorTest, Role, Verdict};
@@ -32,6 +32,27 @@ pub fn factor_effects(study: &Setup, metric: &ComparedMetric) -> Vec<Finding> {
     let lines = lines.map(|line| analysed(study, line, &words));
     findings.extend(effects.chain(lines).map(|text| Finding::new(text, shown())));
     findings
+}
+
+/// The effects on a metric that is not primary, in one sentence.
+pub fn explored_effects(study: &Setup, metric: &ComparedMetric) -> Option<Finding> {
+    let briefs = metric.effects.iter().map(|row| Brief {
+        place: place(study, row),
+        difference: row.difference,
+        error: row.difference_std_error,
+        ends: row.difference_ci_low.zip(row.difference_ci_high),
+        verdict: row.verdict,
+        size: row.size,
+        remark: row.remark.as_ref(),
+    });
+    explored(study, metric, briefs.collect(), Shown::Effects(metric.metric.metric.to_string()))
+}
+
+/// `Spring, effect of motor (yes − no)`.
+fn place(study: &Setup, row: &EffectDifference) -> String {
+    let factors = row.effect.to_string().replace(':', " × ");
+    let levels = row.levels.as_ref().map(|levels| format!(" ({levels})")).unwrap_or_default();
+    format!("{}effect of {factors}{levels}", before(study, row.environment.as_ref(), ", "))
 }
 
 /// `Spring, effects of factors on the force (8 participants). Shown: motor (yes − no: 0.45 N). Neither shown nor
@@ -68,14 +89,13 @@ fn answer(
         ("Not tested", listed(&[Verdict::NotTested])),
     ];
     let is_tested = lists[..3].iter().any(|(_, list)| list.is_some());
-    let environment = effects[0].environment.as_ref().map(|id| environment_label(study, id) + ", ");
     let people = counted(effects.iter().map(|row| row.n).max().unwrap_or_default(), "participants");
     let lists = lists.into_iter().filter_map(|(what, list)| Some(format!("{what}: {}", list?)));
     let lists: Vec<String> = lists.collect();
     is_tested.then(|| {
         format!(
             "{}effects of factors on {words} ({people}). {}.",
-            environment.unwrap_or_default(),
+            before(study, effects[0].environment.as_ref(), ", "),
             lists.join(". ")
         )
     })
@@ -86,10 +106,7 @@ fn sentence(study: &Setup, metric: &ComparedMetric, row: &EffectDifference, word
     let (unit, factor) = shown_unit(&metric.metric.unit, study.coordinate);
     let error = row.difference_std_error.map(|error| error * factor);
     let shown = |value: f64| number(value * factor, error);
-    let environment = row.environment.as_ref().map(|id| environment_label(study, id) + ", ");
-    let factors = row.effect.to_string().replace(':', " × ");
-    let levels = row.levels.as_ref().map(|levels| format!(" ({levels})")).unwrap_or_default();
-    let place = format!("{}effect of {factors}{levels}", environment.unwrap_or_default());
+    let place = place(study, row);
     let why = match &row.remark {
         Some(remark) => format!("; {remark}"),
         None if row.verdict == Verdict::Undecided => {
@@ -134,11 +151,10 @@ fn sentence(study: &Setup, metric: &ComparedMetric, row: &EffectDifference, word
 
 /// `Over all levels of visual × haptic: F(4, 116) = 84.66, ε = 0.80, p < 0.001, partial η² = 0.74`.
 fn analysed(study: &Setup, line: &FactorTest, words: &str) -> String {
-    let environment = line.environment.as_ref().map(|id| environment_label(study, id) + ", ");
     format!(
         "{}all levels of {} in {words}: F({}, {}) = {}, Greenhouse and Geisser's ε = {}, p {}, partial η² = {} \
          ({} participants; a description, no claim).",
-        environment.unwrap_or_default(),
+        before(study, line.environment.as_ref(), ", "),
         line.effect.to_string().replace(':', " × "),
         number(line.df_effect, None),
         number(line.df_error, None),

@@ -1,6 +1,6 @@
 //! What the comparison of groups says, in sentences.
 
-use crate::compared::{ComparedMetric, environment_label};
+use crate::compared::{Brief, ComparedMetric, before, explored};
 use crate::findings::Finding;
 use crate::gallery::Shown;
 use zwidth_results::{GroupDifference, GroupEffect, Role, Verdict};
@@ -17,7 +17,46 @@ pub fn group_differences(study: &Setup, metric: &ComparedMetric) -> Vec<Finding>
     claims.map(|text| Finding { is_answer, ..Finding::new(text, shown.clone()) }).collect()
 }
 
-/// `Spring, expert − novice in the difference Hybrid − Active: 0.02 N (…)`; nothing of what is no claim.
+/// The claims about groups in a metric that is not primary, in one sentence.
+pub fn explored_groups(study: &Setup, metric: &ComparedMetric) -> Option<Finding> {
+    let briefs = metric.groups.iter().filter_map(|row| {
+        Some(Brief {
+            place: place(study, row),
+            difference: row.difference,
+            error: row.difference_std_error,
+            ends: row.difference_ci_low.zip(row.difference_ci_high),
+            verdict: row.verdict?,
+            size: row.size,
+            remark: row.remark.as_ref(),
+        })
+    });
+    explored(study, metric, briefs.collect(), Shown::Groups(metric.metric.metric.to_string()))
+}
+
+/// What of people is compared between groups: `the difference Hybrid − Active`.
+pub(crate) fn compared_words(study: &Setup, effect: &GroupEffect) -> String {
+    match effect {
+        GroupEffect::OverModes => "the mean over modes".to_owned(),
+        GroupEffect::In(id) => {
+            let mode = study.modes.iter().find(|mode| mode.id == *id);
+            mode.map_or_else(|| id.to_string(), |mode| in_a_sentence(&mode.label))
+        }
+        GroupEffect::OfFactors(effect) if effect.levels.is_none() => format!("the {effect}"),
+        GroupEffect::OfFactors(effect) => format!("the effect {effect}"),
+        GroupEffect::Of(contrast) => {
+            format!("the difference {}", contrast_label(&study.modes, contrast))
+        }
+    }
+}
+
+/// `Spring, expert − novice in the difference Hybrid − Active`.
+fn place(study: &Setup, row: &GroupDifference) -> String {
+    let environment = before(study, row.environment.as_ref(), ", ");
+    format!("{environment}{} in {}", row.groups, compared_words(study, &row.effect))
+}
+
+/// `Spring, expert − novice in the difference Hybrid − Active: the force differs by 0.02 N (…)`; nothing of what is no
+/// claim.
 fn sentence(
     study: &Setup,
     metric: &ComparedMetric,
@@ -28,19 +67,7 @@ fn sentence(
     let (unit, factor) = shown_unit(&metric.metric.unit, study.coordinate);
     let error = row.difference_std_error.map(|error| error * factor);
     let shown = |value: f64| number(value * factor, error);
-    let of = match &row.effect {
-        GroupEffect::OverModes => "the mean over modes".to_owned(),
-        GroupEffect::In(id) => {
-            let mode = study.modes.iter().find(|mode| mode.id == *id);
-            mode.map_or_else(|| id.to_string(), |mode| in_a_sentence(&mode.label))
-        }
-        GroupEffect::OfFactors(effect) => format!("the effect {effect}"),
-        GroupEffect::Of(contrast) => {
-            format!("the difference {}", contrast_label(&study.modes, contrast))
-        }
-    };
-    let environment = environment_label(study, &row.environment);
-    let place = format!("{environment}, {} in {of}", row.groups);
+    let place = place(study, row);
     let amount = match row.difference {
         Some(difference) => with_unit(&shown(difference), &unit),
         None => "not known".to_owned(),

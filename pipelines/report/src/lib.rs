@@ -38,11 +38,11 @@ pub use compared::{
 pub use components::components;
 pub use curves::curve_differences;
 pub use design::{device_facts, mode_forces};
-pub use effects::factor_effects;
+pub use effects::{explored_effects, factor_effects};
 pub use evidence::{Derived, Known, notes};
 pub use findings::{Finding, TrialNames, findings};
 pub use gallery::{Asked, Gallery, Shown};
-pub use groups::group_differences;
+pub use groups::{explored_groups, group_differences};
 pub use methods::{MethodsForm, MethodsPart, Recorded, methods};
 pub use model::model_facts;
 pub use page::{

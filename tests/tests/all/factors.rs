@@ -116,6 +116,14 @@ fn an_interaction_of_two_factors_is_found_drawn_and_told() {
         assert!(summary.contains(sentence), "{sentence}: {summary}");
     }
     assert!(!summary.contains("Nobody has trials in both modes"), "{summary}");
+    let page = fs::read_to_string(root.join("reports/weights/index.html")).unwrap();
+    for part in [
+        "Effects of factors are shown in 8 of 8 comparisons in all metrics",
+        "<div id=\"claims\"></div>",
+        "\"of\":\"Task: visual × haptic: (heavy − light) × (heavy − light)\",\"is_of_groups\":false",
+    ] {
+        assert!(page.contains(part), "{part}");
+    }
     assert!(root.join("reports/weights/figures/effects.force_mean_n.svg").exists());
     ran(root, "methods weights").prints(&[
         "visual (of modes; light, medium, heavy)",

@@ -111,6 +111,13 @@ fn groups_of_people_are_compared_from_recordings_to_sentences() {
                     recording differs by 0.02 N (interval −1.08 to 1.13, 5 and 7 people, Welch's t(4.330) = 0.06006";
     assert!(summary.contains(sentence), "{summary}");
     assert!(root.join("reports/twelve/figures/groups.force_mean_n.svg").exists());
+    let page = fs::read_to_string(root.join("reports/twelve/index.html")).unwrap();
+    let claim =
+        "\"of\":\"Task: expert − novice in the difference Hybrid − Active\",\"is_of_groups\":true";
+    assert!(
+        page.contains(claim) && page.contains("Groups differ in 0 of 3 comparisons"),
+        "{claim}"
+    );
     ran(root, "methods twelve").prints(&["Welch's t test (Welch 1947)", "Satterthwaite 1946"]);
     ran(root, "compare twelve").prints(&["Task: expert − novice, mean over modes"]);
 

@@ -112,7 +112,7 @@ pub fn claims(study: &Study, metric: &str) -> usize {
             let mut all = effect.weights.iter();
             all.all(|weight| study.environment(&weight.environment).is_some_and(can_have))
         });
-        in_each.chain([over_several.count()]).collect()
+        in_each.chain([over_several.count() * (1 + of_groups)]).collect()
     };
     let whole = |metric: &str| families(metric).into_iter().sum::<usize>();
     match compare.families {
@@ -194,8 +194,8 @@ pub(crate) fn took_part(data: &StudyData) -> BTreeSet<&ParticipantId> {
 mod tests {
     use super::*;
     use zwidth_study::{
-        Better, Factor, FactorId, FactorOf, LevelId, OwnMetric, Primary, Statistic, Term,
-        TrialPart, Weight, Weighted,
+        Better, Factor, FactorId, FactorOf, GroupsCompared, LevelId, OwnMetric, Primary, Statistic,
+        Term, TrialPart, Weight, Weighted,
     };
 
     #[test]
@@ -282,5 +282,15 @@ mod tests {
         assert_eq!(claims(&study, "wall_dwell_s"), 2);
         study.compare.families = Families::Environment;
         assert_eq!(claims(&study, "duration_s"), 3);
+        // Two groups differ in the mean over modes, in each effect, and in the contrast across both.
+        study.compare.families = Families::Metric;
+        let levels = ["few", "many"].map(|id| id.parse().unwrap()).to_vec();
+        study.compare.groups = Some(GroupsCompared {
+            column: "group".parse().unwrap(),
+            contrasts: vec!["many − few".parse().unwrap()],
+            levels,
+            assigned: false,
+        });
+        assert_eq!(claims(&study, "duration_s"), (2 * 2 + 1 + 1) * 2 + 2);
     }
 }

@@ -28,7 +28,7 @@ use zwidth_study::{Kind, Scene, Setup};
 use zwidth_tables::{About, Format, Measured, NoteKind, Table, TableError};
 
 /// Its version is raised when the page would be written differently from the same data.
-const STAGE: Stage = Stage { name: "summary", version: 23 };
+const STAGE: Stage = Stage { name: "summary", version: 24 };
 
 /// What the page depends on besides files.
 #[derive(Serialize)]
@@ -225,13 +225,18 @@ pub(crate) fn gather(page: &Page, files: &Files, making: &Making) -> Result<Gath
         summary.limits.extend(uneven_ranges(&page.planned, metrics)?);
     }
     let mut sentences = zwidth_report::contrasts(&page.planned, &of_compared);
-    for primary in primary_first(&of_compared)[0] {
+    let [primary, others] = primary_first(&of_compared);
+    for primary in primary {
         sentences.extend(zwidth_report::group_differences(&page.planned, primary));
         sentences.extend(zwidth_report::factor_effects(&page.planned, primary));
         let learning = own(&compared.learning, |row| row.metric == primary.metric.metric);
         sentences.extend(learned(&page.planned, primary, learning));
         let sessions = own(&compared.sessions, |row| row.metric == primary.metric.metric);
         sentences.extend(changes(&page.planned, primary, sessions));
+    }
+    for metric in others {
+        sentences.extend(zwidth_report::explored_effects(&page.planned, metric));
+        sentences.extend(zwidth_report::explored_groups(&page.planned, metric));
     }
     if let Some(curves) = &files.curves
         && let (Some(tests), Some(runs)) =

@@ -19,11 +19,15 @@ pub const GROUPS_COMPARED: FigureKind = FigureKind::new(
     "trial",
 );
 
+/// Height of a difference that has a panel to itself, mm.
+const ROW_MM: f64 = 8.0;
+
 /// How far a mean stands beside the people whose mean it is, in categories.
 const ASIDE: f64 = 0.08;
 
 /// Groups compared: for each environment, at the left everybody's mean in each mode, group beside group, with
-/// the groups' means; at the right the differences between groups with their intervals.
+/// the groups' means; at the right the differences between groups with their intervals. Those in effects over several
+/// environments stand below, at the right alone.
 pub fn groups_compared(
     about: &About,
     environments: &[Environment],
@@ -39,17 +43,21 @@ pub fn groups_compared(
     }
     let mut panels = Vec::new();
     let mut verdicts = Vec::new();
-    for environment in environments {
-        let of_here = |row: &&GroupDifference| row.environment == environment.id;
+    // Effects over several environments stand after those of each.
+    for place in environments.iter().map(Some).chain([None]) {
+        let id = place.map(|environment| &environment.id);
+        let of_here = |row: &&GroupDifference| row.environment.as_ref() == id;
         let differences: Vec<&GroupDifference> = compared.groups.iter().filter(of_here).collect();
         if differences.is_empty() {
             continue;
         }
-        let row = panels.len() / 2;
-        let modes = Axis::categories(about.modes.iter().map(|mode| plain(&mode.label)));
-        let layers = people(about, &environment.id, &groups, &shown, compared);
-        let panel = Panel::new(Cell::at(row, 0), modes, shown.axis("mean"), layers);
-        panels.push(panel.titled(plain(&environment.label)).tall(PANEL_MM));
+        let row = verdicts.len();
+        if let Some(environment) = place {
+            let modes = Axis::categories(about.modes.iter().map(|mode| plain(&mode.label)));
+            let layers = people(about, &environment.id, &groups, &shown, compared);
+            let panel = Panel::new(Cell::at(row, 0), modes, shown.axis("mean"), layers);
+            panels.push(panel.titled(plain(&environment.label)).tall(PANEL_MM));
+        }
         let first = &differences[0].groups;
         let is_one_pair = differences.iter().all(|row| row.groups == *first);
         let names = differences.iter().map(|row| match is_one_pair {
@@ -64,9 +72,14 @@ pub fn groups_compared(
         let layers = across(&rows.collect::<Vec<_>>(), &shown);
         let names = Axis::categories(names);
         let panel = Panel::new(Cell::at(row, 1), shown.axis(&plain(&label)), names, layers);
-        panels.push(panel.tall(PANEL_MM));
+        // With nothing beside them a few rows need no more than their height.
+        let alone =
+            if place.is_none() { ROW_MM * (differences.len() as f64 + 1.0) } else { PANEL_MM };
+        panels.push(panel.tall(alone.min(PANEL_MM)));
         let claims = differences.iter().filter_map(|row| claim(about, row)).collect::<Vec<_>>();
-        verdicts.push(format!("{}: {}.", environment.label, claims.join("; ")));
+        let label =
+            place.map_or_else(String::new, |environment| format!("{}: ", environment.label));
+        verdicts.push(format!("{label}{}.", claims.join("; ")));
     }
     let level = percent(about.confidence);
     let footnotes = [format!(
@@ -202,7 +215,7 @@ mod tests {
         GroupDifference {
             metric: "loop_area_j".parse().unwrap(),
             unit: "J".into(),
-            environment: "spring".parse().unwrap(),
+            environment: Some("spring".parse().unwrap()),
             effect: effect.parse().unwrap(),
             groups: "expert − novice".parse().unwrap(),
             n_first: 4,
@@ -319,5 +332,25 @@ mod tests {
         assert!((row.estimate - 0.5 / 0.125_f64.sqrt()).abs() < 1e-12);
         assert!(row.place.ends_with("expert − novice, Hybrid − Active"), "{}", row.place);
         assert_eq!(row.who, "4 and 6 people");
+    }
+
+    #[test]
+    fn groups_in_an_effect_over_several_environments_stand_below_those_of_each() {
+        let study = zwidth_testing::study();
+        let about = About::of(&study);
+        let claim = difference("hybrid − active", Some(0.5), Some(Verdict::Different));
+        let over = difference("contrast wall_costs", Some(0.2), Some(Verdict::Undecided));
+        let found = found(vec![claim, GroupDifference { environment: None, ..over }]);
+        let figure = groups_compared(&about, &study.environments, &[], &found);
+        assert_eq!(figure.panels.len(), 3);
+        assert_eq!((figure.panels[2].cell.row, figure.panels[2].cell.column), (1, 1));
+        let note = "expert − novice, contrast wall\\_costs: undecided";
+        assert!(figure.footnotes[1].starts_with(note), "{:?}", figure.footnotes);
+        let rows = verdict_rows(&about, &study.environments, std::slice::from_ref(&found));
+        let places: Vec<&str> = rows.iter().map(|row| row.place.as_str()).collect();
+        let both =
+            ["Spring: expert − novice, Hybrid − Active", "expert − novice, contrast wall_costs"];
+        assert_eq!(places, both);
+        zwidth_draw::draw(&figure).unwrap();
     }
 }

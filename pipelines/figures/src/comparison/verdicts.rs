@@ -15,7 +15,9 @@ use zwidth_draw::{
 use zwidth_results::{
     EffectDifference, GroupDifference, Mean, ModeDifference, Role, UnitOfAnalysis,
 };
-use zwidth_study::{Better, Environment, ModeId, Source, contrast_label, counted, in_a_sentence};
+use zwidth_study::{
+    Better, Environment, EnvironmentId, ModeId, Source, contrast_label, counted, in_a_sentence,
+};
 use zwidth_tables::{number, with_unit};
 
 /// The figure [`verdicts`].
@@ -107,12 +109,15 @@ pub fn verdict_rows(
         for environment in environments {
             let contrasts = metric.contrasts.iter().filter(|c| c.environment == environment.id);
             rows.extend(contrasts.filter_map(|c| row(about, environment, metric, c)));
-            let groups = metric.groups.iter().filter(|g| g.environment == environment.id);
-            rows.extend(groups.filter_map(|g| group_row(about, environment, metric, g)));
+            let groups = metric.groups.iter();
+            let groups = groups.filter(|g| g.environment.as_ref() == Some(&environment.id));
+            rows.extend(groups.filter_map(|g| group_row(about, environments, metric, g)));
         }
         rows.extend(
             metric.effects.iter().filter_map(|e| effect_row(about, environments, metric, e)),
         );
+        let groups = metric.groups.iter().filter(|g| g.environment.is_none());
+        rows.extend(groups.filter_map(|g| group_row(about, environments, metric, g)));
     }
     rows.sort_by_key(|row| row.by);
     rows
@@ -178,14 +183,7 @@ fn effect_row(
     let difference = row.difference?;
     let (by, unit) = match row.jnd {
         Some(jnd) => (MeasuredBy::Jnd, jnd),
-        // In standard deviations of everybody's effects: those of conditions are of no single size, and over groups
-        // with the same weight each there is none of all people.
-        None => {
-            let is_of_all = row.df.is_some_and(|df| (df - (row.n as f64 - 1.0)).abs() < 1e-9);
-            let deviation = row.difference_std_error.filter(|_| is_of_all)?;
-            let deviation = deviation * (row.n as f64).sqrt();
-            (MeasuredBy::Deviation, (deviation > 0.0).then_some(deviation)?)
-        }
+        None => (MeasuredBy::Deviation, row.deviation()?),
     };
     let shown = Shown::of(about, &found.metric);
     let ends = row.difference_ci_low.zip(row.difference_ci_high);
@@ -193,12 +191,10 @@ fn effect_row(
     let rounded = |value: f64| number(value * shown.factor, error);
     let interval = ends.map(|(low, high)| format!(" ({} to {})", rounded(low), rounded(high)));
     let size = row.size.map(|size| format!(", {}", size.as_str()));
-    let environment = environments.iter().find(|own| Some(&own.id) == row.environment.as_ref());
-    let place = environment.map_or_else(String::new, |own| format!("{}: ", own.label));
     Some(VerdictRow {
         metric: shown.words.clone(),
         role: found.metric.role,
-        place: place + &effect_name(row),
+        place: before(environments, row.environment.as_ref()) + &effect_name(row),
         by,
         estimate: difference / unit,
         ends: ends.map(|(low, high)| [low / unit, high / unit]),
@@ -215,18 +211,14 @@ fn effect_row(
 /// A claim about two groups; nobody's own difference stands behind it.
 fn group_row(
     about: &About,
-    environment: &Environment,
+    environments: &[Environment],
     found: &MetricResults,
     row: &GroupDifference,
 ) -> Option<VerdictRow> {
     let (verdict, difference) = (row.verdict?, row.difference?);
-    let deviation = || {
-        let deviation = ((row.sd_first?.powi(2) + row.sd_second?.powi(2)) / 2.0).sqrt();
-        (deviation > 0.0).then_some(deviation)
-    };
     let (by, unit) = match row.jnd {
         Some(jnd) => (MeasuredBy::Jnd, jnd),
-        None => (MeasuredBy::Deviation, deviation()?),
+        None => (MeasuredBy::Deviation, row.deviation()?),
     };
     let shown = Shown::of(about, &found.metric);
     let ends = row.difference_ci_low.zip(row.difference_ci_high);
@@ -238,7 +230,11 @@ fn group_row(
     Some(VerdictRow {
         metric: shown.words.clone(),
         role: found.metric.role,
-        place: format!("{}: {}, {effect}", environment.label, row.groups),
+        place: format!(
+            "{}{}, {effect}",
+            before(environments, row.environment.as_ref()),
+            row.groups
+        ),
         by,
         estimate: difference / unit,
         ends: ends.map(|(low, high)| [low / unit, high / unit]),
@@ -250,6 +246,12 @@ fn group_row(
         better: found.metric.better,
         best: None,
     })
+}
+
+/// The environment before what is compared there: `Spring: `; nothing over several.
+fn before(environments: &[Environment], id: Option<&EnvironmentId>) -> String {
+    let environment = environments.iter().find(|own| Some(&own.id) == id);
+    environment.map_or_else(String::new, |own| format!("{}: ", own.label))
 }
 
 /// s_av: the root mean of the variances of both modes (Cumming, Understanding the New Statistics, 2012); none

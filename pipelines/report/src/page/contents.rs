@@ -2,7 +2,7 @@
 //! and each trial's row.
 
 use super::TURNED;
-use super::estimates::{DifferenceOf, MeanOf};
+use super::estimates::{ClaimOf, DifferenceOf, MeanOf};
 use crate::Summary;
 use crate::compared::ComparedMetric;
 use serde::Serialize;
@@ -99,6 +99,9 @@ struct MetricOf {
     noticed: Option<[f64; 2]>,
     means: Vec<MeanOf>,
     differences: Vec<DifferenceOf>,
+    /// Effects of factors, then differences between groups.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    claims: Vec<ClaimOf>,
 }
 
 /// How the differences of the study were estimated, to do it again.
@@ -163,22 +166,48 @@ impl Contents {
         Self { force_unit: "N·m", ..self }
     }
 
-    /// Of how many differences it was shown that there is one, and how many of them are felt.
+    /// Whether effects of factors or differences between groups are claimed.
+    pub(super) fn has_claims(&self) -> bool {
+        self.metrics.iter().any(|metric| !metric.claims.is_empty())
+    }
+
+    /// Of how many differences, effects and differences between groups it was shown that there is one, and how many of
+    /// them are felt.
     pub(super) fn verdicts_in_words(&self) -> Option<String> {
+        let claims = || self.metrics.iter().flat_map(|metric| &metric.claims);
+        let effects = claims().filter(|claim| !claim.is_of_groups).collect::<Vec<_>>();
+        let groups = claims().filter(|claim| claim.is_of_groups).collect::<Vec<_>>();
+        let of_claims = |claims: &[&ClaimOf], what: &str, differ: &str| {
+            let n = claims.len();
+            let shown: Vec<_> = claims.iter().filter(|own| own.verdict.is_different()).collect();
+            let is_tested = claims.iter().any(|own| own.verdict != Verdict::NotTested);
+            let sizes = sizes(
+                shown.iter().map(|own| (own.size, own.jnd)),
+                "of which it is not known what is felt",
+            );
+            (n > 0).then(|| match is_tested {
+                false => format!("None of {n} comparisons of {what} has a test."),
+                true => {
+                    format!("{differ} in {} of {n} comparisons in all metrics{sizes}.", shown.len())
+                }
+            })
+        };
+        let sentences = [
+            self.differences_in_words(),
+            of_claims(&effects, "factors", "Effects of factors are shown"),
+            of_claims(&groups, "groups", "Groups differ"),
+        ];
+        let sentences: Vec<String> = sentences.into_iter().flatten().collect();
+        (!sentences.is_empty()).then(|| sentences.join(" "))
+    }
+
+    fn differences_in_words(&self) -> Option<String> {
         let all = || self.metrics.iter().flat_map(|metric| &metric.differences);
         let shown = || all().filter(|difference| difference.verdict.is_different());
-        let sized = |size| shown().filter(|difference| difference.size == Some(size)).count();
-        let unknown = shown().filter(|difference| difference.jnd.is_none()).count();
-        let parts = [
-            (sized(Size::Felt), "felt"),
-            (sized(Size::MayBeFelt), "may be felt"),
-            (sized(Size::BelowWhatIsFelt), "below what is felt"),
-            (unknown, "of metrics of which it is not known what is felt"),
-        ];
-        let parts = parts.iter().filter(|(count, _)| *count > 0);
-        let parts: Vec<String> = parts.map(|(count, words)| format!("{count} {words}")).collect();
-        let sizes =
-            if parts.is_empty() { String::new() } else { format!(": {}", parts.join(", ")) };
+        let sizes = sizes(
+            shown().map(|difference| (difference.size, difference.jnd)),
+            "of metrics of which it is not known what is felt",
+        );
         let mut better = Vec::new();
         for mode in &self.modes {
             let is_best = |difference: &DifferenceOf| {
@@ -257,6 +286,24 @@ impl Contents {
     }
 }
 
+/// How many of the differences that were shown are felt: `: 3 felt, 1 may be felt`; empty of none. `unknown` names those
+/// without a just noticeable difference.
+fn sizes(
+    shown: impl Iterator<Item = (Option<Size>, Option<f64>)> + Clone,
+    unknown: &str,
+) -> String {
+    let sized = |size| shown.clone().filter(|(own, _)| *own == Some(size)).count();
+    let parts = [
+        (sized(Size::Felt), "felt"),
+        (sized(Size::MayBeFelt), "may be felt"),
+        (sized(Size::BelowWhatIsFelt), "below what is felt"),
+        (shown.clone().filter(|(_, jnd)| jnd.is_none()).count(), unknown),
+    ];
+    let parts = parts.iter().filter(|(count, _)| *count > 0);
+    let parts: Vec<String> = parts.map(|(count, words)| format!("{count} {words}")).collect();
+    if parts.is_empty() { String::new() } else { format!(": {}", parts.join(", ")) }
+}
+
 impl MetricOf {
     fn of(metric: &ComparedMetric, planned: &Setup, estimating: &Estimating) -> Self {
         let Compared { metric: id, unit: si, role, better, .. } = metric.metric;
@@ -276,6 +323,12 @@ impl MetricOf {
                 .contrasts
                 .iter()
                 .map(|row| DifferenceOf::new(row, *better, metric.redrawn))
+                .collect(),
+            claims: metric
+                .effects
+                .iter()
+                .map(|row| ClaimOf::of_effect(row, planned))
+                .chain(metric.groups.iter().filter_map(|row| ClaimOf::of_groups(row, planned)))
                 .collect(),
         }
     }

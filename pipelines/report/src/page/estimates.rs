@@ -1,9 +1,13 @@
 //! What the stage `compare` estimated of a metric, as the page's script draws it: means and
 //! differences with their intervals, and what it needs to estimate a difference again.
 
+use crate::compared::before;
+use crate::groups::compared_words;
 use serde::{Serialize, Serializer};
-use zwidth_results::{Mean, ModeDifference, RedrawnDifference, Size, Verdict};
-use zwidth_study::{Better, ModeId};
+use zwidth_results::{
+    EffectDifference, GroupDifference, Mean, ModeDifference, RedrawnDifference, Size, Verdict,
+};
+use zwidth_study::{Better, ModeId, Setup};
 
 /// A mean in one condition, in the metric's unit.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -104,5 +108,73 @@ impl DifferenceOf {
             is_commanded: row.commanded.is_some(),
             redrawn: own.map(|other| other.difference).collect(),
         }
+    }
+}
+
+/// An effect of factors, or a difference between groups, in the metric's unit.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(super) struct ClaimOf {
+    /// Environment, factors and levels, or groups and what of them.
+    of: String,
+    pub(super) is_of_groups: bool,
+    /// None of one that cannot be estimated.
+    value: Option<f64>,
+    error: Option<f64>,
+    /// Ends of the interval, where there is one.
+    low: Option<f64>,
+    high: Option<f64>,
+    /// How many people.
+    who: String,
+    #[serde(serialize_with = "verdict_in_words")]
+    pub(super) verdict: Verdict,
+    #[serde(serialize_with = "size_in_words")]
+    pub(super) size: Option<Size>,
+    p_adjusted: Option<f64>,
+    pub(super) jnd: Option<f64>,
+    /// The standard deviation by which it is measured where that is not known.
+    deviation: Option<f64>,
+    remark: Option<String>,
+}
+
+impl ClaimOf {
+    pub(super) fn of_effect(row: &EffectDifference, study: &Setup) -> Self {
+        Self {
+            of: format!("{}{}", before(study, row.environment.as_ref(), ": "), row.name()),
+            is_of_groups: false,
+            value: row.difference,
+            error: row.difference_std_error,
+            low: row.difference_ci_low,
+            high: row.difference_ci_high,
+            who: match row.n {
+                1 => "1\u{a0}person".to_owned(),
+                n => format!("{n}\u{a0}people"),
+            },
+            verdict: row.verdict,
+            size: row.size,
+            p_adjusted: row.p_adjusted,
+            jnd: row.jnd,
+            deviation: row.deviation(),
+            remark: row.remark.as_ref().map(ToString::to_string),
+        }
+    }
+
+    /// Nothing of what is no claim.
+    pub(super) fn of_groups(row: &GroupDifference, study: &Setup) -> Option<Self> {
+        let environment = before(study, row.environment.as_ref(), ": ");
+        Some(Self {
+            of: format!("{environment}{} in {}", row.groups, compared_words(study, &row.effect)),
+            is_of_groups: true,
+            value: row.difference,
+            error: row.difference_std_error,
+            low: row.difference_ci_low,
+            high: row.difference_ci_high,
+            who: format!("{}\u{a0}and\u{a0}{}\u{a0}people", row.n_first, row.n_second),
+            verdict: row.verdict?,
+            size: row.size,
+            p_adjusted: row.p_adjusted,
+            jnd: row.jnd,
+            deviation: row.deviation(),
+            remark: row.remark.as_ref().map(ToString::to_string),
+        })
     }
 }

@@ -22,7 +22,7 @@ pub use single::single_file;
 pub use turned::{TURNED, Turn, turned_script};
 
 use maud::{DOCTYPE, PreEscaped, html};
-use own::{SCRIPT, STYLE};
+use own::{STYLE, script};
 use parts::Part;
 use policy::{Form, policy};
 use single::DATA;
@@ -40,13 +40,14 @@ pub struct PageHtml {
 /// The page in HTML. Texts are shown unchanged, whatever they contain.
 pub fn page_html(page: &Page) -> PageHtml {
     let parts: Vec<Part> = parts::all(page);
+    let script = script(page.contents.is_some_and(Contents::has_claims));
     let markup = html! {
         (DOCTYPE)
         html lang="en" {
             head {
                 meta charset="utf-8";
                 // Before anything that it is about: what stands above it is not held to it.
-                meta http-equiv="Content-Security-Policy" content=(PreEscaped(policy(Form::Folder)));
+                meta http-equiv="Content-Security-Policy" content=(PreEscaped(policy(Form::Folder, script)));
                 meta name="viewport" content="width=device-width, initial-scale=1";
                 meta name="color-scheme" content="light dark";
                 meta name="referrer" content="no-referrer";
@@ -67,7 +68,7 @@ pub fn page_html(page: &Page) -> PageHtml {
                     }
                 }
                 @if page.contents.is_some() { (PreEscaped(DATA)) (PreEscaped("</script>")) }
-                script { (PreEscaped(SCRIPT.as_str())) }
+                script { (PreEscaped(script)) }
             }
         }
     };

@@ -22,13 +22,25 @@ pub(super) static STYLE: LazyLock<String> = LazyLock::new(|| {
     )
 });
 
-/// Its script, behind the dashes of modes in widths of a line.
-pub(super) static SCRIPT: LazyLock<String> = LazyLock::new(|| {
+/// Its script.
+static SCRIPT: LazyLock<String> = LazyLock::new(|| behind_dashes(""));
+
+/// The same where effects or groups are claimed.
+static SCRIPT_WITH_CLAIMS: LazyLock<String> =
+    LazyLock::new(|| behind_dashes(include_str!("script/claims.js")));
+
+/// The script of a page on which effects or groups are claimed, or not.
+pub(super) fn script(has_claims: bool) -> &'static str {
+    if has_claims { &SCRIPT_WITH_CLAIMS } else { &SCRIPT }
+}
+
+/// The parts, and more of them, behind the dashes of modes in widths of a line.
+fn behind_dashes(more: &str) -> String {
     let dashes: Vec<&[f64]> = (0..style::DASHES).map(|mode| style::dash(mode).widths()).collect();
     format!(
-        "\"use strict\";\n(() => {{\nconst MODE_COLOURS = {MODE_COLOURS}, WIDTHS = {dashes:?};\n{PARTS}}})();\n"
+        "\"use strict\";\n(() => {{\nconst MODE_COLOURS = {MODE_COLOURS}, WIDTHS = {dashes:?};\n{PARTS}{more}}})();\n"
     )
-});
+}
 
 /// One classic script, because a page opened from disk may load neither modules nor anything by
 /// fetch: its parts share one scope, and stand in the order in which they need each other's

@@ -95,6 +95,7 @@ fn verdicts(page: &Page) -> Markup {
     html! {
         @if let Some(told) = page.contents.and_then(super::Contents::verdicts_in_words) { p.lead { (told) } }
         div #verdict-matrix {}
+        @if page.contents.is_some_and(super::Contents::has_claims) { div #claims {} }
         @if let Some(made) = verdicts_of(page.summary) { (picture(made)) }
     }
 }

@@ -3,7 +3,7 @@
 //! script or a picture that somebody else brought into the page does nothing, and nothing is sent
 //! anywhere.
 
-use super::own::{SCRIPT, STYLE};
+use super::own::STYLE;
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use sha2::{Digest as _, Sha256};
@@ -17,10 +17,10 @@ pub(super) enum Form {
     OneFile,
 }
 
-/// The policy of a page.
-pub(super) fn policy(form: Form) -> String {
+/// The policy of a page with this script.
+pub(super) fn policy(form: Form, script: &str) -> String {
     let [script, style] =
-        [&SCRIPT, &STYLE].map(|text| STANDARD.encode(Sha256::digest(text.as_str())));
+        [script, STYLE.as_str()].map(|text| STANDARD.encode(Sha256::digest(text)));
     let (loads, images) = match form {
         // `strict-dynamic`: what the page's own script loads is samples; a tag of another script
         // loads nothing. A page from a disk has no origin, so that not every browser takes files

@@ -1,6 +1,7 @@
 //! The page as one file, with pictures and samples in it.
 
 use super::course::deflated;
+use super::own::script;
 use super::policy::{Form, policy};
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
@@ -32,7 +33,11 @@ pub fn single_file(
     html: &str,
     mut read: impl FnMut(&str) -> io::Result<Vec<u8>>,
 ) -> io::Result<String> {
-    let (head, body) = html.split_once(&policy(Form::Folder)).ok_or_else(|| {
+    let found = [script(false), script(true)].into_iter().find_map(|own| {
+        let (head, body) = html.split_once(&policy(Form::Folder, own))?;
+        Some((own, head, body))
+    });
+    let (own, head, body) = found.ok_or_else(|| {
         io::Error::other(
             "it is not as this version of zwidth writes it; make it again with `zwidth run STUDY`",
         )
@@ -40,7 +45,7 @@ pub fn single_file(
     let (mut shown, data) = body.split_once(DATA).unwrap_or((body, ""));
     let mut one = String::with_capacity(2 * html.len());
     one += head;
-    one += &policy(Form::OneFile);
+    one += &policy(Form::OneFile, own);
     let mut figures: BTreeMap<&str, String> = BTreeMap::new();
     let mut compressor = Compressor::new(CompressionLvl::default());
     let mut is_first = true;

@@ -1,10 +1,13 @@
 use super::*;
 use crate::Summary;
-use crate::compared::tests::{difference, mean, metric, without_results};
+use crate::compared::tests::{
+    between_groups, difference, mean, metric, unestimated, without_results,
+};
 use crate::{ComparedMetric, Made, Matrix, MatrixRow, Remark, Told};
 use std::collections::BTreeMap;
 use zwidth_results::{
-    GivenAnswer, Mean, ModeDifference, Row as _, TrialKey, UnitOfAnalysis, Verdict,
+    EffectDifference, GivenAnswer, GroupDifference, Mean, ModeDifference, Row as _, TrialKey,
+    UnitOfAnalysis, Verdict,
 };
 use zwidth_study::{AnswerValue, Setup, Source};
 use zwidth_tables::{Column, Measured, Table};
@@ -320,4 +323,86 @@ fn the_script_gets_means_and_differences_with_their_intervals_as_the_tables_have
     assert_eq!(data["metrics"][0]["means"], mean);
     assert_eq!(data["metrics"][0]["differences"], difference);
     assert_eq!((&data["level"], &data["families"]), (&0.95.into(), &"metric".into()));
+}
+
+/// An effect that was shown, one that cannot be estimated, and a claim about groups beside a description.
+fn with_claims() -> Contents {
+    let metric = metric("force_mean_n", "N", "mean force", UnitOfAnalysis::Participants);
+    let effect = |levels: &str, difference: Option<f64>, verdict| EffectDifference {
+        levels: Some(levels.parse().unwrap()),
+        difference,
+        difference_std_error: difference.map(|_| 0.1),
+        difference_ci_low: difference.map(|d| d - 0.25),
+        difference_ci_high: difference.map(|d| d + 0.25),
+        df: difference.map(|_| 3.0),
+        verdict,
+        ..unestimated(&metric)
+    };
+    let groups = |effect: &str, verdict| GroupDifference {
+        effect: effect.parse().unwrap(),
+        verdict,
+        ..between_groups(&metric)
+    };
+    let effects = [
+        effect("yes − no", Some(0.5), Verdict::Different),
+        effect("later − no", None, Verdict::NotTested),
+    ];
+    let groups = [groups("hybrid − active", Some(Verdict::Undecided)), groups("hybrid", None)];
+    let compared =
+        ComparedMetric { effects: &effects, groups: &groups, ..without_results(&metric) };
+    let mut columns = TrialKey::columns(metrics().trials());
+    columns.push(Column::float("force_mean_n", "N", "mean force", [Some(0.5), None]));
+    let metrics = Measured::of(Table::new("metrics", "Metrics", columns).unwrap()).unwrap();
+    let estimating = Estimating {
+        level: 0.95,
+        alpha: 0.05,
+        families: zwidth_study::Families::Metric,
+        has_groups: true,
+        perception: zwidth_study::Perception::default(),
+        of_plant: Vec::new(),
+    };
+    Contents::of("s", "Claims", &planned(), &estimating, &metrics, &[compared], &[])
+}
+
+#[test]
+fn effects_and_groups_stand_below_the_matrix_of_modes_and_only_where_they_are_claimed() {
+    let contents = with_claims();
+    let words = "Effects of factors are shown in 1 of 2 comparisons in all metrics: 1 of which it is not known what is \
+                 felt. Groups differ in 0 of 1 comparisons in all metrics.";
+    assert_eq!(contents.verdicts_in_words().as_deref(), Some(words));
+    let mut summary = summary();
+    summary.figures.push(Made::new(crate::VERDICTS_FIGURE, "the answer"));
+    let planned = planned();
+    let html = written(&Page {
+        summary: &summary,
+        planned: &planned,
+        study: "s",
+        contents: Some(&contents),
+        origin: None,
+        version: "0.1.0",
+    });
+    let data = data_of(&html);
+    let claims = serde_json::json!([
+        {"of": "Spring: motor: yes − no", "is_of_groups": false, "value": 0.5, "error": 0.1, "low": 0.25, "high": 0.75,
+         "who": "4\u{a0}people", "verdict": "different", "size": null, "p_adjusted": null, "jnd": null,
+         "deviation": 0.2, "remark": null},
+        {"of": "Spring: motor: later − no", "is_of_groups": false, "value": null, "error": null, "low": null,
+         "high": null, "who": "4\u{a0}people", "verdict": "not tested", "size": null, "p_adjusted": null, "jnd": null,
+         "deviation": null, "remark": null},
+        {"of": "Spring: expert − novice in the difference Hybrid − Active", "is_of_groups": true, "value": 0.25,
+         "error": null, "low": null, "high": null, "who": "5\u{a0}and\u{a0}7\u{a0}people", "verdict": "undecided", "size": null,
+         "p_adjusted": 0.5, "jnd": null, "deviation": 0.5, "remark": null},
+    ]);
+    assert_eq!(data["metrics"][0]["claims"], claims);
+    assert!(html.contains("<div id=\"claims\"></div>") && html.contains("buildClaims("));
+    // The page in one file names the same script.
+    let one = single_file(&html, |path| match path.strip_prefix("figures/") {
+        Some(_) => Ok(b"<svg/>".to_vec()),
+        None => Ok(condition_script("P01.S01.spring.active", &[], &[], &[]).unwrap().into_bytes()),
+    });
+    let policy = |html: &str| html.split("script-src 'sha256-").nth(1).unwrap()[..44].to_owned();
+    assert_eq!(policy(&one.unwrap()), policy(&html));
+    let without = page(&self::summary());
+    assert!(!without.contains("id=\"claims\"") && !without.contains("buildClaims("));
+    assert_ne!(policy(&without), policy(&html));
 }
