@@ -279,6 +279,7 @@ impl<'a> Tested<'a> {
             notes::sessions(measure, &sessions),
             notes::covariates(measure),
             notes::over_trials(cells, measure, parameters),
+            notes::same_order(trials, unit, measure, parameters),
             notes::learning(measure),
             notes::repeats(measure, unit),
             notes::order_tests(measure),

@@ -7,6 +7,7 @@ use crate::orders;
 use crate::over_trials::Lines;
 use crate::sessions::Changes;
 use crate::split::Split;
+use crate::trials::Trials;
 use crate::{Groups, Parameters, contrasts, effects, groups};
 use std::collections::{BTreeMap, BTreeSet};
 use zwidth_results::{
@@ -186,6 +187,79 @@ pub(crate) fn over_trials(
         ),
     ];
     below_all.concat()
+}
+
+/// A note on each environment in which all people had the modes in one order, so that practice and modes are not told
+/// apart; none where means are adjusted for practice.
+pub(crate) fn same_order(
+    trials: &Trials,
+    unit: &UnitOfAnalysis,
+    measure: &Measure,
+    parameters: &Parameters,
+) -> Vec<MetricNote> {
+    if parameters.over.is_some() || *unit != UnitOfAnalysis::Participants {
+        return Vec::new();
+    }
+    let mut notes = Vec::new();
+    for (place, environment) in parameters.environments.iter().enumerate() {
+        // The modes of each participant's session in the order of the trials' numbers, a block once.
+        let mut sessions: BTreeMap<[usize; 2], Vec<(u32, usize)>> = BTreeMap::new();
+        for trial in trials.trials.iter().filter(|trial| trial.environment == place) {
+            let own = sessions.entry([trial.participant, trial.session]).or_default();
+            own.push((trial.number, trial.mode));
+        }
+        let blocks = sessions.into_values().map(|mut own| {
+            own.sort_unstable();
+            let mut modes: Vec<usize> = own.into_iter().map(|(_, mode)| mode).collect();
+            modes.dedup();
+            modes
+        });
+        let blocks: Vec<Vec<usize>> = blocks.collect();
+        // Who lacks a mode has the others in the same order.
+        let Some(order) = blocks.iter().max_by_key(|modes| modes.len()) else { continue };
+        let is_same = blocks.iter().all(|modes| {
+            let mut own: Vec<usize> =
+                order.iter().copied().filter(|mode| modes.contains(mode)).collect();
+            own.dedup();
+            own == *modes
+        });
+        // In A B B A both modes are in the middle: practice that grows evenly adds as much to either.
+        let mut places: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+        for (i, mode) in order.iter().enumerate() {
+            places.entry(*mode).or_default().push(i);
+        }
+        let middle = |own: &Vec<usize>| own.iter().sum::<usize>() as f64 / own.len() as f64;
+        let middles: Vec<f64> = places.values().map(middle).collect();
+        let are_apart = middles.windows(2).any(|two| (two[0] - two[1]).abs() > 1e-9);
+        if !is_same || !are_apart {
+            continue;
+        }
+        let mut modes: Vec<&str> = Vec::new();
+        for mode in order.iter().map(|mode| parameters.modes[*mode].as_str()) {
+            if !modes.contains(&mode) {
+                modes.push(mode);
+            }
+        }
+        let modes = modes.join(", ");
+        // Nobody says of an import how its trials came by their numbers.
+        let is_drawn = parameters.orders.iter().all(|session| session.drawn.is_some());
+        let what = match is_drawn {
+            true => format!("all had the modes in this order ({modes}): the difference"),
+            false => format!(
+                "by the trials' numbers all had the modes in this order ({modes}); if that is how they were done, the \
+                 difference"
+            ),
+        };
+        let text = format!(
+            "{environment}: {what} may be learning. `covariates = [\"trial\"]` under [compare] of study.toml sets \
+             practice apart as far as the order lets it."
+        );
+        notes.push((NoteKind::Limit, text));
+    }
+    match parameters.contrasts.is_empty() {
+        false => below::<ModeDifference>(measure, notes),
+        true => below::<EffectDifference>(measure, notes),
+    }
 }
 
 /// Notes on differences over numbers of people.

@@ -530,3 +530,56 @@ fn an_effect_size_stands_beside_the_interval_of_its_d() {
     let table = compare(&metrics(&four()), &none).unwrap().contrasts;
     assert!(table.column("g_av").is_err() && table.column("d_av_ci_low").is_err());
 }
+
+/// What the comparison says of the order of modes.
+fn order_notes(trials: &[Trial], parameters: &Parameters) -> Vec<String> {
+    let found = super::compare(&metrics(trials), parameters).unwrap();
+    let limits = found.notes.iter().filter(|note| note.kind == zwidth_results::NoteKind::Limit);
+    let notes = limits.map(|note| note.note.to_string());
+    notes.filter(|note| note.contains("may be learning")).collect()
+}
+
+#[test]
+fn modes_in_one_order_for_all_may_differ_by_learning() {
+    let one_order = "spring: all had the modes in this order (active, passive, hybrid): the difference may be \
+                     learning. `covariates = [\"trial\"]` under [compare] of study.toml sets practice apart as far as \
+                     the order lets it.";
+    // P04 lacks a mode, and has the others in that order.
+    assert_eq!(order_notes(&four(), &parameters()), [one_order]);
+    let adjusted = Parameters { over: Some(zwidth_study::OverTrials::Trial), ..parameters() };
+    assert_eq!(order_notes(&four(), &adjusted), [""; 0]);
+    let imported = SessionOrder {
+        participant: "P01".parse().unwrap(),
+        session: "S01".parse().unwrap(),
+        drawn: None,
+    };
+    let imported = Parameters { orders: vec![imported], ..parameters() };
+    let [hedged] = &order_notes(&four(), &imported)[..] else { panic!() };
+    assert!(hedged.contains("by the trials' numbers") && hedged.contains("if that is how"));
+}
+
+#[test]
+fn an_order_that_differs_between_people_or_is_balanced_within_them_is_not_told() {
+    let mut other = four();
+    let last = other.len() - 4;
+    other[last..].reverse();
+    assert_eq!(order_notes(&other, &parameters()), [""; 0], "P04 begins with hybrid");
+    let alone: Vec<Trial> = four().into_iter().filter(|trial| trial.0 == "P01").collect();
+    assert_eq!(order_notes(&alone, &parameters()), [""; 0], "one person, tested over orders");
+    let around = |modes: [&'static str; 4]| -> Vec<Trial> {
+        let of = |who: &'static str| {
+            let trials = (1..).zip(modes);
+            trials.map(move |(i, mode)| (who, "S01", mode, (i + 1) / 2, Some(f64::from(i))))
+        };
+        ["P01", "P02", "P03"].into_iter().flat_map(of).collect()
+    };
+    assert_eq!(
+        order_notes(&around(["active", "hybrid", "hybrid", "active"]), &parameters()),
+        [""; 0]
+    );
+    let [told] = &order_notes(&around(["active", "hybrid", "active", "hybrid"]), &parameters())[..]
+    else {
+        panic!()
+    };
+    assert!(told.contains("(active, hybrid)"), "{told}");
+}

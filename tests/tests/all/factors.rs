@@ -116,6 +116,9 @@ fn an_interaction_of_two_factors_is_found_drawn_and_told() {
         assert!(summary.contains(sentence), "{sentence}: {summary}");
     }
     assert!(!summary.contains("Nobody has trials in both modes"), "{summary}");
+    let order =
+        "task: by the trials' numbers all had the modes in this order (v0h0, v0h1, v0h2, v1h0,";
+    assert!(summary.contains(order), "{summary}");
     let page = fs::read_to_string(root.join("reports/weights/index.html")).unwrap();
     for part in [
         "Effects of factors are shown in 8 of 8 comparisons in all metrics",
