@@ -569,7 +569,7 @@ fn an_order_that_differs_between_people_or_is_balanced_within_them_is_not_told()
     let around = |modes: [&'static str; 4]| -> Vec<Trial> {
         let of = |who: &'static str| {
             let trials = (1..).zip(modes);
-            trials.map(move |(i, mode)| (who, "S01", mode, (i + 1) / 2, Some(f64::from(i))))
+            trials.map(move |(i, mode)| (who, "S01", mode, u32::div_ceil(i, 2), Some(f64::from(i))))
         };
         ["P01", "P02", "P03"].into_iter().flat_map(of).collect()
     };
