@@ -12,8 +12,8 @@ use zwidth_store::{
     hex_blake3, lay_down, read_people, read_records, read_session,
 };
 use zwidth_study::{
-    Channel, Event, ModeId, OrderRecord, PersonValue, PlannedTrial, Question, Scene, Seal,
-    SessionRecord, Status, Study, TrialMeta, order,
+    AnswerScale, AskedPair, Channel, Event, Kind, ModeId, OrderRecord, PersonValue, PlannedTrial,
+    Question, Scene, Score, Seal, SessionRecord, Status, Study, TrialMeta, order,
 };
 
 /// A session, set up or found again.
@@ -88,14 +88,43 @@ impl Session {
         }
     }
 
-    /// The order, each trial with the questions that follow it.
+    /// The order, each trial with the questions that follow it. The pairs of a score follow those of the last trial
+    /// after which all of the score's questions are asked: only then does a person know all that is to be weighed.
     pub(crate) fn order(&self, study: &Study) -> Vec<(PlannedTrial, Vec<Question>)> {
-        let order = self.record.trials.iter().map(|trial| {
+        let trials = &self.record.trials;
+        let order = trials.iter().map(|trial| {
             let environment = study.environment(&trial.environment).into_iter();
             let ids = environment.flat_map(|environment| environment.questions());
             (trial.clone(), ids.filter_map(|id| study.question(id).cloned()).collect())
         });
-        order.collect()
+        let mut order: Vec<(PlannedTrial, Vec<Question>)> = order.collect();
+        for score in study.scores.iter().filter(|score| score.pairs.is_some()) {
+            let is_weighed = |trial: &PlannedTrial| {
+                let environment = study.environment(&trial.environment);
+                trial.kind == Kind::Trial
+                    && environment.is_some_and(|own| study.weighed_in(own).any(|own| own == score))
+            };
+            let Some(last) = trials.iter().rposition(is_weighed) else { continue };
+            order[last].1.extend(self.pairs(score, study));
+        }
+        order
+    }
+
+    /// The questions about a score's pairs as this session asks them.
+    fn pairs(&self, score: &Score, study: &Study) -> Vec<Question> {
+        let ids = score.weighing();
+        let own = self.record.pairs.iter().filter(|pair| ids.contains(&pair.question));
+        let questions = own.filter_map(|AskedPair { question, is_turned }| {
+            let mut question = study.question(question)?.clone();
+            if let AnswerScale::Pair(labels) = &mut question.scale
+                && *is_turned
+            {
+                labels.reverse();
+                question.reversed = true;
+            }
+            Some(question)
+        });
+        questions.collect()
     }
 
     /// What a trial's file says of it: in a sealed session its code in place of the mode.
@@ -206,6 +235,11 @@ fn draw_session(
         record.drawn.insert(column.id.clone(), block);
     }
     let trials = order::draw(&plan.study, participant_number, session_number, seed);
+    // A blinded session keeps its seed to itself, and the order of pairs is no secret: it comes from elsewhere.
+    let seed_of_pairs =
+        if plan.study.design.blinded { first_u64(&derived(plan, "pairs")) } else { seed };
+    record.pairs =
+        order::draw_pairs(&plan.study, participant_number, session_number, seed_of_pairs);
     let modes = trials.iter().map(|t| t.mode.clone()).collect();
     let seal = if plan.study.design.blinded {
         let seal = Seal::new(derived(plan, "nonce"), &trials);

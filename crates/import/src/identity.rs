@@ -152,14 +152,23 @@ pub(super) fn counted(what: &str, text: &str) -> Result<u32, String> {
         .ok_or_else(|| format!("{what} '{text}' must be a whole number from 0 to {MOST_NUMBER}"))
 }
 
-/// An answer on a scale.
+/// An answer on a scale; of a pair it may be what the chosen one is called.
 pub(super) fn answer(
     text: &str,
     decimal_comma: bool,
     scale: &AnswerScale,
 ) -> Result<AnswerValue, String> {
+    let small = |text: &str| text.trim().to_lowercase();
+    if let AnswerScale::Pair(labels) = scale
+        && let Some((value, _)) = (1..).zip(labels).find(|(_, label)| small(label) == small(text))
+    {
+        return Ok(AnswerValue::from(value));
+    }
     let answer = written(text, decimal_comma).filter(|answer| scale.has(*answer));
-    answer.ok_or_else(|| format!("the answer '{text}' must be {}", scale.must_be()))
+    answer.ok_or_else(|| match scale {
+        AnswerScale::Pair(_) => format!("the answer '{text}' must be {}, or 1 or 2", scale.name()),
+        _ => format!("the answer '{text}' must be {}", scale.must_be()),
+    })
 }
 
 /// The number that a text is; a whole one may be written `4,0` in any file.

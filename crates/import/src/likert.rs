@@ -17,7 +17,7 @@ use super::{long, once};
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 use zwidth_store::StoreError;
-use zwidth_study::{Event, QuestionId};
+use zwidth_study::{Event, Question, QuestionId};
 
 /// What is one trial of each row: its labels, and of each question the column of its answers and that of
 /// the times that they took.
@@ -196,13 +196,14 @@ fn wide<'a>(context: &Context, trial: &'a RowTrial) -> Result<Wide<'a>, StoreErr
         return Err(StoreError::new(mapping, what, "add [[questions]] to study.toml"));
     }
     // A text that two questions share does not say whose column it heads.
-    let mut questions = study.questions.iter().enumerate();
-    let second = questions.find(|(i, q)| study.questions[..*i].iter().any(|p| p.text == q.text));
+    let asked: Vec<&Question> = study.questions.iter().filter(|q| !q.is_pair()).collect();
+    let mut questions = asked.iter().enumerate();
+    let second = questions.find(|(i, q)| asked[..*i].iter().any(|p| p.text == q.text));
     if let Some((_, question)) = second {
         let what = format!("question '{}' of study.toml has the text of another one", question.id);
         return Err(StoreError::new(mapping, what, "list the columns in [questions.columns]"));
     }
-    let questions = study.questions.iter().map(|q| {
+    let questions = asked.iter().map(|q| {
         let from = AnswerFrom::Cell(ColumnRef::Name(q.text.trim().to_owned()));
         WideQuestion { id: q.id.clone(), from, time: times.get(&q.id).cloned() }
     });

@@ -115,6 +115,7 @@ fn change(key: &str, then: String, now: String) -> StudyChange {
 fn affects(key: &str) -> Affects {
     let parts: Vec<&str> = key.split('.').collect();
     match parts.as_slice() {
+        ["scores", _, "pairs"] => Affects::Recording,
         ["study", "title"]
         | ["coordinate", ..]
         | ["masses", ..]
@@ -166,7 +167,7 @@ fn flatten(path: &str, value: &Value, values: &mut BTreeMap<String, String>) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tests::{demo, text, with};
+    use crate::tests::{demo, text, with, with_pairs};
 
     fn changes(from: &str, to: &str) -> Vec<StudyChange> {
         assert!(text().contains(from), "the template lost '{from}'");
@@ -309,6 +310,16 @@ mod tests {
             "velocity = \"difference\"",
         );
         assert!(words.len() == 2 && words.iter().all(|c| c.affects == Recording), "{words:?}");
+    }
+
+    #[test]
+    fn asking_for_pairs_affects_the_recording_and_another_score_does_not() {
+        let [then, now, other] =
+            ["pairs = \"A?\"", "pairs = \"B?\"", "pairs = \"A?\"\nlabel = \"Load\""]
+                .map(with_pairs);
+        let [found] = study_changes(&then, &now).try_into().unwrap();
+        assert_eq!((found.key.as_str(), found.affects), ("scores.load.pairs", Affects::Recording));
+        assert_eq!(study_changes(&then, &other)[0].affects, Affects::Nothing);
     }
 
     #[test]

@@ -79,7 +79,7 @@ pub use scene::{ForceLaw, Scene, SceneKind, Spring};
 pub use scene_figure::{SceneDrawing, SceneFigure};
 pub use score::{Score, ScoreKind};
 pub use seal::{Seal, SealError};
-pub use session::{Check, OrderRecord, PlannedTrial, SessionRecord};
+pub use session::{AskedPair, Check, OrderRecord, PlannedTrial, SessionRecord};
 pub use setup::Setup;
 pub use template::{template, template_of_imports};
 pub use trial::{Kind, Source, Status, TrialMeta};
@@ -118,6 +118,17 @@ mod tests {
     /// The template's study with a section more, and these lines in it.
     pub(crate) fn with(section: &str, lines: &str) -> Result<Study, Vec<StudyError>> {
         Study::from_toml(&format!("{}\n{section}\n{lines}\n", text()))
+    }
+
+    /// The template's study with questions `q1` to `q6`, and their pairs as weights of a score; these keys among the
+    /// score's.
+    pub(crate) fn with_pairs(keys: &str) -> Study {
+        let questions =
+            (1..=6).map(|i| format!("[[questions]]\nid = \"q{i}\"\ntext = \"Question {i}\"\n"));
+        let questions: String = questions.collect();
+        let list = (1..=6).map(|i| format!("\"q{i}\"")).collect::<Vec<_>>().join(", ");
+        let score = format!("id = \"load\"\nkind = \"nasa_tlx\"\nquestions = [{list}]\n{keys}");
+        with(&questions, &format!("[[scores]]\n{score}")).unwrap()
     }
 
     #[track_caller]

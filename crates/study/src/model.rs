@@ -75,6 +75,19 @@ impl Study {
         self.questions.iter().find(|q| q.id == *id)
     }
 
+    /// The scores whose questions are all asked after trials of an environment, and whose pairs are
+    /// asked once in a session after the last of those trials.
+    pub fn weighed_in<'s>(
+        &'s self,
+        environment: &'s Environment,
+    ) -> impl Iterator<Item = &'s Score> {
+        self.scores.iter().filter(|score| {
+            let mut questions = score.questions.iter();
+            score.pairs.is_some()
+                && questions.all(|id| environment.questions().any(|asked| asked == id))
+        })
+    }
+
     /// Every condition of the study, environments first, in the order of the file.
     pub fn conditions(&self) -> Vec<Condition> {
         let pairs = self.environments.iter().flat_map(|e| self.modes.iter().map(move |m| (e, m)));
@@ -251,13 +264,31 @@ pub struct Question {
     /// Whether agreement is unfavourable: the tally then reverses the answer
     /// ([`AnswerScale::score`]).
     pub reversed: bool,
+    /// What a pair calls it, where that is not its wording.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub label: Option<String>,
+    /// Whether its answers are weights of a score: they say how much others count, and not what was
+    /// felt.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub is_weight: bool,
 }
 
 impl Question {
     /// Whether its answers rate what was felt: they have an order, and are tallied and compared.
-    /// Those to the question which mode it was do not.
+    /// Those to the question which mode it was do not, nor do the weights of a score.
     pub fn is_rating(&self) -> bool {
-        !self.scale.is_nominal()
+        !self.scale.is_nominal() && !self.is_weight
+    }
+
+    /// Whether it asks which mode it was.
+    pub fn asks_mode(&self) -> bool {
+        matches!(self.scale, AnswerScale::Modes(_))
+    }
+
+    /// Whether it asks for one of two questions of a score: the program adds those itself
+    /// ([`Score::pairs`]).
+    pub fn is_pair(&self) -> bool {
+        matches!(self.scale, AnswerScale::Pair(_))
     }
 }
 

@@ -11,7 +11,7 @@
 //! Random numbers are those of the ChaCha8 cipher keyed with the seed: one seed gives one order, on
 //! any machine.
 
-use crate::{Kind, OrderScheme, PlannedTrial, Scene, Study};
+use crate::{AskedPair, Kind, OrderScheme, PlannedTrial, Scene, Study};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use serde::Serialize;
@@ -225,6 +225,27 @@ pub(crate) fn in_block(
     (u32::try_from(number).unwrap_or(u32::MAX), block[place % block.len()])
 }
 
+/// The order in which a session asks for the pairs of its scores, and which of the two stands first: both at random, each
+/// score's pairs together.
+pub fn draw_pairs(
+    study: &Study,
+    participant_number: u32,
+    session_number: u32,
+    seed: u64,
+) -> Vec<AskedPair> {
+    let own = u64::from(participant_number) << u32::BITS | u64::from(session_number);
+    let mut rng = stream(seed, Stream::Pairs, own);
+    let mut all = Vec::new();
+    for score in study.scores.iter().filter(|score| score.pairs.is_some()) {
+        let mut questions = score.weighing();
+        shuffle(&mut rng, &mut questions);
+        for question in questions {
+            all.push(AskedPair { question, is_turned: below(&mut rng, 2) == 1 });
+        }
+    }
+    all
+}
+
 /// Practice trials: (environment, mode) with modes in an order of the participant's own.
 fn familiarisation(order: &Order, trials: u32) -> Vec<(Kind, usize, usize)> {
     let blocks = &order.blocks;
@@ -318,6 +339,7 @@ enum Stream {
     Session,
     Person,
     Groups,
+    Pairs,
 }
 
 /// Number of bytes of the cipher's key.
@@ -388,6 +410,30 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn pairs_come_in_an_order_of_each_sessions_own_and_either_of_the_two_stands_first() {
+        let study = crate::tests::with_pairs("pairs = \"Which?\"");
+        let ids = study.scores[0].weighing();
+        let drawn = |person, session| draw_pairs(&study, person, session, 7);
+        assert_eq!(drawn(1, 1), drawn(1, 1));
+        assert_ne!(drawn(1, 1), drawn(1, 2));
+        let (mut turned, mut first) = (0, std::collections::BTreeSet::new());
+        for person in 1..=200 {
+            let pairs = drawn(person, 1);
+            let mut asked: Vec<_> = pairs.iter().map(|pair| pair.question.clone()).collect();
+            first.insert(asked[0].clone());
+            turned += pairs.iter().filter(|pair| pair.is_turned).count();
+            asked.sort();
+            let mut all = ids.clone();
+            all.sort();
+            assert_eq!(asked, all);
+        }
+        // Half of 3000, within 5 standard deviations of √(3000 / 4) = 27; each of 15 is first in 1 of 15.
+        assert!((1363..=1637).contains(&turned), "{turned}");
+        assert_eq!(first.len(), 15);
+        assert_eq!(draw_pairs(&demo(), 1, 1, 7), []);
     }
 
     #[test]

@@ -21,6 +21,10 @@ pub enum AnswerScale {
     /// order and no mean.
     #[serde(skip_deserializing)]
     Modes(Vec<String>),
+    /// Which of two a person chose, by what they are called, numbered 1 and 2 (`pairs` of a score).
+    /// Nominal, too.
+    #[serde(skip_deserializing)]
+    Pair([String; 2]),
 }
 
 /// A scale by its numbers: −3 to 3, 0 to 6, 0 to 100 in steps of 5.
@@ -62,6 +66,7 @@ impl AnswerScale {
             Self::FivePoint => "five-point scale".to_owned(),
             Self::Numbers(_) => format!("scale from {}", self.range()),
             Self::Modes(labels) => format!("{} or “{}”", labels.join(", "), Self::DO_NOT_KNOW),
+            Self::Pair(labels) => format!("“{}” or “{}”", labels[0], labels[1]),
         }
     }
 
@@ -72,6 +77,7 @@ impl AnswerScale {
             Self::Numbers(scale) => scale.points,
             // No study with more modes than that may ask for them.
             Self::Modes(labels) => u8::try_from(labels.len() + 1).unwrap_or(Self::MOST_POINTS),
+            Self::Pair(_) => 2,
         }
     }
 
@@ -80,7 +86,7 @@ impl AnswerScale {
         match self {
             Self::Numbers(scale) => (scale.from, scale.step),
             Self::Modes(_) => (0, 1),
-            Self::FivePoint => (1, 1),
+            Self::FivePoint | Self::Pair(_) => (1, 1),
         }
     }
 
@@ -141,7 +147,7 @@ impl AnswerScale {
 
     /// Whether its answers are names, with no order: they are in no tally, median or model.
     pub fn is_nominal(&self) -> bool {
-        matches!(self, Self::Modes(_))
+        matches!(self, Self::Modes(_) | Self::Pair(_))
     }
 
     /// Whether a screen shows every answer, and not the ends alone.
@@ -179,6 +185,7 @@ impl AnswerScale {
                 None => Some(Self::DO_NOT_KNOW),
                 Some(mode) => labels.get(mode).map(String::as_str),
             },
+            Self::Pair(labels) => labels.get(place).map(String::as_str),
         }
     }
 

@@ -30,9 +30,13 @@ pub struct Score {
     pub kind: ScoreKind,
     /// Of which questions.
     pub questions: Vec<QuestionId>,
-    /// The questions whose answers are the weights of these, of the weighted TLX alone.
+    /// The questions whose answers are the weights of these, of the weighted TLX alone; or `pairs`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub weights: Vec<QuestionId>,
+    /// In place of `weights`: what people are asked about each two of the questions, of which they
+    /// choose one ([`Score::weighing`]).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pairs: Option<String>,
     /// Of a mean: the share of the questions that must be answered; by default all of them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub min_answered: Option<f64>,
@@ -82,11 +86,54 @@ impl Score {
         })
     }
 
-    /// The score of answers to its questions in their order, each with its scale and turned where the question is
-    /// reversed, and of answers that are weights; or why there is none.
+    /// Each two of its questions, by their places: 15 of six. The first of them stands for the answer 1, the second for
+    /// 2.
+    pub fn pairs_of_places(&self) -> Vec<[usize; 2]> {
+        let n = self.questions.len();
+        (0..n).flat_map(|first| (first + 1..n).map(move |second| [first, second])).collect()
+    }
+
+    /// The id of the question about a pair: `mental_or_effort`.
     ///
     /// # Errors
-    /// A question without an answer, beyond what `min_answered` allows; weights that do not add up to 15.
+    /// An id that is too long.
+    pub fn pair_id(&self, places: [usize; 2]) -> Result<QuestionId, IdError> {
+        let [first, second] = places.map(|place| &self.questions[place]);
+        QuestionId::new(format!("{first}_or_{second}"))
+    }
+
+    /// The questions whose answers weigh: those of `weights`, or one about each pair.
+    pub fn weighing(&self) -> Vec<QuestionId> {
+        if self.pairs.is_none() {
+            return self.weights.clone();
+        }
+        // A study with a pair whose id cannot be is refused.
+        self.pairs_of_places().into_iter().filter_map(|places| self.pair_id(places).ok()).collect()
+    }
+
+    /// How often each question was chosen of two, by the answers to [`Score::weighing`].
+    fn weights(&self, answers: &[Option<AnswerValue>]) -> Result<Vec<f64>, String> {
+        let given: Vec<f64> = answers.iter().flatten().map(|answer| answer.get()).collect();
+        let what = if self.pairs.is_some() { "pairs" } else { "weights" };
+        if given.len() < answers.len() {
+            return Err(format!("{} of {} {what} are answered", given.len(), answers.len()));
+        }
+        if self.pairs.is_none() {
+            return Ok(given);
+        }
+        let mut chosen = vec![0.0; self.questions.len()];
+        for ([first, second], answer) in self.pairs_of_places().into_iter().zip(given) {
+            chosen[if answer == 1.0 { first } else { second }] += 1.0;
+        }
+        Ok(chosen)
+    }
+
+    /// The score of answers to its questions in their order, each with its scale and turned where the question is
+    /// reversed, and of the answers to [`Score::weighing`]; or why there is none.
+    ///
+    /// # Errors
+    /// A question without an answer, beyond what `min_answered` allows; a weight or a pair without one; weights that do
+    /// not add up to 15.
     pub fn of(
         &self,
         answers: &[Option<(&AnswerScale, AnswerValue)>],
@@ -112,12 +159,8 @@ impl Score {
             ScoreKind::NasaTlxRaw | ScoreKind::Mean => sum / given.len() as f64,
             ScoreKind::Sum | ScoreKind::Sus => sum,
             ScoreKind::NasaTlx => {
-                let weights: Vec<f64> =
-                    weights.iter().filter_map(|w| Some(w.as_ref()?.get())).collect();
+                let weights = self.weights(weights)?;
                 let all: f64 = weights.iter().sum();
-                if weights.len() < number {
-                    return Err(format!("{} of {number} weights are answered", weights.len()));
-                }
                 if (all - TLX_WEIGHTS).abs() > 1e-9 {
                     return Err(format!("the weights add up to {all}, and not to {TLX_WEIGHTS}"));
                 }

@@ -2,7 +2,7 @@
 
 use crate::{
     Calibration, EnvironmentId, Kind, ModeId, OrderScheme, ParticipantId, Person, PersonColumnId,
-    RECORD_VERSION, SessionId, Source,
+    QuestionId, RECORD_VERSION, SessionId, Source,
 };
 use serde::{Deserialize, Serialize, Serializer};
 use std::collections::BTreeMap;
@@ -69,6 +69,19 @@ pub struct SessionRecord {
     /// block of the drawing, from 0.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub drawn: BTreeMap<PersonColumnId, u32>,
+    /// The pairs of scores, in the order in which the session asks for them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub pairs: Vec<AskedPair>,
+}
+
+/// A pair of a score, as a session asks for it.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct AskedPair {
+    /// The question about it.
+    pub question: QuestionId,
+    /// Whether the second of the two is shown first. The answer is the number of the one that was chosen all the same.
+    pub is_turned: bool,
 }
 
 /// How a session's order was drawn: together with the seed, everything that [`crate::order::draw`]
@@ -160,6 +173,7 @@ impl SessionRecord {
             counted_from_zero: false,
             person: Person::new(),
             drawn: BTreeMap::new(),
+            pairs: Vec::new(),
         }
     }
 
@@ -202,6 +216,7 @@ mod tests {
             rate_hz: Some(1000.0),
             seed: Some(u64::MAX),
             order: Some(order),
+            pairs: vec![AskedPair { question: "a_or_b".parse().unwrap(), is_turned: true }],
             commitment: Some("11".to_owned()),
             checks: vec![check],
             ..record()

@@ -451,6 +451,8 @@ fn answer_parameters() -> AnswerParameters {
         group: None,
         reversed: false,
         scale: zwidth_study::AnswerScale::FivePoint,
+        label: None,
+        is_weight: false,
     };
     AnswerParameters {
         environments: of.environments,

@@ -31,8 +31,10 @@ fn questions(rows: &[Vec<String>]) -> Vec<(usize, Question)> {
         let text = row[1].clone();
         let reversed = row[2] == "-1";
         let scale = AnswerScale::FivePoint;
-        (row[2] != OTHER_SCALE)
-            .then_some((BEFORE + i, Question { id, text, group, scale, reversed }))
+        (row[2] != OTHER_SCALE).then_some((
+            BEFORE + i,
+            Question { id, text, group, scale, reversed, label: None, is_weight: false },
+        ))
     };
     rows.iter().enumerate().filter_map(question).collect()
 }

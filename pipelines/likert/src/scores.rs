@@ -1,7 +1,7 @@
 //! Scores of several answers, trial by trial, and how far the answers of each hang together.
 
 use serde::Serialize;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use zwidth_results::{Reliability, TrialScore};
 use zwidth_stats::reliability::{LEAST_FOR_OMEGA, alpha, omega};
 use zwidth_store::Answer;
@@ -28,10 +28,10 @@ impl Scoring {
         Self { scores, questions, level: study.compare.level }
     }
 
-    /// Whether an answer enters a score.
-    pub fn takes(&self, answer: &Answer) -> bool {
-        let has = |ids: &[QuestionId]| ids.contains(&answer.question);
-        self.scores.iter().any(|score| has(&score.questions) || has(&score.weights))
+    /// The questions whose answers enter a score.
+    pub fn taken(&self) -> BTreeSet<QuestionId> {
+        let scores = self.scores.iter();
+        scores.flat_map(|score| [score.questions.clone(), score.weighing()].concat()).collect()
     }
 
     fn question(&self, id: &QuestionId) -> Option<&Question> {
@@ -77,6 +77,7 @@ pub fn scores(
     }
     let mut rows = Vec::new();
     for score in &scoring.scores {
+        let weighing = score.weighing();
         for (trial, (condition, given)) in &trials {
             let Some(known) = known.get(trial) else { continue };
             let answers = score.questions.iter().map(|id| {
@@ -95,9 +96,13 @@ pub fn scores(
                 let first = own.next()?;
                 own.next().is_none().then_some(first)
             };
-            let has_own = score.weights.iter().any(|id| given.contains_key(id));
-            let weight = |id| if has_own { given.get(id).copied() } else { once(id) };
-            let weights: Vec<_> = score.weights.iter().map(weight).collect();
+            let has_own = weighing.iter().any(|id| given.contains_key(id));
+            let weight = |id| {
+                let weight = if has_own { given.get(id).copied() } else { once(id) };
+                let question = scoring.question(id);
+                weight.filter(|weight| question.is_none_or(|own| own.scale.has(*weight)))
+            };
+            let weights: Vec<_> = weighing.iter().map(weight).collect();
             let answered = answers.iter().flatten().count();
             if answered == 0 {
                 continue;
@@ -193,6 +198,8 @@ mod tests {
             group: None,
             scale: AnswerScale::Numbers(scale.clone()),
             reversed: i == 1,
+            label: None,
+            is_weight: false,
         };
         ids.iter().enumerate().map(question).collect()
     }
@@ -229,6 +236,7 @@ mod tests {
             kind,
             questions: ["a", "b", "c"].map(|id| id.parse().unwrap()).to_vec(),
             weights: Vec::new(),
+            pairs: None,
             min_answered,
             label: None,
             better: None,

@@ -115,12 +115,13 @@ impl Scheme {
 
     /// The question which mode it was, if it is asked.
     pub(crate) fn guess(&self) -> Option<&Question> {
-        self.questions.iter().find(|q| !q.is_rating())
+        self.questions.iter().find(|q| q.asks_mode())
     }
 }
 
 /// The counts, in the order of the study file: for each environment and mode first one row per
-/// question, then one row per group. Answers to the question which mode it was are in no row.
+/// question, then one row per group. Answers to the question which mode it was, and weights of scores,
+/// are in no row.
 ///
 /// # Errors
 /// An answer off the scale; a question, environment or mode that the study does not have.
@@ -248,7 +249,7 @@ fn count(answers: &[Answer], scheme: &Scheme) -> Result<ByQuestion, LikertError>
     let mut counts = ByQuestion::new();
     for answer in answers {
         let question = check(answer, scheme)?;
-        // Which mode somebody guessed is a name: `blinding` counts those.
+        // Which mode somebody guessed is a name: `blinding` counts those. Weights belong to scores.
         if !question.is_rating() {
             continue;
         }
@@ -354,6 +355,8 @@ mod tests {
             group: group.map(str::to_owned),
             scale: AnswerScale::FivePoint,
             reversed,
+            label: None,
+            is_weight: false,
         };
         study.questions = vec![
             question("q1", Some("ease"), false),

@@ -3,6 +3,7 @@
 use crate::binary::zwidth;
 use crate::formulas::{near, ran, u};
 use serde_json::Value;
+use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
@@ -23,6 +24,12 @@ environment = "task"
 mode = { column = "mode" }
 [questions.columns]
 "#;
+
+/// The places of each two of the six, and the id of the question about them.
+fn pairs() -> Vec<(usize, usize, String)> {
+    let each = (0..6).flat_map(|a| (a + 1..6).map(move |b| (a, b)));
+    each.map(|(a, b)| (a, b, format!("{}_or_{}", SCALES[a], SCALES[b]))).collect()
+}
 
 fn ids(of: impl Iterator<Item = String>) -> String {
     of.map(|id| format!("\"{id}\"")).collect::<Vec<_>>().join(", ")
@@ -74,7 +81,9 @@ label = "Hybrid"
         "[[scores]]\nid = \"usability\"\nkind = \"sus\"\nquestions = [{sus}]\nlabel = \"Usability\"\n\
          [[scores]]\nid = \"workload_raw\"\nkind = \"nasa_tlx_raw\"\nquestions = [{items}]\n\
          [[scores]]\nid = \"workload\"\nkind = \"nasa_tlx\"\nquestions = [{items}]\nweights = [{weights}]\n\
-         label = \"Workload\"\n[compare]\nprimary = \"score_workload\"\n"
+         label = \"Workload\"\n\
+         [[scores]]\nid = \"workload_pairs\"\nkind = \"nasa_tlx\"\nquestions = [{items}]\npairs = \"Which of the two?\"\n\
+         [compare]\nprimary = \"score_workload\"\n"
     )
     .unwrap();
     study
@@ -86,6 +95,7 @@ fn answers(lacks: Option<u64>) -> String {
         .map(|i| format!("sus_{i}"))
         .chain(SCALES.iter().map(ToString::to_string))
         .chain(SCALES.iter().map(|scale| format!("w_{scale}")))
+        .chain(pairs().into_iter().map(|(.., id)| id))
         .collect();
     let mut table = format!("participant,mode,{}\n", items.join(","));
     for p in 1..=10_u64 {
@@ -106,8 +116,16 @@ fn answers(lacks: Option<u64>) -> String {
                 values.push(chosen.iter().filter(|other| *other < own).count() as f64);
             }
             let mut cells: Vec<String> = values.iter().map(ToString::to_string).collect();
+            // The same choices one by one: by number, or by what was chosen.
+            cells.extend(pairs().into_iter().map(|(a, b, _)| match chosen[a] > chosen[b] {
+                true if m == 0 => "1".to_owned(),
+                false if m == 0 => "2".to_owned(),
+                true => SCALES[a].to_uppercase(),
+                false => SCALES[b].to_owned(),
+            }));
             if lacks == Some(p) && m == 1 {
                 cells[17].clear();
+                cells[22].clear();
             }
             writeln!(table, "P{p:02},{mode},{}", cells.join(",")).unwrap();
         }
@@ -153,6 +171,7 @@ fn scores_are_compared_as_metrics_and_their_reliability_is_told() {
     for (metric, expected) in [
         ("score_usability", [14.0, 3.6930866, 0.0042769536]),
         ("score_workload_raw", [-8.33333333, 2.4876237, 0.0085246659]),
+        ("score_workload_pairs", [-8.56666667, 2.7826846, 0.013170526]),
     ] {
         let line = format!("compare scales --metric {metric} --json");
         let tables: Value = serde_json::from_str(&ran(root, &line).out).unwrap();
@@ -169,12 +188,24 @@ fn scores_are_compared_as_metrics_and_their_reliability_is_told() {
     let values = scores.floats("value").unwrap();
     let of = scores.texts("score").unwrap();
     // P01 in the active mode stands first of each.
-    for (score, expected) in
-        [("usability", 30.0), ("workload_raw", 61.6666667), ("workload", 63.6666667)]
-    {
+    for (score, expected) in [
+        ("usability", 30.0),
+        ("workload_raw", 61.6666667),
+        ("workload", 63.6666667),
+        ("workload_pairs", 63.6666667),
+    ] {
         let first = of.iter().position(|own| own.as_deref() == Some(score)).unwrap();
         assert!((values[first].unwrap() - expected).abs() < 1e-6, "{score}: {:?}", values[first]);
     }
+    // Weights are among the answers, and no ratings.
+    let asked = |table: &str| -> BTreeSet<String> {
+        let table = Table::from_parquet(&derived.join(table)).unwrap();
+        table.texts("question").unwrap().into_iter().flatten().collect()
+    };
+    let rated: BTreeSet<String> =
+        (1..=10).map(|i| format!("sus_{i}")).chain(SCALES.map(str::to_owned)).collect();
+    assert_eq!(asked("likert.parquet"), rated);
+    assert_eq!(asked("answers.parquet").len(), 16 + 6 + 15);
     let alpha = Table::from_parquet(&derived.join("reliability.parquet")).unwrap();
     assert!((alpha.floats("alpha").unwrap()[0].unwrap() - 0.920056348).abs() < 1e-6);
     let summary = fs::read_to_string(root.join("reports/scales/summary.md")).unwrap();
@@ -192,7 +223,7 @@ fn a_score_with_a_missing_weight_is_none_and_says_so() {
     ran(root, "run scales --quiet");
     let scores = Table::from_parquet(&root.join("derived/scales/scores.parquet")).unwrap();
     let remarks: Vec<String> = scores.texts("remark").unwrap().into_iter().flatten().collect();
-    assert_eq!(remarks, ["5 of 6 weights are answered"]);
+    assert_eq!(remarks, ["5 of 6 weights are answered", "14 of 15 pairs are answered"]);
     let line = "compare scales --metric score_workload --by participant --json";
     let tables: Value = serde_json::from_str(&ran(root, line).out).unwrap();
     assert_eq!(tables[0]["rows"].as_array().unwrap().len(), 9, "{tables}");

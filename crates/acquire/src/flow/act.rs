@@ -215,6 +215,11 @@ impl Flow {
         if !question.scale.has(value) {
             return refuse(format!("{value} is not an answer: {}", question.scale.range()));
         }
+        // Of a pair that is shown the other way round, the answer is still the number of the one that was chosen.
+        let value = match question.is_pair() && question.reversed {
+            true => question.scale.ends_together() - value,
+            false => value,
+        };
         let time_ms = self.took_ms();
         let action = if late {
             let trial = self.places[place].trial.trial;

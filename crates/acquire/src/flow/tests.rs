@@ -11,6 +11,8 @@ fn felt() -> Question {
         text: "Felt?".to_owned(),
         group: None,
         scale: AnswerScale::FivePoint,
+        label: None,
+        is_weight: false,
         reversed: false,
     }
 }

@@ -74,7 +74,7 @@ pub(crate) fn read_counting(
 /// tells which modes were offered, and under which numbers.
 fn guesses(data: &StudyData) -> Option<Blinding> {
     // There is one at most: a study.toml with two is refused.
-    let question = data.study.questions.iter().find(|question| !question.is_rating())?;
+    let question = data.study.questions.iter().find(|question| question.asks_mode())?;
     let studies: BTreeMap<(&ParticipantId, &SessionId), &Study> = data
         .sessions
         .iter()
@@ -88,7 +88,7 @@ fn guesses(data: &StudyData) -> Option<Blinding> {
         let study = study.unwrap_or(&data.study);
         study.environment(&meta.environment).is_some_and(|e| {
             let mut asked = e.questions().filter(|id| **id == question.id);
-            asked.any(|id| study.question(id).is_some_and(|own| !own.is_rating()))
+            asked.any(|id| study.question(id).is_some_and(|own| own.asks_mode()))
         })
     };
     // By participant, session and trial. Trials first, so that an answer replaces their `None`.
@@ -126,9 +126,9 @@ fn guesses(data: &StudyData) -> Option<Blinding> {
 
 /// The scores of a study and how far their answers hang together, if one of their questions was answered.
 pub(crate) fn scores(data: &StudyData) -> Option<(Derived<TrialScore>, Derived<Reliability>)> {
-    let scoring = Scoring::of(&data.study);
+    let taken = Scoring::of(&data.study).taken();
     let folder = data.layout.derived();
-    let is_any = data.answers.iter().any(|answer| scoring.takes(answer));
+    let is_any = data.answers.iter().any(|answer| taken.contains(&answer.question));
     is_any.then(|| (Derived::within(&folder), Derived::within(&folder)))
 }
 
@@ -189,9 +189,10 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
     let mut jobs = Vec::new();
     if let Some(results) = scores(data) {
         let scoring = Scoring::of(&data.study);
-        let answers = data.answers.iter().filter(|answer| scoring.takes(answer)).cloned();
+        let taken = scoring.taken();
+        let answers = data.answers.iter().filter(|answer| taken.contains(&answer.question));
         let parameters = ScoreParameters {
-            answers: answers.collect(),
+            answers: answers.cloned().collect(),
             trials: answered(data),
             simulated: data.sessions.iter().any(|log| log.record.source.is_simulated()),
             scoring,

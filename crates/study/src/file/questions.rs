@@ -28,12 +28,15 @@ impl Check<'_> {
                 Some(Asks::Mode) => self.modes_asked(&key, &table, modes),
                 None => self.scale(&key, &table),
             };
-            if scale.is_nominal() && questions.iter().any(|question| !question.is_rating()) {
+            if scale.is_nominal() && questions.iter().any(Question::asks_mode) {
                 let what = "stands twice: one question per study asks for the mode";
                 self.error(&format!("{key}.asks"), what);
             }
-            let QuestionTable { id, text, group, reversed, .. } = table;
-            let question = Question { id, text, group, scale, reversed };
+            if table.label.as_deref().is_some_and(|label| label.trim().is_empty()) {
+                self.error(&format!("{key}.label"), "is empty; name it, or leave the key out");
+            }
+            let QuestionTable { id, text, label, group, reversed, .. } = table;
+            let question = Question { id, text, group, scale, reversed, label, is_weight: false };
             let first = questions.iter().find(|q| q.group.is_some() && q.group == question.group);
             if let Some(first) = first.filter(|first| first.scale != question.scale) {
                 let what = format!(
@@ -56,6 +59,7 @@ impl Check<'_> {
             ("from", table.from.is_some()),
             ("step", table.step.is_some()),
             ("labels", !table.labels.is_empty()),
+            ("label", table.label.is_some()),
             ("group", table.group.is_some()),
             ("reversed", table.reversed),
         ];
@@ -147,13 +151,14 @@ impl QuestionTable {
     pub(super) fn of(question: &Question) -> Self {
         let (scale, numbers) = match &question.scale {
             AnswerScale::Numbers(scale) => (None, Some(scale.clone())),
-            AnswerScale::Modes(_) => (None, None),
+            AnswerScale::Modes(_) | AnswerScale::Pair(_) => (None, None),
             AnswerScale::FivePoint => (Some(AnswerScale::FivePoint), None),
         };
-        let asks = (!question.is_rating()).then_some(Asks::Mode);
+        let asks = question.asks_mode().then_some(Asks::Mode);
         Self {
             id: question.id.clone(),
             text: question.text.clone(),
+            label: question.label.clone(),
             group: question.group.clone(),
             scale,
             reversed: question.reversed,
@@ -223,6 +228,7 @@ mod tests {
             ("scale", "\"five_point\""),
             ("from", "0"),
             ("step", "2"),
+            ("label", "\"a\""),
             ("labels", "[\"a\", \"b\"]"),
             ("group", "\"g\""),
             ("reversed", "true"),

@@ -78,8 +78,9 @@ impl Check<'_> {
         }
         for (i, question) in file.questions.iter().enumerate() {
             self.line(&format!("questions[{i}].text"), &question.text);
-            let group = question.group.as_deref().unwrap_or_default();
-            self.line(&format!("questions[{i}].group"), group);
+            for (key, text) in [("group", &question.group), ("label", &question.label)] {
+                self.line(&format!("questions[{i}].{key}"), text.as_deref().unwrap_or_default());
+            }
         }
     }
 
@@ -183,8 +184,9 @@ impl Check<'_> {
             },
             &analysis,
         );
-        let questions = self.questions(file.questions, &labels);
+        let mut questions = self.questions(file.questions, &labels);
         self.scores(&file.scores, &questions, &file.metrics);
+        self.weigh(&file.scores, &mut questions);
         Study {
             id: file.study.id,
             title: file.study.title,

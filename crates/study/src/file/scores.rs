@@ -1,7 +1,7 @@
 //! The checks of `[[scores]]` of a `study.toml`.
 
 use super::check::Check;
-use crate::{OwnMetric, Question, Score, ScoreKind};
+use crate::{AnswerScale, OwnMetric, Question, Score, ScoreKind};
 use std::collections::BTreeSet;
 
 /// No study has more scores.
@@ -56,7 +56,7 @@ impl Check<'_> {
                 let problem = match question {
                     None => format!("there is no question '{id}'; add it under [[questions]]"),
                     Some(_) if !seen.insert(id) => format!("'{id}' stands twice; leave one out"),
-                    Some(question) if !question.is_rating() => {
+                    Some(question) if question.asks_mode() => {
                         format!("'{id}' asks for the mode, which is no number; leave it out")
                     }
                     Some(question) if list == "weights" && is_weighted && !is_weight(question) => {
@@ -112,12 +112,25 @@ impl Check<'_> {
             }
             ScoreKind::NasaTlx | ScoreKind::NasaTlxRaw => {}
         }
-        if is_weighted != (score.weights.len() == n) || (!is_weighted && !score.weights.is_empty())
+        if let Some(text) = &score.pairs {
+            let at = format!("{key}.pairs");
+            self.line(&at, text);
+            if text.trim().is_empty() {
+                self.error(&at, "is empty; write what is asked about each two of the questions");
+            }
+            if !score.weights.is_empty() {
+                self.error(&at, "is not used beside weights; leave one of them out");
+            }
+            if !is_weighted {
+                self.error(&at, "only nasa_tlx has weights; leave them out");
+            }
+        } else if is_weighted != (score.weights.len() == n)
+            || (!is_weighted && !score.weights.is_empty())
         {
             let problem = match is_weighted {
                 true => format!(
-                    "has {} questions; name {n}, whose answers say how often each of the others was chosen, or use \
-                     nasa_tlx_raw",
+                    "has {} questions; name {n}, whose answers say how often each of the others was chosen, or have it asked \
+                     with pairs = \"Which of the two …?\", or use nasa_tlx_raw",
                     score.weights.len()
                 ),
                 false => "only nasa_tlx has weights; leave them out".to_owned(),
@@ -131,6 +144,62 @@ impl Check<'_> {
                 _ => "only a mean can leave answers out; leave it out".to_owned(),
             };
             self.error(&format!("{key}.min_answered"), problem);
+        }
+    }
+
+    /// Marks the questions that are weights, and adds one about each pair of the questions of a score with `pairs`.
+    pub(super) fn weigh(&mut self, scores: &[Score], questions: &mut Vec<Question>) {
+        let weights: BTreeSet<_> = scores.iter().flat_map(|score| &score.weights).collect();
+        for question in questions.iter_mut() {
+            question.is_weight = weights.contains(&question.id);
+        }
+        for (i, score) in scores.iter().enumerate() {
+            let key = format!("scores[{i}].pairs");
+            let Some(text) = &score.pairs else { continue };
+            let mut labels = Vec::new();
+            for id in &score.questions {
+                let Some(question) = questions.iter().find(|question| question.id == *id) else {
+                    // Told already, with the place in the list.
+                    return;
+                };
+                let label = question.label.as_ref().unwrap_or(&question.text).clone();
+                if labels.contains(&label) {
+                    let problem = format!(
+                        "cannot be told apart: two of the questions are called '{label}'; give each its own label"
+                    );
+                    self.error(&key, problem);
+                    return;
+                }
+                labels.push(label);
+            }
+            for places in score.pairs_of_places() {
+                let id = match score.pair_id(places) {
+                    Ok(id) => id,
+                    Err(why) => {
+                        let problem = format!("{why}; give the questions of the pair shorter ids");
+                        self.error(&key, problem);
+                        continue;
+                    }
+                };
+                // Ids differ by more than case everywhere.
+                if questions.iter().any(|own| own.id.as_str().eq_ignore_ascii_case(id.as_str())) {
+                    let problem = format!(
+                        "a question of the study has the id '{id}', which the pair would have; two scores cannot ask for the \
+                         same pairs, and a question needs another id"
+                    );
+                    self.error(&key, problem);
+                    continue;
+                }
+                questions.push(Question {
+                    id,
+                    text: text.clone(),
+                    group: None,
+                    scale: AnswerScale::Pair(places.map(|place| labels[place].clone())),
+                    reversed: false,
+                    label: None,
+                    is_weight: true,
+                });
+            }
         }
     }
 
@@ -156,7 +225,7 @@ impl Check<'_> {
 #[cfg(test)]
 mod tests {
     use crate::tests::{check_refused, check_round_trip, text};
-    use crate::{Better, Study, StudyError};
+    use crate::{AnswerScale, Better, Study, StudyError};
 
     /// The template's study with so many questions `q1`, `q2`, … and a score.
     fn with(number: usize, keys: &str) -> Result<Study, Vec<StudyError>> {
@@ -193,6 +262,93 @@ mod tests {
         assert_eq!(tlx.scores[0].better(), Better::Lower);
         let mean = format!("kind = \"mean\"\nquestions = [{}]\nmin_answered = 0.8", list(1..=5));
         check_round_trip(&with(5, &mean).unwrap());
+    }
+
+    /// A weighted TLX of `q1` to `q6` whose pairs are asked for.
+    fn pairs() -> String {
+        format!("kind = \"nasa_tlx\"\nquestions = [{}]\npairs = \"Which of the two?\"", list(1..=6))
+    }
+
+    #[test]
+    fn a_score_with_pairs_adds_one_question_about_each_two_that_is_no_rating() {
+        let study = with(7, &pairs()).unwrap();
+        check_round_trip(&study);
+        let added: Vec<_> = study.questions.iter().filter(|question| question.is_pair()).collect();
+        let ids: Vec<&str> = added.iter().map(|question| question.id.as_str()).collect();
+        let first = ["q1_or_q2", "q1_or_q3", "q1_or_q4", "q1_or_q5", "q1_or_q6", "q2_or_q3"];
+        assert_eq!((ids.len(), &ids[..6]), (15, &first[..]));
+        let [q1, q5] = [1, 5].map(|i| format!("Question {i}"));
+        let scale = AnswerScale::Pair([q1, q5]);
+        assert_eq!((&added[3].scale, added[3].text.as_str()), (&scale, "Which of the two?"));
+        assert_eq!(scale.worded(2), "2 (Question 5)");
+        assert!(added.iter().all(|question| !question.is_rating() && !question.asks_mode()));
+        let called = text().replacen("[[questions]]", "[[questions]]\nlabel = \"Spring\"", 1);
+        let called = Study::from_toml(&called).unwrap();
+        check_round_trip(&called);
+        assert_eq!(called.questions[0].label.as_deref(), Some("Spring"));
+    }
+
+    #[test]
+    fn questions_that_are_weights_are_no_ratings() {
+        let keys = format!(
+            "kind = \"nasa_tlx\"\nquestions = [{}]\nweights = [{}]",
+            list(1..=6),
+            list(11..=16)
+        );
+        let study = with(16, &keys).unwrap();
+        let rated = |id: &str| study.question(&id.parse().unwrap()).unwrap().is_rating();
+        assert!(rated("q1") && rated("q7") && !rated("q11") && !rated("q16"));
+    }
+
+    #[test]
+    fn a_pair_is_chosen_so_often_as_its_answers_say() {
+        let study = with(6, &pairs()).unwrap();
+        let score = &study.scores[0];
+        let scale = AnswerScale::Numbers(crate::NumberScale {
+            points: 101,
+            from: 0,
+            step: 1,
+            labels: Vec::new(),
+        });
+        let items = [10, 20, 30, 40, 50, 60].map(|value: i16| Some((&scale, value.into())));
+        // The later one of each two is chosen: 0, 1, 2, 3, 4 and 5 times.
+        let mut chosen = vec![Some(crate::AnswerValue::from(2)); 15];
+        let expected = f64::from(20 + 2 * 30 + 3 * 40 + 4 * 50 + 5 * 60) / 15.0;
+        assert!((score.of(&items, &chosen).unwrap() - expected).abs() < 1e-12);
+        // The first in the place of the sixth: 1, 1, 2, 3, 4, 4.
+        chosen[4] = Some(1.into());
+        let expected = f64::from(10 + 20 + 2 * 30 + 3 * 40 + 4 * 50 + 4 * 60) / 15.0;
+        assert!((score.of(&items, &chosen).unwrap() - expected).abs() < 1e-12);
+        chosen[14] = None;
+        assert_eq!(score.of(&items, &chosen).unwrap_err(), "14 of 15 pairs are answered");
+    }
+
+    #[test]
+    fn pairs_that_cannot_be_asked_are_refused_with_their_key() {
+        let at = "scores[0].pairs";
+        let own = pairs();
+        check_refused(with(6, &own.replace("nasa_tlx", "nasa_tlx_raw")), at, "only nasa_tlx");
+        check_refused(with(6, &own.replace("Which of the two?", " ")), at, "is empty");
+        let both = format!("{own}\nweights = [{}]", list(11..=16));
+        check_refused(with(16, &both), at, "beside weights");
+        let twice = format!("{own}\n[[scores]]\nid = \"again\"\n{own}").replacen(
+            "kind",
+            "id = \"load\"\nkind",
+            1,
+        );
+        let errors = with(6, &twice).unwrap_err();
+        assert_eq!((errors.len(), errors[0].key.as_str()), (15, "scores[1].pairs"), "{errors:?}");
+        assert!(errors[0].problem.contains("the id 'q1_or_q2'"), "{errors:?}");
+        let asked = text().replacen("question = \"felt_spring\"", "question = \"q1_or_q2\"", 1);
+        let questions: String = (1..=6)
+            .map(|i| format!("[[questions]]\nid = \"q{i}\"\ntext = \"Question {i}\"\n"))
+            .collect();
+        let whole = |text: &str, questions: &str| {
+            Study::from_toml(&format!("{text}\n{questions}[[scores]]\nid = \"load\"\n{own}\n"))
+        };
+        check_refused(whole(&asked, &questions), "environments[0].question", "is not the id");
+        let alike = questions.replace("Question 2", "Question 1");
+        check_refused(whole(&text(), &alike), at, "two of the questions are called 'Question 1'");
     }
 
     #[test]

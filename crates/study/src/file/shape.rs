@@ -255,6 +255,7 @@ pub(super) enum BoundTable {
 pub(super) struct QuestionTable {
     pub(super) id: QuestionId,
     pub(super) text: String,
+    pub(super) label: Option<String>,
     pub(super) group: Option<String>,
     pub(super) scale: Option<AnswerScale>,
     #[serde(default)]

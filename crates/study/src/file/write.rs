@@ -58,7 +58,13 @@ impl From<&Study> for File {
                 .map(|e| EnvironmentTable::of(e, s.coordinate))
                 .collect(),
             modes: s.modes.clone(),
-            questions: s.questions.iter().map(QuestionTable::of).collect(),
+            // Those about pairs follow from the scores.
+            questions: s
+                .questions
+                .iter()
+                .filter(|question| !question.is_pair())
+                .map(QuestionTable::of)
+                .collect(),
             channels: s.channels.clone(),
             people: s.people.iter().map(PersonColumnTable::of).collect(),
             metrics: s.metrics.clone(),

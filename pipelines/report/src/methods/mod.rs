@@ -230,9 +230,17 @@ fn answered(study: &Study, recorded: &Recorded) -> Option<String> {
         (false, true) => return None,
     };
     let questions = study.questions.iter().map(|question| {
-        format!("“{}” ({})", question.text.trim_end_matches('.'), question.scale.name())
+        let text = question.text.trim_end_matches('.');
+        match question.is_pair() {
+            true => {
+                format!("“{text}” (once in a session, of each two of the questions of a score)")
+            }
+            false => format!("“{text}” ({})", question.scale.name()),
+        }
     });
-    let questions: Vec<String> = questions.collect();
+    let mut questions: Vec<String> = questions.collect();
+    // A score's pairs stand beside each other, and have one wording.
+    questions.dedup();
     (!questions.is_empty()).then(|| format!("{answered}: {}.", questions.join("; ")))
 }
 

@@ -4,6 +4,7 @@ mod long;
 mod marks;
 #[cfg(unix)]
 mod moved;
+mod pairs;
 mod secret;
 mod slow_disk;
 mod whole;
@@ -41,9 +42,13 @@ struct Desk {
 
 impl Desk {
     fn new(blinded: bool) -> Self {
+        Self::with(small("small", blinded))
+    }
+
+    /// A desk with that study.toml of the study `small`.
+    fn with(text: String) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let layout = Layout::new(folder.path(), "small".parse().unwrap());
-        let text = small("small", blinded);
         std::fs::create_dir_all(layout.raw()).unwrap();
         std::fs::write(layout.study_toml(), &text).unwrap();
         let study = Study::from_toml(&text).unwrap();

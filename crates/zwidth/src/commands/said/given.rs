@@ -4,7 +4,7 @@ use anyhow::{Context as _, bail};
 use std::collections::{BTreeMap, BTreeSet};
 use zwidth_store::{SessionLog, StudyData, TrialEntry};
 use zwidth_study::{
-    AnswerValue, EnvironmentId, Event, Kind, ModeId, PlannedTrial, QuestionId, SessionRecord,
+    AnswerValue, EnvironmentId, Event, Kind, ModeId, PlannedTrial, QuestionId, Score, SessionRecord,
 };
 
 /// An answer that may be added.
@@ -135,7 +135,16 @@ impl<'a> NumberedSession<'a> {
         named: Option<&QuestionId>,
     ) -> anyhow::Result<QuestionId> {
         let environment = data.study.environment(&self.planned(trial)?.environment);
-        let questions: Vec<&QuestionId> = environment.iter().flat_map(|e| e.questions()).collect();
+        let mut questions: Vec<&QuestionId> =
+            environment.iter().flat_map(|e| e.questions()).collect();
+        let pairs: Vec<QuestionId> = environment
+            .iter()
+            .flat_map(|e| data.study.weighed_in(e))
+            .flat_map(Score::weighing)
+            .collect();
+        if let Some(pair) = named.filter(|named| pairs.contains(named)) {
+            questions.push(pair);
+        }
         match (named, questions.as_slice()) {
             (Some(id), questions) if questions.contains(&id) => return Ok(id.clone()),
             (None, [only]) => return Ok((*only).clone()),
