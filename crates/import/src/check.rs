@@ -263,12 +263,16 @@ impl Check<'_> {
             self.error("people.columns", "names no column; name those of [[people]] in study.toml");
         }
         let participant = self.label("people.participant", shape.participant, groups);
+        for id in shape.units.keys().filter(|id| !shape.columns.contains_key(*id)) {
+            let what = "is the unit of a column that [people.columns] does not have; add it there, or leave it out";
+            self.error(&format!("people.units.{id}"), what);
+        }
         let mut columns = BTreeMap::new();
         for (id, label) in shape.columns {
             let label = self.label(&format!("people.columns.{id}"), label, groups);
             columns.extend(label.map(|label| (id, label)));
         }
-        Some(Content::People(PeopleFrom { participant: participant?, columns }))
+        Some(Content::People(PeopleFrom { participant: participant?, columns, units: shape.units }))
     }
 
     fn exclusions(&mut self, shape: Option<ExcludeShape>, groups: &[&str]) -> Option<Content> {

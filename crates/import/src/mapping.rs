@@ -356,6 +356,8 @@ pub(super) enum TrialFrom {
 pub(super) struct PeopleFrom {
     pub(super) participant: Label,
     pub(super) columns: BTreeMap<PersonColumnId, Label>,
+    /// The units of their numbers, where they are not those of the study.
+    pub(super) units: BTreeMap<PersonColumnId, String>,
 }
 
 impl PeopleFrom {

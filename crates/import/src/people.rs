@@ -7,11 +7,12 @@ use super::limits::Budget;
 use super::mapping::PeopleFrom;
 use super::recording::Recording;
 use super::report::{FileReport, Report};
+use super::unit::{self, Unit};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 use zwidth_store::{MOST_STUDY, StoreError, read_people, replace};
-use zwidth_study::{ParticipantId, People, PeopleForm, Person, PersonColumnId, PersonValue};
+use zwidth_study::{Known, ParticipantId, People, PeopleForm, Person, PersonColumnId, PersonValue};
 
 /// Adds the people of tables to the participants' file: all of them, or none. Who is there with the same row stays
 /// as they are.
@@ -37,9 +38,11 @@ pub(super) fn import(
         )
         .into());
     }
+    let conversions = conversions(context, form)?;
     let budget = Budget::default();
     let take = context.take(form.columns().collect(), &budget);
-    let tables = context.convert(files, &take, |recording| read(context, form, recording))?;
+    let tables =
+        context.convert(files, &take, |recording| read(context, form, &conversions, recording))?;
     let mut new: BTreeMap<ParticipantId, Person> = BTreeMap::new();
     let mut reports = Vec::new();
     for table in tables {
@@ -89,6 +92,62 @@ pub(super) fn import(
     })
 }
 
+/// The column of ages, which are told in whole years: those that are completed.
+const AGE: &str = "age_years";
+
+/// From the unit of a column to the study's.
+struct Conversion {
+    from: &'static Unit,
+    to: &'static Unit,
+    /// `age_years from months`.
+    words: String,
+}
+
+/// The conversions of the columns in other units than the study's.
+///
+/// # Errors
+/// A column of levels; a unit that is not known, in the mapping or in the study; one of another quantity.
+fn conversions(
+    context: &Context,
+    form: &PeopleFrom,
+) -> Result<BTreeMap<PersonColumnId, Conversion>, Errors> {
+    let mut conversions = BTreeMap::new();
+    for (id, text) in &form.units {
+        let wrong = |what: String, remedy: String| {
+            let what = format!("[people.units] {id}: {what}");
+            Errors::from(StoreError::new(&context.mapping.path, what, &remedy))
+        };
+        let column = context.study.people.iter().find(|column| column.id == *id);
+        let Some(Known::Number { unit: own }) = column.map(|column| &column.known) else {
+            let what = "the column has levels, and no unit".to_owned();
+            return Err(wrong(what, "leave it out".to_owned()));
+        };
+        if text.trim() == own.trim() {
+            continue;
+        }
+        let Some(to) = unit::of_people(own) else {
+            let what = format!(
+                "'{text}' cannot become '{own}', the unit of [[people]] in study.toml, which is unknown"
+            );
+            let remedy =
+                format!("convert the file, or use one of {} there", unit::choices_of_people(None));
+            return Err(wrong(what, remedy));
+        };
+        let remedy = format!("use one of {}", unit::choices_of_people(Some(to.dimension)));
+        let Some(from) = unit::of_people(text) else {
+            return Err(wrong(format!("the unit '{text}' is unknown"), remedy));
+        };
+        if from.dimension != to.dimension {
+            let what = format!(
+                "the unit '{text}' cannot become '{own}', the unit of [[people]] in study.toml"
+            );
+            return Err(wrong(what, remedy));
+        }
+        conversions.insert(id.clone(), Conversion { from, to, words: format!("{id} from {text}") });
+    }
+    Ok(conversions)
+}
+
 /// A row of a table, from 0, and what it says.
 struct Row {
     row: usize,
@@ -104,6 +163,7 @@ fn in_words(person: &Person) -> String {
 fn read(
     context: &Context,
     form: &PeopleFrom,
+    conversions: &BTreeMap<PersonColumnId, Conversion>,
     recording: &Recording,
 ) -> Result<(Vec<Row>, FileReport), Errors> {
     let used = all(form.columns().map(|column| recording.find(column)))?;
@@ -121,19 +181,34 @@ fn read(
             if missing || label.word(recording, *row)?.is_empty() {
                 continue;
             }
-            let value =
-                label.value(id.as_str(), recording, *row, |text| value(context, id, text))?;
+            let value = label.value(id.as_str(), recording, *row, |text| {
+                value(context, id, text, conversions.get(id))
+            })?;
             person.insert(id.clone(), value);
         }
         Ok::<_, Errors>(Row { row: *row, who, person })
     }))?;
-    let report = context.file_report(recording, &rows, people.len(), &used)?;
+    let mut report = context.file_report(recording, &rows, people.len(), &used)?;
+    report.converted.extend(conversions.values().map(|conversion| conversion.words.clone()));
     Ok((people, report))
 }
 
 /// A cell, as the participants' file would hold it.
-fn value(context: &Context, id: &PersonColumnId, text: &str) -> Result<PersonValue, String> {
-    People::value(id, text, &context.study.people)
+fn value(
+    context: &Context,
+    id: &PersonColumnId,
+    text: &str,
+    conversion: Option<&Conversion>,
+) -> Result<PersonValue, String> {
+    let number: Option<f64> = text.parse().ok();
+    let Some((Conversion { from, to, .. }, number)) = conversion.zip(number) else {
+        return People::value(id, text, &context.study.people);
+    };
+    // Twelve digits: a factor of a unit leaves its rounding in the last ones.
+    let converted = format!("{:.11e}", number * from.to_si / to.to_si);
+    let converted: f64 = converted.parse().unwrap_or(f64::NAN);
+    let converted = if id.as_str() == AGE { converted.floor() } else { converted };
+    People::value(id, &converted.to_string(), &context.study.people)
 }
 
 /// Adds rows to the participants' file behind those that it has; without one it is made.
@@ -248,6 +323,52 @@ mod tests {
         assert_eq!(again.participants, 1);
         assert!(again.to_string().contains("3 rows say what is known already"), "{again}");
         assert_eq!(written(&world, PeopleForm::Csv), format!("{first}P04,expert,40\n"));
+    }
+
+    /// Pounds and inches by their definitions: 154 lb are 69.85322498 kg, 70 in are 177.8 cm.
+    #[test]
+    fn numbers_in_other_units_become_those_of_the_study() {
+        let study = template(&"demo".parse().unwrap())
+            + "\n[[people]]\nid = \"age_years\"\nunit = \"years\"\n[[people]]\nid = \"height\"\nunit = \"cm\"\n\
+               [[people]]\nid = \"mass\"\nunit = \"kg\"\n[[people]]\nid = \"games\"\nunit = \"per week\"\n\
+               [[people]]\nid = \"crew\"\nlevels = [\"a\", \"b\"]\n";
+        let world = World::with(&study);
+        let map = |units: &str| {
+            format!(
+                "kind = \"participants\"\n[people]\nparticipant = {{ column = \"subject\" }}\n[people.columns]\n\
+                 age_years = {{ column = \"age\" }}\nheight = {{ column = \"tall\" }}\nmass = {{ column = \"heavy\" }}\n\
+                 games = {{ column = \"games\" }}\ncrew = {{ column = \"crew\" }}\n[people.units]\n{units}"
+            )
+        };
+        let good =
+            "age_years = \"months\"\nheight = \"inches\"\nmass = \"lb\"\ngames = \"per week\"\n";
+        let table = world
+            .file("a.csv", "subject,age,tall,heavy,games,crew\nP01,324,70,154,2,a\nP02,335,,,,\n");
+        let report = world.import(&map(good), std::slice::from_ref(&table)).unwrap();
+        assert!(report.to_string().contains("height from inches"), "{report}");
+        let text = "participant,age_years,height,mass,games,crew\nP01,27,177.8,69.85322498,2,a\nP02,27,,,,\n";
+        assert_eq!(written(&world, PeopleForm::Csv), text);
+        // The same once more is what is there.
+        assert_eq!(world.import(&map(good), std::slice::from_ref(&table)).unwrap().participants, 0);
+        for (units, words) in [
+            (
+                "mass = \"talents\"",
+                "mass: the unit 'talents' is unknown; use one of kg, g, lb, st, oz",
+            ),
+            (
+                "height = \"lb\"",
+                "height: the unit 'lb' cannot become 'cm', the unit of [[people]] in study.toml; use one of ft, m, cm",
+            ),
+            (
+                "games = \"per day\"",
+                "'per day' cannot become 'per week', the unit of [[people]] in study.toml, which is unknown",
+            ),
+            ("crew = \"m\"", "crew: the column has levels, and no unit"),
+            ("hand = \"m\"", "people.units.hand"),
+        ] {
+            let errors = world.import(&map(units), std::slice::from_ref(&table)).unwrap_err();
+            assert!(errors[0].to_string().contains(words), "{words}: {}", errors[0]);
+        }
     }
 
     #[test]

@@ -52,6 +52,8 @@ pub(super) struct Shape {
 pub(super) struct PeopleShape {
     pub(super) participant: LabelShape,
     pub(super) columns: BTreeMap<PersonColumnId, LabelShape>,
+    #[serde(default)]
+    pub(super) units: BTreeMap<PersonColumnId, String>,
 }
 
 /// The treatment of rows in which a mapped cell is missing.

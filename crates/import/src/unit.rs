@@ -13,6 +13,7 @@ pub(super) enum Dimension {
     Length,
     Velocity,
     Acceleration,
+    Mass,
     Force,
     Torque,
     Voltage,
@@ -21,8 +22,8 @@ pub(super) enum Dimension {
 }
 
 use Dimension::{
-    Acceleration, Angle, AngularAcceleration, AngularVelocity, Bits, Counts, Force, Length, Time,
-    Torque, Velocity, Voltage,
+    Acceleration, Angle, AngularAcceleration, AngularVelocity, Bits, Counts, Force, Length, Mass,
+    Time, Torque, Velocity, Voltage,
 };
 
 /// A unit: its spellings, and the factor to SI.
@@ -104,6 +105,37 @@ const UNITS: [Unit; 46] = [
     unit(&["counts", "count"], Counts, 1.0),
     unit(&["bits"], Bits, 1.0),
 ];
+
+/// Seconds in a year of 365.25 days.
+const YEAR: f64 = 365.25 * DAY;
+/// Kilograms in a pound (exactly, by the agreement of 1959).
+const POUND: f64 = 0.453_592_37;
+
+/// Units of what is known of people; no recording is in them.
+const OF_PEOPLE: [Unit; 9] = [
+    unit(&["years", "year", "yr", "y"], Time, YEAR),
+    unit(&["months", "month", "mo"], Time, YEAR / 12.0),
+    unit(&["weeks", "week", "wk"], Time, 7.0 * DAY),
+    unit(&["ft", "foot", "feet"], Length, 12.0 * INCH),
+    unit(&["kg", "kilogram", "kilograms"], Mass, 1.0),
+    unit(&["g", "gram", "grams"], Mass, 1e-3),
+    unit(&["lb", "lbs", "pound", "pounds"], Mass, POUND),
+    unit(&["st", "stone", "stones"], Mass, 14.0 * POUND),
+    unit(&["oz", "ounce", "ounces"], Mass, POUND / OUNCES),
+];
+
+/// The unit of a number of people, as people spell units.
+pub(super) fn of_people(text: &str) -> Option<&'static Unit> {
+    let small = text.trim().to_lowercase();
+    OF_PEOPLE.iter().find(|unit| unit.spellings.contains(&&*small)).or_else(|| declared(text))
+}
+
+/// The first spelling of every unit that a number of people in `dimension`, or in any, may have.
+pub(super) fn choices_of_people(dimension: Option<Dimension>) -> String {
+    let all = OF_PEOPLE.iter().chain(&UNITS);
+    let fitting = all.filter(|unit| dimension.is_none_or(|own| own == unit.dimension));
+    fitting.map(|unit| unit.spellings[0]).collect::<Vec<_>>().join(", ")
+}
 
 /// The unit of that spelling, where it is one we know.
 pub(super) fn find(text: &str) -> Option<&'static Unit> {
@@ -226,7 +258,7 @@ mod tests {
 
     #[test]
     fn no_spelling_stands_twice() {
-        let mut all: Vec<_> = UNITS.iter().flat_map(|u| u.spellings).collect();
+        let mut all: Vec<_> = UNITS.iter().chain(&OF_PEOPLE).flat_map(|u| u.spellings).collect();
         let n = all.len();
         all.sort();
         all.dedup();
