@@ -160,7 +160,8 @@ pub(super) fn answer(
 ) -> Result<AnswerValue, String> {
     let small = |text: &str| text.trim().to_lowercase();
     if let AnswerScale::Pair(labels) = scale
-        && let Some((value, _)) = (1..).zip(labels).find(|(_, label)| small(label) == small(text))
+        && let Some((value, _)) =
+            (1_i16..).zip(labels).find(|(_, label)| small(label) == small(text))
     {
         return Ok(AnswerValue::from(value));
     }
