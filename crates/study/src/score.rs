@@ -113,17 +113,24 @@ impl Score {
 
     /// How often each question was chosen of two, by the answers to [`Score::weighing`].
     fn weights(&self, answers: &[Option<AnswerValue>]) -> Result<Vec<f64>, String> {
-        let given: Vec<f64> = answers.iter().flatten().map(|answer| answer.get()).collect();
+        let given: Vec<AnswerValue> = answers.iter().flatten().copied().collect();
         let what = if self.pairs.is_some() { "pairs" } else { "weights" };
         if given.len() < answers.len() {
             return Err(format!("{} of {} {what} are answered", given.len(), answers.len()));
         }
         if self.pairs.is_none() {
-            return Ok(given);
+            return Ok(given.into_iter().map(AnswerValue::get).collect());
         }
         let mut chosen = vec![0.0; self.questions.len()];
         for ([first, second], answer) in self.pairs_of_places().into_iter().zip(given) {
-            chosen[if answer == 1.0 { first } else { second }] += 1.0;
+            let place = match answer.whole() {
+                Some(1) => first,
+                Some(2) => second,
+                _ => {
+                    return Err(format!("a pair is answered by {answer}, which is neither 1 nor 2"));
+                }
+            };
+            chosen[place] += 1.0;
         }
         Ok(chosen)
     }

@@ -256,7 +256,7 @@ mod tests {
         CurveDifference {
             curve: Curve::ForceOverAngle,
             unit: "N".into(),
-            environment: "spring".parse().unwrap(),
+            environment: Some("spring".parse().unwrap()),
             effect: contrast.parse().unwrap(),
             groups: None,
             n: 8,
@@ -284,7 +284,7 @@ mod tests {
         CurveNode {
             curve: Curve::ForceOverAngle,
             unit: "N".into(),
-            environment: "spring".parse().unwrap(),
+            environment: Some("spring".parse().unwrap()),
             effect: effect.clone(),
             groups: None,
             branch: Some(LoopBranch::In),
@@ -309,7 +309,7 @@ mod tests {
         let points = [0.1, 0.2].map(|theta| node(&tested.effect, theta));
         let run = CurveRun {
             curve: Curve::ForceOverAngle,
-            environment: "spring".parse().unwrap(),
+            environment: Some("spring".parse().unwrap()),
             effect: tested.effect.clone(),
             branch: Some(LoopBranch::In),
             theta_low_rad: Some(0.1),
