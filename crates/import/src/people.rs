@@ -92,9 +92,6 @@ pub(super) fn import(
     })
 }
 
-/// The column of ages, which are told in whole years: those that are completed.
-const AGE: &str = "age_years";
-
 /// From the unit of a column to the study's.
 struct Conversion {
     from: &'static Unit,
@@ -207,7 +204,8 @@ fn value(
     // Twelve digits: a factor of a unit leaves its rounding in the last ones.
     let converted = format!("{:.11e}", number * from.to_si / to.to_si);
     let converted: f64 = converted.parse().unwrap_or(f64::NAN);
-    let converted = if id.as_str() == AGE { converted.floor() } else { converted };
+    // Years that are completed.
+    let converted = if id.as_str() == People::AGE { converted.floor() } else { converted };
     People::value(id, &converted.to_string(), &context.study.people)
 }
 

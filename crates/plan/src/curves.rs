@@ -43,15 +43,23 @@ struct Comparing {
 }
 
 /// The environments in which several people have a course of a movement, in several modes unless groups are
-/// compared.
+/// compared, or an effect weighs the one over environments or sessions.
 fn environments(data: &StudyData) -> impl Iterator<Item = &Environment> {
     let has_groups = data.study.compare.groups.is_some();
+    let effects = data.study.effects();
     data.study.environments.iter().filter(move |environment| {
         let own = data.counting().filter(|trial| trial.meta.environment == environment.id);
         let (people, modes): (BTreeSet<_>, BTreeSet<_>) =
             own.map(|trial| (&trial.meta.participant, &trial.meta.mode)).unzip();
         let is_moved = !matches!(environment.scene.kind(), SceneKind::Free | SceneKind::None);
-        is_moved && people.len() > 1 && (has_groups || modes.len() > 1)
+        let is_weighed = || {
+            let mut claimed = effects.iter().filter(|effect| effect.is_claimed);
+            claimed.any(|effect| {
+                let mut weights = effect.weights.iter();
+                weights.any(|weight| weight.environment == environment.id)
+            })
+        };
+        is_moved && people.len() > 1 && (has_groups || modes.len() > 1 || is_weighed())
     })
 }
 
@@ -158,12 +166,22 @@ fn make(
     let found = compare_curves(&sessions, stage)?;
     let tables = vec![
         Table::of_rows(&found.points)?,
-        match stage.groups.is_some() {
-            true => Table::of_rows(&found.tests)?.with_note(
-                "Differences between groups are described, not claimed: labels are permuted as if groups were \
-                 exchangeable, and where they scatter differently that finds too many. Their intervals are pointwise.",
-            ),
-            false => Table::of_rows(&found.tests)?,
+        match &stage.groups {
+            None => Table::of_rows(&found.tests)?,
+            Some(groups) => Table::of_rows(&found.tests)?.with_note(format!(
+                "Differences between groups are described, not claimed: {}. Their intervals are pointwise.",
+                match groups.blocks.is_empty() {
+                    true => {
+                        "labels are permuted as if groups were exchangeable, and where they scatter differently that \
+                         finds too many"
+                    }
+                    false => {
+                        "labels are permuted within the blocks in which chance drew them, under the hypothesis that the \
+                         group changed nobody's curve; as a test of means it finds too many where groups scatter \
+                         differently"
+                    }
+                }
+            )),
         },
         Table::of_rows(&found.runs)?.with_note(
             "A run says that there is a difference somewhere in it, not where it begins or ends.",

@@ -87,10 +87,10 @@ impl EffectDifference {
     }
 
     /// The standard deviation of everybody's effects (those of conditions are of no single size), by which an effect is
-    /// measured where it is not known what is felt: with it the mean of n people has this standard error. Over groups
-    /// with the same weight each that is, of groups of one size, the root mean of their variances. None where nothing
-    /// varies.
+    /// measured where it is not known what is felt: with it the mean of n people has this standard error. None over
+    /// groups with the same weight each, where there is none of all people, and where nothing varies.
     pub fn deviation(&self) -> Option<f64> {
+        self.df.filter(|df| (df - (self.n as f64 - 1.0)).abs() < 1e-9)?;
         let deviation = self.difference_std_error? * (self.n as f64).sqrt();
         (deviation > 0.0).then_some(deviation)
     }

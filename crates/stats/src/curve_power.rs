@@ -7,12 +7,13 @@ use crate::error::{all_finite, check_level, same_length};
 use crate::null::Sampling;
 use crate::power::{Power, normal};
 use crate::tested::{Unestimable, at_least};
+use core::ops::RangeInclusive;
 use rayon::prelude::*;
 use zwidth_numerics::moments::Moments;
 
 /// Flips of signs of a simulated study of more people than all are counted of, unless its level is so small that p
-/// could hardly be below it.
-const DRAWS: usize = 999;
+/// could hardly be below it; no more than a real study has, whose p is never smaller.
+const DRAWS: RangeInclusive<usize> = 999..=9_999;
 
 /// A planned study of whole curves.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,13 +32,14 @@ pub struct CurvePlan {
 }
 
 impl CurvePlan {
-    /// Median over the nodes that differ of the standard error of participants' mean difference.
+    /// Median over the nodes that differ, and where people scatter, of the standard error of participants' mean
+    /// difference; 0 where they scatter nowhere.
     pub fn difference_std_error(&self) -> f64 {
         let nodes = (0..self.differs.len()).filter(|node| self.differs[*node]);
         let mut sds: Vec<f64> = nodes
             .filter_map(|node| {
                 let column: Vec<f64> = self.known.iter().map(|row| row[node]).collect();
-                Moments::of(&column).sd()
+                Moments::of(&column).sd().filter(|sd| *sd > 0.0)
             })
             .collect();
         sds.sort_by(f64::total_cmp);
@@ -74,7 +76,7 @@ pub fn curve_power(
     let mean = |node: usize| known.iter().map(|row| row[node]).sum::<f64>() / known.len() as f64;
     let means: Vec<f64> = (0..nodes).map(mean).collect();
     let scale = 1.0 / ((known.len() - 1) as f64).sqrt();
-    let draws = DRAWS.max((10.0 / alpha).ceil() as usize);
+    let draws = ((10.0 / alpha).ceil() as usize).clamp(*DRAWS.start(), *DRAWS.end());
     let claims = (0..studies as u64).into_par_iter().map(|study| {
         let mut rng = stream(seed, study);
         let curves = (0..*participants).map(|_| {

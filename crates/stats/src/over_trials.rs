@@ -83,14 +83,6 @@ impl Line {
         Some(trial.value - self.slope * (trial.place - self.centres.get(&trial.session)?))
     }
 
-    /// Sessions and modes in the order of the middles of their trials.
-    pub fn order(&self) -> Vec<[usize; 2]> {
-        let mut cells: Vec<(&[usize; 2], f64)> =
-            self.cells.iter().map(|(cell, (_, middle))| (cell, *middle)).collect();
-        cells.sort_by(|a, b| a.0[0].cmp(&b.0[0]).then(a.1.total_cmp(&b.1)));
-        cells.into_iter().map(|(cell, _)| *cell).collect()
-    }
-
     /// The middle of the numbers of a session's trials.
     fn middle(&self, session: usize) -> f64 {
         let own = self.cells.iter().filter(|([id, _], _)| *id == session).map(|(_, cell)| cell);
@@ -169,7 +161,6 @@ mod tests {
         }
         assert_eq!(line.adjusted(&TrialPoint { session: 1, ..own[0] }), None);
         // Middles of the numbers: 7/3 of the first mode, 8/3 of the second.
-        assert_eq!(line.order(), [[0, 0], [0, 1]]);
         assert_eq!(Line::of(&trials(&[0, 1], |_, number| number)), None);
     }
 

@@ -20,7 +20,7 @@ use statrs::function::beta::checked_beta_reg;
 use zwidth_numerics::moments::Moments;
 
 /// A search for participants ends here: no study of the kind has more.
-const MOST_PARTICIPANTS: usize = 10_000;
+pub const MOST_PARTICIPANTS: usize = 10_000;
 /// Halvings of a searched difference: to a millionth of where it began.
 pub const HALVINGS: usize = 20;
 
@@ -143,18 +143,29 @@ pub struct Searched {
     pub to_come: usize,
 }
 
-/// The fewest participants whose power is at least `target`, with it; `None` if 10,000 do not have
-/// it. By doubling, then halving: power grows with participants. `at` simulates `studies` studies of so many
+/// A search for the fewest participants that find a difference.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ParticipantSearch {
+    /// The power that they are to have.
+    pub target: f64,
+    /// Studies that are simulated of each number of participants.
+    pub studies: usize,
+    /// Where the search ends.
+    pub most: usize,
+}
+
+/// The fewest participants whose power is at least the target, with it; `None` if the most do not have
+/// it. By doubling, then halving: power grows with participants. `at` simulates studies of so many
 /// participants; `progress` is called each time that it did.
 ///
 /// # Errors
-/// Those of `at`, `target` outside (0, 1).
+/// Those of `at`, a target outside (0, 1).
 pub fn participants_for(
-    target: f64,
-    studies: usize,
+    search: &ParticipantSearch,
     at: &dyn Fn(usize) -> Result<Power, Unestimable>,
     progress: &dyn Fn(Searched),
 ) -> Result<Option<(usize, Power)>, Unestimable> {
+    let ParticipantSearch { target, studies, most } = *search;
     check_level(target)?;
     let mut simulated = 0;
     let mut searched = |participants: usize, low: usize, high: usize| {
@@ -169,10 +180,10 @@ pub fn participants_for(
     let mut at_high = at(high)?;
     searched(high, low, high);
     while at_high.estimate < target {
-        if high >= MOST_PARTICIPANTS {
+        if high >= most {
             return Ok(None);
         }
-        (low, high) = (high, (2 * high).min(MOST_PARTICIPANTS));
+        (low, high) = (high, (2 * high).min(most));
         at_high = at(high)?;
         searched(high, low, high);
     }
@@ -476,6 +487,10 @@ mod tests {
         move |difference| power(&Plan { difference, ..plan }, &simulation)
     }
 
+    fn many(simulation: Simulation) -> ParticipantSearch {
+        ParticipantSearch { target: 0.8, studies: simulation.studies, most: MOST_PARTICIPANTS }
+    }
+
     fn search(plan: Plan, studies: usize) -> DifferenceSearch {
         DifferenceSearch {
             target: 0.8,
@@ -488,7 +503,7 @@ mod tests {
     #[test]
     fn the_fewest_participants_are_enough_and_one_fewer_are_not() {
         let at = of_participants(PLAN, SIMULATION);
-        let (n, found) = participants_for(0.8, SIMULATION.studies, &at, &|_| {}).unwrap().unwrap();
+        let (n, found) = participants_for(&many(SIMULATION), &at, &|_| {}).unwrap().unwrap();
         assert!(found.estimate >= 0.8, "{found:?}");
         let fewer = power(&Plan { participants: n - 1, ..PLAN }, &SIMULATION).unwrap();
         assert!(fewer.estimate < 0.8);
@@ -497,7 +512,7 @@ mod tests {
         let hopeless = Plan { difference: 0.0, ..PLAN };
         let few = Simulation { studies: 5, ..SIMULATION };
         let at = of_participants(hopeless, few);
-        assert_eq!(participants_for(0.8, few.studies, &at, &|_| {}).unwrap(), None);
+        assert_eq!(participants_for(&many(few), &at, &|_| {}).unwrap(), None);
     }
 
     #[test]
@@ -519,7 +534,7 @@ mod tests {
         let steps = RefCell::new(Vec::new());
         let keep = |searched| steps.borrow_mut().push(searched);
         let at = of_participants(PLAN, few);
-        let (n, _) = participants_for(0.8, few.studies, &at, &keep).unwrap().unwrap();
+        let (n, _) = participants_for(&many(few), &at, &keep).unwrap().unwrap();
         let of_participants = steps.take();
         let at = of_difference(PLAN, few);
         smallest_difference(&search(PLAN, few.studies), &at, &keep).unwrap();
@@ -570,7 +585,8 @@ mod tests {
         }
         assert!(power(&PLAN, &Simulation { alpha: 1.0, ..SIMULATION }).is_err());
         let at = of_participants(PLAN, SIMULATION);
-        assert!(participants_for(80.0, SIMULATION.studies, &at, &|_| {}).is_err());
+        let beyond = ParticipantSearch { target: 80.0, ..many(SIMULATION) };
+        assert!(participants_for(&beyond, &at, &|_| {}).is_err());
     }
 
     const POWER_OF_R: [(usize, f64); 3] =

@@ -67,8 +67,28 @@ pub fn study_changes(then: &Study, now: &Study) -> Vec<StudyChange> {
         let now = "another by less than a billionth".to_owned();
         changes.push(change("study.toml", "one number".to_owned(), now));
     }
+    for change in &mut changes {
+        if asks_for_other_pairs(&change.key, then, now) {
+            change.affects = Affects::Recording;
+        }
+    }
     changes.sort_by(|a, b| a.key.cmp(&b.key));
     changes
+}
+
+/// Whether a change of this key is one of what people are asked about the pairs of a score: a score with pairs that came
+/// or went, other questions in it (their order is none of the pairs'), or other words.
+fn asks_for_other_pairs(key: &str, then: &Study, now: &Study) -> bool {
+    let parts: Vec<&str> = key.split('.').collect();
+    let (["scores", id] | ["scores", id, "pairs" | "questions"]) = parts[..] else { return false };
+    let [then, now] = [then, now].map(|study| {
+        let score = study.scores.iter().find(|score| score.id.as_str() == id);
+        score.filter(|score| score.pairs.is_some())
+    });
+    match [then, now] {
+        [Some(then), Some(now)] => then.pairs != now.pairs || then.weighing() != now.weighing(),
+        [then, now] => then.is_some() || now.is_some(),
+    }
 }
 
 fn differences(
@@ -111,11 +131,11 @@ fn change(key: &str, then: String, now: String) -> StudyChange {
 }
 
 /// What a change of this key affects. A question's order, group and direction belong to the tally;
-/// its wording and its place belong to what the participant was asked.
+/// its wording and its place belong to what the participant was asked. So do the pairs of a score, of which the key alone does
+/// not tell ([`asks_for_other_pairs`]).
 fn affects(key: &str) -> Affects {
     let parts: Vec<&str> = key.split('.').collect();
     match parts.as_slice() {
-        ["scores", _, "pairs"] => Affects::Recording,
         ["study", "title"]
         | ["coordinate", ..]
         | ["masses", ..]
@@ -320,6 +340,43 @@ mod tests {
         let [found] = study_changes(&then, &now).try_into().unwrap();
         assert_eq!((found.key.as_str(), found.affects), ("scores.load.pairs", Affects::Recording));
         assert_eq!(study_changes(&then, &other)[0].affects, Affects::Nothing);
+    }
+
+    #[test]
+    fn a_score_with_pairs_that_comes_or_goes_affects_the_recording_and_one_without_does_not() {
+        let score = with_pairs("pairs = \"A?\"");
+        let mut none = score.clone();
+        none.scores.clear();
+        none.questions.retain(|question| !question.is_pair());
+        let mut raw = none.clone();
+        raw.scores = score.scores.clone();
+        raw.scores[0].kind = crate::ScoreKind::NasaTlxRaw;
+        raw.scores[0].pairs = None;
+        for (then, now, affects) in [
+            (&none, &score, Affects::Recording),
+            (&score, &none, Affects::Recording),
+            (&none, &raw, Affects::Nothing),
+            (&raw, &none, Affects::Nothing),
+        ] {
+            let [found] = study_changes(then, now).try_into().unwrap();
+            assert_eq!((found.key.as_str(), found.affects), ("scores.load", affects));
+        }
+        let changes = study_changes(&score, &raw);
+        let pairs = changes.iter().find(|change| change.key == "scores.load.pairs").unwrap();
+        assert_eq!(pairs.affects, Affects::Recording);
+    }
+
+    #[test]
+    fn other_questions_of_a_score_with_pairs_affect_the_recording_and_their_order_does_not() {
+        let then = with_pairs("pairs = \"A?\"");
+        let mut turned = then.clone();
+        turned.scores[0].questions.reverse();
+        let mut other = then.clone();
+        other.scores[0].questions[5] = "felt_wall".parse().unwrap();
+        for (now, affects) in [(turned, Affects::Nothing), (other, Affects::Recording)] {
+            let [found] = study_changes(&then, &now).try_into().unwrap();
+            assert_eq!((found.key.as_str(), found.affects), ("scores.load.questions", affects));
+        }
     }
 
     #[test]

@@ -68,6 +68,9 @@ impl fmt::Display for PersonValue {
 }
 
 impl People {
+    /// A number of this name has no decimals: with them it would be a date of birth.
+    pub const AGE: &str = "age_years";
+
     /// The row of somebody, if they have one.
     pub fn row(&self, who: &ParticipantId) -> Option<&Person> {
         self.0.get(who)

@@ -86,14 +86,17 @@ impl Score {
         })
     }
 
-    /// Each two of its questions, by their places: 15 of six. The first of them stands for the answer 1, the second for
-    /// 2.
+    /// Each two of its questions, by their places: 15 of six. The one whose id is first in the alphabet stands first, for
+    /// the answer 1, and the other for 2: answers keep their meaning when the list gets another order.
     pub fn pairs_of_places(&self) -> Vec<[usize; 2]> {
         let n = self.questions.len();
-        (0..n).flat_map(|first| (first + 1..n).map(move |second| [first, second])).collect()
+        let mut by_id: Vec<usize> = (0..n).collect();
+        by_id.sort_by_key(|place| self.questions[*place].as_str());
+        let pairs = (0..n).flat_map(|first| (first + 1..n).map(move |second| [first, second]));
+        pairs.map(|pair| pair.map(|place| by_id[place])).collect()
     }
 
-    /// The id of the question about a pair: `mental_or_effort`.
+    /// The id of the question about one of [`Score::pairs_of_places`]: `effort_or_mental`.
     ///
     /// # Errors
     /// An id that is too long.
@@ -127,7 +130,9 @@ impl Score {
                 Some(1) => first,
                 Some(2) => second,
                 _ => {
-                    return Err(format!("a pair is answered by {answer}, which is neither 1 nor 2"));
+                    return Err(format!(
+                        "a pair is answered by {answer}, which is neither 1 nor 2"
+                    ));
                 }
             };
             chosen[place] += 1.0;

@@ -47,3 +47,30 @@ pub fn curve_spreads(
     };
     comparisons.iter().map(spread).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::curves::compare_curves;
+    use crate::curves::tests::{parameters, people};
+
+    /// The mean of the differences is what the comparison finds, node by node.
+    #[test]
+    fn the_spread_is_of_what_is_compared_and_counts_what_is_adjusted_together() {
+        let (sessions, parameters) = (people(7), parameters());
+        let spreads = curve_spreads(&sessions, Curve::ForceOverAngle, &parameters);
+        let [hybrid, passive] = spreads.as_slice() else { panic!("{spreads:?}") };
+        assert_eq!((hybrid.differences.len(), hybrid.together), (7, 2));
+        assert_eq!((passive.differences.len(), passive.places.len()), (0, 0));
+        let found = compare_curves(&sessions, &parameters).unwrap();
+        assert_eq!((hybrid.places.len(), &hybrid.lengths[..]), (found.points.len(), &[11, 11][..]));
+        for (node, point) in found.points.iter().enumerate() {
+            let mean = hybrid.differences.iter().map(|row| row[node]).sum::<f64>() / 7.0;
+            assert!((mean - point.difference).abs() < 1e-12, "{node}");
+            assert_eq!(Some(hybrid.places[node]), point.theta_rad);
+        }
+        let each = CurveParameters { families: Families::Environment, ..parameters };
+        assert_eq!(curve_spreads(&sessions, Curve::ForceOverAngle, &each)[0].together, 2);
+        assert!(curve_spreads(&sessions, Curve::ThetaOverTime, &each).is_empty());
+    }
+}

@@ -591,7 +591,7 @@ impl Row {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use zwidth_study::{FactorId, GroupsCompared, Term};
 
@@ -611,7 +611,7 @@ mod tests {
         }
     }
 
-    fn parameters() -> CurveParameters {
+    pub(crate) fn parameters() -> CurveParameters {
         let contrast = |mode: &str| Contrast {
             mode: mode.parse().unwrap(),
             against: "active".parse().unwrap(),
@@ -631,7 +631,7 @@ mod tests {
     }
 
     /// So many people in two modes, of which the second is steeper.
-    fn people(number: usize) -> Vec<SessionCurve> {
+    pub(crate) fn people(number: usize) -> Vec<SessionCurve> {
         let both = |who| {
             let more = 1.0 + 0.2 * (who as f64).cos();
             let end = 0.5 + 0.01 * who as f64;

@@ -278,7 +278,7 @@ impl<'a> Tested<'a> {
             notes::models(measure, &models),
             notes::sessions(measure, &sessions),
             notes::covariates(measure),
-            notes::over_trials(cells, measure, parameters),
+            notes::over_trials(cells, trials, measure, parameters),
             notes::same_order(trials, unit, measure, parameters),
             notes::learning(measure),
             notes::repeats(measure, unit),

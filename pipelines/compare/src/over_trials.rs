@@ -53,21 +53,6 @@ impl Lines {
         (nobody.into_iter().map(|[_, environment]| environment).collect(), people.len())
     }
 
-    /// Environments in which several participants have a line, and all of these had the modes in the same order.
-    pub(crate) fn in_one_order(&self) -> Vec<usize> {
-        let mut orders: BTreeMap<usize, Vec<Vec<[usize; 2]>>> = BTreeMap::new();
-        for ([_, environment], line) in &self.0 {
-            orders.entry(*environment).or_default().push(line.order());
-        }
-        let is_one = |orders: &[Vec<[usize; 2]>]| {
-            orders.len() > 1 && orders[0].len() > 1 && orders.iter().all(|own| *own == orders[0])
-        };
-        orders
-            .into_iter()
-            .filter_map(|(environment, orders)| is_one(&orders).then_some(environment))
-            .collect()
-    }
-
     /// How many times the line makes the variance of a weighted sum of somebody's conditions larger, mean over
     /// participants.
     pub(crate) fn inflation(

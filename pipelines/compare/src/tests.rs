@@ -584,4 +584,40 @@ fn an_order_that_differs_between_people_or_is_balanced_within_them_is_not_told()
         panic!()
     };
     assert!(told.contains("(active, hybrid)"), "{told}");
+    // Half of them around the other way are balanced, too; beside a line as well.
+    let mut both = around(["active", "hybrid", "hybrid", "active"]);
+    both.truncate(8);
+    both.extend(around(["hybrid", "active", "active", "hybrid"]).into_iter().skip(8));
+    assert_eq!(order_notes(&both, &parameters()), [""; 0]);
+    let adjusted = Parameters { over: Some(zwidth_study::OverTrials::Trial), ..parameters() };
+    let notes = |trials: &[Trial]| {
+        let found = super::compare(&metrics(trials), &adjusted).unwrap();
+        found
+            .notes
+            .iter()
+            .filter(|note| note.note.to_string().contains("in the same order"))
+            .count()
+    };
+    assert_eq!(notes(&both), 0);
+    assert!(notes(&around(["active", "active", "hybrid", "hybrid"])) > 0);
+}
+
+/// Three people had six trials of each of two modes in blocks; one did the first again at the end.
+#[test]
+fn a_trial_that_was_done_again_hides_no_order() {
+    let of = |who: &'static str, again: bool| {
+        let trials = (1..=12).map(move |i| {
+            let mode = if i <= 6 { "active" } else { "hybrid" };
+            (who, "S01", mode, (i - 1) % 6 + 1, Some(f64::from(i % 5)))
+        });
+        let mut trials: Vec<Trial> = trials.collect();
+        if again {
+            trials.remove(0);
+            trials.push((who, "S01", "active", 1, Some(1.0)));
+        }
+        trials
+    };
+    let trials = [of("P01", false), of("P02", true), of("P03", false)].concat();
+    let [told] = &order_notes(&trials, &parameters())[..] else { panic!() };
+    assert!(told.contains("(active, hybrid)"), "{told}");
 }

@@ -2,7 +2,7 @@
 
 use crate::measure::Measure;
 use crate::{CompareError, Parameters};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use zwidth_study::{ParticipantId, SessionId};
 use zwidth_tables::Measured;
 
@@ -71,6 +71,50 @@ impl Trials {
         mode: usize,
     ) -> impl Iterator<Item = &Trial> {
         self.trials.iter().filter(move |t| (t.environment, t.mode) == (environment, mode))
+    }
+
+    /// The modes of an environment in the order in which everybody had them; none where somebody had two of them the
+    /// other way round, or mingled so that neither came first, as A B B A.
+    pub(crate) fn one_order(&self, environment: usize) -> Option<Vec<usize>> {
+        /// The share of pairs of trials, of one mode and of another, in which the first one comes earlier, from which on
+        /// their order tells practice from neither: that of A B A B. Orders that were drawn are about even, and a trial
+        /// that was done again at the end moves it little.
+        const MOSTLY: f64 = 0.75;
+        let mut sessions: BTreeMap<[usize; 2], BTreeMap<usize, Vec<u32>>> = BTreeMap::new();
+        for trial in self.trials.iter().filter(|trial| trial.environment == environment) {
+            let own = sessions.entry([trial.participant, trial.session]).or_default();
+            own.entry(trial.mode).or_default().push(trial.number);
+        }
+        // Of each two modes the share in every session that has both; who lacks a mode has the others in that order.
+        let mut shares: BTreeMap<[usize; 2], Vec<f64>> = BTreeMap::new();
+        for modes in sessions.values() {
+            for (first, of_first) in modes {
+                for (second, of_second) in modes.range(first + 1..) {
+                    let earlier = |one: &u32| of_second.iter().filter(|other| one < other).count();
+                    let earlier: usize = of_first.iter().map(earlier).sum();
+                    let share = earlier as f64 / (of_first.len() * of_second.len()) as f64;
+                    shares.entry([*first, *second]).or_default().push(share);
+                }
+            }
+        }
+        shares.retain(|_, own| own.len() > 1);
+        let mut before: BTreeMap<usize, usize> = BTreeMap::new();
+        for ([first, second], own) in shares {
+            let mean = own.iter().sum::<f64>() / own.len() as f64;
+            let (is_one, later) = match mean > 0.5 {
+                true => (own.iter().all(|share| *share > 0.5), second),
+                false => (own.iter().all(|share| *share < 0.5), first),
+            };
+            if !is_one || mean.max(1.0 - mean) < MOSTLY {
+                return None;
+            }
+            for mode in [first, second] {
+                *before.entry(mode).or_default() += usize::from(mode == later);
+            }
+        }
+        let mut order: Vec<usize> = before.keys().copied().collect();
+        order.sort_by_key(|mode| before[mode]);
+        (!order.is_empty()).then_some(order)
     }
 }
 

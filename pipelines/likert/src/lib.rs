@@ -41,4 +41,4 @@ pub use scores::{AnsweredTrial, Scoring, reliability, scores};
 pub use tally::{LikertError, Scheme, tally, tally_table};
 
 /// Version of the algorithms here: a change of any number they give raises it.
-pub const VERSION: u32 = 7;
+pub const VERSION: u32 = 8;

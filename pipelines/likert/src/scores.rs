@@ -34,6 +34,11 @@ impl Scoring {
         scores.flat_map(|score| [score.questions.clone(), score.weighing()].concat()).collect()
     }
 
+    /// Whether an answer is one about a pair, which people give once in a session.
+    pub fn weighs_session(&self, answer: &Answer) -> bool {
+        self.question(&answer.question).is_some_and(Question::is_pair)
+    }
+
     fn question(&self, id: &QuestionId) -> Option<&Question> {
         self.questions.iter().find(|question| question.id == *id)
     }
@@ -41,6 +46,9 @@ impl Scoring {
 
 /// A trial, and what was answered after it.
 type Trial<'a> = (&'a ParticipantId, &'a SessionId, u32);
+
+/// The answers after each trial.
+type Given<'a> = BTreeMap<Trial<'a>, BTreeMap<&'a QuestionId, AnswerValue>>;
 
 /// A trial with answers: which repeat of its condition it is, and where it is from.
 #[derive(Debug, Clone, Serialize)]
@@ -59,14 +67,22 @@ pub struct AnsweredTrial {
 
 /// Every score of every trial after which one of its questions was answered, in the order of scores, then of
 /// people, sessions and trials. An answer that its scale does not have counts as none. Weights that were given once
-/// in a session stand for each of its trials.
+/// in a session stand for each of its trials; so do its pairs where they followed a trial that does not count, and these
+/// are `left_out`, those to one question of a trial in the order in which they were given.
 pub fn scores(
     answers: &[Answer],
+    left_out: &[Answer],
     answered: &[AnsweredTrial],
     scoring: &Scoring,
 ) -> Vec<TrialScore> {
     let known: BTreeMap<Trial, &AnsweredTrial> =
         answered.iter().map(|own| ((&own.participant, &own.session, own.trial), own)).collect();
+    let mut all = Given::new();
+    // What counts comes last, and takes the place of what does not.
+    for answer in left_out.iter().chain(answers).filter(|answer| scoring.weighs_session(answer)) {
+        let trial = (&answer.participant, &answer.session, answer.trial);
+        all.entry(trial).or_default().insert(&answer.question, answer.value);
+    }
     let mut trials: BTreeMap<Trial, (&Condition, BTreeMap<&QuestionId, AnswerValue>)> =
         BTreeMap::new();
     for answer in answers {
@@ -97,8 +113,15 @@ pub fn scores(
                 own.next().is_none().then_some(first)
             };
             let has_own = weighing.iter().any(|id| given.contains_key(id));
+            let counts = |own: &Trial| trials.contains_key(own);
+            let pairs = score.pairs.as_ref();
+            let of_session = pairs.and_then(|_| pairs_of_session(&all, trial, &weighing, counts));
             let weight = |id| {
-                let weight = if has_own { given.get(id).copied() } else { once(id) };
+                let weight = match of_session {
+                    _ if has_own => given.get(id).copied(),
+                    Some(whole) => whole.get(id).copied(),
+                    None => once(id),
+                };
                 let question = scoring.question(id);
                 weight.filter(|weight| question.is_none_or(|own| own.scale.has(*weight)))
             };
@@ -125,6 +148,21 @@ pub fn scores(
         }
     }
     rows
+}
+
+/// The pairs of a trial's session: all of them, as they were answered after its last trial that was followed by them, whether
+/// or not it counts. There are none for the whole session if several trials that count have all of their own.
+fn pairs_of_session<'g, 'a>(
+    all: &'g Given<'a>,
+    trial: &Trial<'a>,
+    weighing: &[QuestionId],
+    counts: impl Fn(&Trial<'a>) -> bool,
+) -> Option<&'g BTreeMap<&'a QuestionId, AnswerValue>> {
+    let session = all.range((trial.0, trial.1, 0)..=(trial.0, trial.1, u32::MAX));
+    let is_whole = |given: &BTreeMap<_, _>| weighing.iter().all(|id| given.contains_key(id));
+    let whole: Vec<_> = session.filter(|(_, given)| is_whole(given)).collect();
+    let counting = whole.iter().filter(|(own, _)| counts(own)).count();
+    whole.last().filter(|_| counting < 2).map(|(_, given)| *given)
 }
 
 /// Everybody's answers to each question.
@@ -255,15 +293,15 @@ mod tests {
             answer("P02", 1, "d", 100),
         ];
         answers.reverse();
-        let rows = scores(&answers, &answered(&answers), &scoring(ScoreKind::Mean, None));
+        let rows = scores(&answers, &[], &answered(&answers), &scoring(ScoreKind::Mean, None));
         let values: Vec<Option<f64>> = rows.iter().map(|row| row.value).collect();
         assert_eq!((values, rows[1].answered), (vec![Some(20.0), None], 2));
         let why = rows[1].remark.as_ref().unwrap().to_string();
         assert_eq!(why, "2 of 3 questions are answered, 3 are needed");
-        let rows = scores(&answers, &answered(&answers), &scoring(ScoreKind::Mean, Some(0.6)));
+        let rows = scores(&answers, &[], &answered(&answers), &scoring(ScoreKind::Mean, Some(0.6)));
         assert_eq!(rows[1].value, Some(30.0));
         assert_eq!(
-            scores(&answers, &answered(&answers), &scoring(ScoreKind::Sum, None))[0].value,
+            scores(&answers, &[], &answered(&answers), &scoring(ScoreKind::Sum, None))[0].value,
             Some(60.0)
         );
     }
@@ -282,7 +320,7 @@ mod tests {
             answers.push(answer("P01", 2, question, value));
         }
         let values = |answers: &[Answer]| -> Vec<Option<f64>> {
-            scores(answers, &answered(answers), &scoring).iter().map(|row| row.value).collect()
+            scores(answers, &[], &answered(answers), &scoring).iter().map(|row| row.value).collect()
         };
         // The second question is turned: (5 · 20 + 4 · 60 + 6 · 10) / 15 and with 20 in the place of 10.
         let expected = [400.0 / 15.0, 460.0 / 15.0];
@@ -292,6 +330,53 @@ mod tests {
         // A trial with some weights of its own takes no others.
         answers.push(answer("P01", 1, "d", 5));
         assert_eq!(values(&answers)[0], None);
+    }
+
+    #[test]
+    fn pairs_stand_for_the_session_even_if_the_trial_before_them_does_not_count() {
+        let mut scoring = scoring(ScoreKind::NasaTlx, None);
+        let ids = ["a", "b", "c", "d", "e", "f"];
+        let score = &mut scoring.scores[0];
+        score.questions = ids.map(|id| id.parse().unwrap()).to_vec();
+        score.pairs = Some("Which?".to_owned());
+        let weighing = score.weighing();
+        scoring.questions = questions(&ids);
+        scoring.questions[1].reversed = false;
+        scoring.questions.extend(weighing.iter().map(|id| Question {
+            id: id.clone(),
+            scale: AnswerScale::Pair(["1", "2"].map(str::to_owned)),
+            reversed: false,
+            is_weight: true,
+            ..questions(&["a"])[0].clone()
+        }));
+        let rated = |trial: u32| {
+            let values = [10, 20, 30, 40, 50, 60].into_iter().zip(ids);
+            values.map(move |(value, id)| answer("P01", trial, id, value))
+        };
+        let weighed = |trial: u32, chosen: i16, number: usize| -> Vec<Answer> {
+            let own = weighing.iter().take(number);
+            own.map(|id| answer("P01", trial, id.as_str(), chosen)).collect()
+        };
+        let found = |more: Vec<Answer>, left_out: &[Answer]| -> Vec<Option<f64>> {
+            let answers: Vec<Answer> = [1, 2].into_iter().flat_map(rated).chain(more).collect();
+            let rows = super::scores(&answers, left_out, &answered(&answers), &scoring);
+            rows.iter().map(|row| row.value.map(f64::round)).collect()
+        };
+        // The second of each two, chosen 0 to 5 times: 700 / 15. The first: 350 / 15.
+        let [second, first] = [Some(47.0), Some(23.0)];
+        assert_eq!(found(Vec::new(), &weighed(3, 2, 15)), [second; 2]);
+        // The latest that are whole.
+        let twice = [weighed(3, 2, 15), weighed(4, 1, 15), weighed(5, 2, 14)].concat();
+        assert_eq!(found(Vec::new(), &twice), [first; 2]);
+        assert_eq!(found(weighed(2, 1, 15), &weighed(1, 2, 15)[..3]), [first; 2]);
+        assert_eq!(found(Vec::new(), &weighed(3, 2, 14)), [None; 2]);
+        // One pair by itself takes nothing from the other trials; whole ones of several trials are for each its own.
+        let stray = [weighed(1, 2, 1), weighed(2, 1, 15)].concat();
+        assert_eq!(found(stray.clone(), &[]), [None, first]);
+        let third: Vec<Answer> = rated(3).collect();
+        assert_eq!(found([stray, third.clone()].concat(), &[]), [None, first, first]);
+        let each = [weighed(1, 2, 15), weighed(2, 1, 15), third].concat();
+        assert_eq!(found(each, &[]), [second, first, None]);
     }
 
     #[test]

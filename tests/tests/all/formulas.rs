@@ -57,11 +57,24 @@ pub(crate) fn record(
 
 /// Imports all recordings into the study of that id, which is this; the force is what `to` says.
 pub(crate) fn import(root: &Path, id: &str, study: &str, to: &str) {
+    import_by(root, id, study, &format!("{MAP}{to}\nfrom = \"force_n\"\nunit = \"N\"\n"));
+}
+
+/// The same of recordings in one mode, whose files name the environment in its place.
+pub(crate) fn import_of_environments(root: &Path, id: &str, study: &str, mode: &str) {
+    let map = MAP
+        .replace("environment = \"task\"", "environment = { name = \"mode\" }")
+        .replace("mode = { name = \"mode\" }\nrepeat", &format!("mode = \"{mode}\"\nrepeat"));
+    let force = "[[column]]\nto = \"force_ex_n\"\nfrom = \"force_n\"\nunit = \"N\"\n";
+    import_by(root, id, study, &(map + force));
+}
+
+fn import_by(root: &Path, id: &str, study: &str, map_text: &str) {
     let raw = root.join("raw").join(id);
     fs::create_dir_all(&raw).unwrap();
     fs::write(raw.join("study.toml"), study).unwrap();
     let map = root.join("map.toml");
-    fs::write(&map, format!("{MAP}{to}\nfrom = \"force_n\"\nunit = \"N\"\n")).unwrap();
+    fs::write(&map, map_text).unwrap();
     let files = fs::read_dir(root.join("recordings")).unwrap();
     let files: Vec<PathBuf> = files.map(|entry| entry.unwrap().path()).collect();
     let files = files.iter().map(|path| path.to_str().unwrap());

@@ -1,6 +1,8 @@
 //! Scores of questionnaires, from a table by formula to the comparison of modes.
 
+use crate::acquire::{Desk, TRIALS};
 use crate::binary::zwidth;
+use crate::folders::append;
 use crate::formulas::{near, ran, u};
 use serde_json::Value;
 use std::collections::BTreeSet;
@@ -25,10 +27,11 @@ mode = { column = "mode" }
 [questions.columns]
 "#;
 
-/// The places of each two of the six, and the id of the question about them.
+/// The places of each two of the six, the first in the alphabet first, and the id of the question about them.
 fn pairs() -> Vec<(usize, usize, String)> {
-    let each = (0..6).flat_map(|a| (a + 1..6).map(move |b| (a, b)));
-    each.map(|(a, b)| (a, b, format!("{}_or_{}", SCALES[a], SCALES[b]))).collect()
+    let each = (0..6).flat_map(|a| (0..6).map(move |b| (a, b)));
+    let pairs = each.filter(|(a, b)| SCALES[*a] < SCALES[*b]);
+    pairs.map(|(a, b)| (a, b, format!("{}_or_{}", SCALES[a], SCALES[b]))).collect()
 }
 
 fn ids(of: impl Iterator<Item = String>) -> String {
@@ -227,4 +230,76 @@ fn a_score_with_a_missing_weight_is_none_and_says_so() {
     let line = "compare scales --metric score_workload --by participant --json";
     let tables: Value = serde_json::from_str(&ran(root, line).out).unwrap();
     assert_eq!(tables[0]["rows"].as_array().unwrap().len(), 9, "{tables}");
+}
+
+/// A session of which every trial is rated by the TLX, and whose pairs were asked after the last one.
+fn weighed() -> Desk {
+    let desk = Desk::new(false);
+    let items = ids(SCALES.iter().map(ToString::to_string));
+    for id in ["felt_spring", "felt_wall"] {
+        desk.edit_study(&format!("question = \"{id}\""), &format!("questions = [{items}]"));
+    }
+    let mut more = String::new();
+    for scale in SCALES {
+        write!(more, "[[questions]]\nid = \"{scale}\"\ntext = \"{scale}\"\n").unwrap();
+    }
+    write!(
+        more,
+        "[[scores]]\nid = \"load\"\nkind = \"nasa_tlx\"\nquestions = [{items}]\npairs = \"Which of the two?\"\n"
+    )
+    .unwrap();
+    append(&desk.root().join("raw/small/study.toml"), &more);
+    let trials = "start\n1\n2\n3\n4\n5\n1\n".repeat(TRIALS);
+    let lines = trials + &"2\n".repeat(15) + "quit\n";
+    desk.acquire(&lines, &[]).exits(0);
+    desk
+}
+
+/// The trials that count, each with its score.
+fn loads(desk: &Desk) -> Vec<(i64, Option<f64>)> {
+    zwidth(desk.root(), &["run", "--only", "likert"]).exits(0);
+    let scores = Table::from_parquet(&desk.root().join("derived/small/scores.parquet")).unwrap();
+    let trials = scores.integers("trial").unwrap().into_iter().flatten();
+    let mut rows: Vec<_> = trials.zip(scores.floats("value").unwrap()).collect();
+    rows.sort_by_key(|(trial, _)| *trial);
+    rows
+}
+
+#[test]
+fn pairs_outlive_the_trial_that_they_followed_and_another_order_of_the_list() {
+    let desk = weighed();
+    let before = loads(&desk);
+    assert_eq!(before.len(), 6);
+    assert!(before.iter().all(|(_, load)| load.is_some()), "{before:?}");
+    let last = ["--trial", "7", "the phone rang"];
+    let session = ["exclude", "small", "-p", "P01", "-s", "S01"];
+    zwidth(desk.root(), &[&session[..], &last].concat()).exits(0);
+    assert_eq!(loads(&desk), before[..5]);
+    let list = |of: Vec<&str>| ids(of.into_iter().map(str::to_owned));
+    let [forwards, backwards] = [SCALES.to_vec(), SCALES.into_iter().rev().collect()].map(list);
+    desk.edit_study(
+        &format!("questions = [{forwards}]\npairs"),
+        &format!("questions = [{backwards}]\npairs"),
+    );
+    desk.verify();
+    let turned = loads(&desk);
+    assert_eq!(turned.len(), 5);
+    for ((_, found), (_, expected)) in turned.iter().zip(&before) {
+        assert!((found.unwrap() - expected.unwrap()).abs() < 1e-9, "{turned:?} {before:?}");
+    }
+}
+
+#[test]
+fn a_pair_is_answered_later_with_the_trial_that_has_the_others_alone() {
+    let desk = weighed();
+    let answer = |trial: &str| {
+        let session = ["answer", "small", "-p", "P01", "-s", "S01"];
+        let pair = ["--question", "effort_or_mental", "--trial", trial, "1"];
+        zwidth(desk.root(), &[&session[..], &pair].concat())
+    };
+    let words = "the pairs of score load are asked once in the session, and belong to trial 7";
+    answer("4").exits(1).one_error().says(&[words]);
+    answer("7").exits(0).prints(&["trial 7: effort_or_mental is answered with 1"]);
+    let loads = loads(&desk);
+    assert!(loads.len() == 6 && loads.iter().all(|(_, load)| load.is_some()), "{loads:?}");
 }

@@ -168,14 +168,17 @@ fn answered(data: &StudyData) -> Vec<AnsweredTrial> {
 struct ScoreParameters {
     scoring: Scoring,
     answers: Vec<Answer>,
+    /// Pairs after trials that do not count.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    left_out: Vec<Answer>,
     trials: Vec<AnsweredTrial>,
     simulated: bool,
 }
 
 fn make_scores(parameters: &ScoreParameters, (): &(), making: &Making) -> Result<Made, JobError> {
-    let ScoreParameters { scoring, answers, trials, simulated } = parameters;
+    let ScoreParameters { scoring, answers, left_out, trials, simulated } = parameters;
     let tables = vec![
-        Table::of_rows(&zwidth_likert::scores(answers, trials, scoring))?,
+        Table::of_rows(&zwidth_likert::scores(answers, left_out, trials, scoring))?,
         Table::of_rows(&zwidth_likert::reliability(answers, scoring))?.with_note(
             "Cronbach's α of participants' mean answers in a condition and session; its interval after Feldt, Woodruff and Salih \
              1987. Conditions are never taken for people.",
@@ -191,8 +194,10 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
         let scoring = Scoring::of(&data.study);
         let taken = scoring.taken();
         let answers = data.answers.iter().filter(|answer| taken.contains(&answer.question));
+        let left_out = data.answers_left_out.iter().map(|other| &other.answer);
         let parameters = ScoreParameters {
             answers: answers.cloned().collect(),
+            left_out: left_out.filter(|answer| scoring.weighs_session(answer)).cloned().collect(),
             trials: answered(data),
             simulated: data.sessions.iter().any(|log| log.record.source.is_simulated()),
             scoring,

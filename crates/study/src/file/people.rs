@@ -15,8 +15,6 @@ const MOST_COLUMNS: usize = 16;
 const LEVELS: std::ops::RangeInclusive<usize> = 2..=12;
 /// The first column of a participants' file in CSV.
 const PARTICIPANT: &str = "participant";
-/// A number of this name has no decimals: with them it would be a date of birth.
-const AGE: &str = "age_years";
 /// Words that name people, or lead to them.
 const PERSONAL: [&str; 11] = [
     "name",
@@ -392,7 +390,9 @@ fn of_column(
         (Known::Number { unit }, Cell::Number(number)) if !number.is_finite() => {
             return Err(format!("{number} is not a number; give one in {unit}, or leave it out"));
         }
-        (Known::Number { .. }, Cell::Number(number)) if id == AGE && number.fract() != 0.0 => {
+        (Known::Number { .. }, Cell::Number(number))
+            if id == People::AGE && number.fract() != 0.0 =>
+        {
             return Err(format!("{number} has decimals, which tell a birthday; give whole years"));
         }
         (Known::Number { .. }, Cell::Number(number)) => PersonValue::Number(number),

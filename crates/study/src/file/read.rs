@@ -5,7 +5,9 @@ use super::compare::Comparable;
 use super::shape::*;
 use super::units::MILLI;
 use crate::form::READ_CHANNELS;
-use crate::model::{Analysis, Coordinate, Design, Device, Masses, Mode, Resistances, Study};
+use crate::model::{
+    Analysis, Coordinate, Design, Device, Environment, Masses, Mode, Resistances, Study,
+};
 use crate::{
     ActuatorKind, Channel, Control, MOST_CHANNELS, Schema, StudyError, VelocityFilter, locate,
 };
@@ -158,7 +160,7 @@ impl Check<'_> {
         let questions: BTreeSet<&str> = file.questions.iter().map(|q| q.id.as_str()).collect();
         let ids: Vec<&str> = file.environments.iter().map(|e| e.id.as_str()).collect();
         let figures = self.figures(&file.figures, &ids);
-        let environments = file
+        let environments: Vec<Environment> = file
             .environments
             .iter()
             .enumerate()
@@ -186,7 +188,7 @@ impl Check<'_> {
         );
         let mut questions = self.questions(file.questions, &labels);
         self.scores(&file.scores, &questions, &file.metrics);
-        self.weigh(&file.scores, &mut questions);
+        self.weigh(&file.scores, &environments, &mut questions);
         Study {
             id: file.study.id,
             title: file.study.title,

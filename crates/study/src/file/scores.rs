@@ -1,7 +1,7 @@
 //! The checks of `[[scores]]` of a `study.toml`.
 
 use super::check::Check;
-use crate::{AnswerScale, OwnMetric, Question, Score, ScoreKind};
+use crate::{AnswerScale, Environment, OwnMetric, Question, Score, ScoreKind};
 use std::collections::BTreeSet;
 
 /// No study has more scores.
@@ -148,7 +148,12 @@ impl Check<'_> {
     }
 
     /// Marks the questions that are weights, and adds one about each pair of the questions of a score with `pairs`.
-    pub(super) fn weigh(&mut self, scores: &[Score], questions: &mut Vec<Question>) {
+    pub(super) fn weigh(
+        &mut self,
+        scores: &[Score],
+        environments: &[Environment],
+        questions: &mut Vec<Question>,
+    ) {
         let weights: BTreeSet<_> = scores.iter().flat_map(|score| &score.weights).collect();
         for question in questions.iter_mut() {
             question.is_weight = weights.contains(&question.id);
@@ -172,6 +177,7 @@ impl Check<'_> {
                 }
                 labels.push(label);
             }
+            self.pairs_are_asked(&key, score, environments);
             for places in score.pairs_of_places() {
                 let id = match score.pair_id(places) {
                     Ok(id) => id,
@@ -200,6 +206,26 @@ impl Check<'_> {
                     is_weight: true,
                 });
             }
+        }
+    }
+
+    /// Pairs follow a trial after which all of the score's questions are asked. A study of imports asks none of them.
+    fn pairs_are_asked(&mut self, key: &str, score: &Score, environments: &[Environment]) {
+        let asks = |environment: &Environment| {
+            score
+                .questions
+                .iter()
+                .filter(|id| environment.questions().any(|own| own == *id))
+                .count()
+        };
+        let most = environments.iter().map(asks).max().unwrap_or_default();
+        let all = score.questions.len();
+        if (1..all).contains(&most) {
+            let problem = format!(
+                "is never asked: it follows trials after which all {all} questions are asked, and no environment asks more than \
+                 {most} of them; name all {all} in questions = […] of an environment"
+            );
+            self.error(key, problem);
         }
     }
 
@@ -324,6 +350,22 @@ mod tests {
     }
 
     #[test]
+    fn answers_to_pairs_mean_the_same_when_the_list_gets_another_order() {
+        let turned = list(1..=6).rsplit(", ").collect::<Vec<_>>().join(", ");
+        let turned = with(6, &pairs().replace(&list(1..=6), &turned)).unwrap();
+        let study = with(6, &pairs()).unwrap();
+        assert_eq!(turned.scores[0].questions[0].as_str(), "q6");
+        // The same questions, of which each has the same two in the same order.
+        assert_eq!(turned.questions, study.questions);
+        let scale = &study.questions[study.questions.len() - 16].scale;
+        let items = |order: [i16; 6]| order.map(|value| Some((scale, value.into())));
+        let chosen: Vec<_> = (0..15_i16).map(|i| Some((1 + i % 2).into())).collect();
+        let score = study.scores[0].of(&items([1, 2, 3, 4, 5, 1]), &chosen).unwrap();
+        let again = turned.scores[0].of(&items([1, 5, 4, 3, 2, 1]), &chosen).unwrap();
+        assert!((score - again).abs() < 1e-12, "{score} and {again}");
+    }
+
+    #[test]
     fn pairs_that_cannot_be_asked_are_refused_with_their_key() {
         let at = "scores[0].pairs";
         let own = pairs();
@@ -347,6 +389,12 @@ mod tests {
             Study::from_toml(&format!("{text}\n{questions}[[scores]]\nid = \"load\"\n{own}\n"))
         };
         check_refused(whole(&asked, &questions), "environments[0].question", "is not the id");
+        let some = text().replacen("question = \"felt_spring\"", "questions = [\"q1\", \"q2\"]", 1);
+        check_refused(whole(&some, &questions), at, "no environment asks more than 2 of them");
+        let each = format!("questions = [{}]", list(1..=6));
+        let both = some.replacen("question = \"felt_wall\"", &each, 1);
+        assert!(both.contains(&each), "the template lost a question");
+        whole(&both, &questions).unwrap();
         let alike = questions.replace("Question 2", "Question 1");
         check_refused(whole(&text(), &alike), at, "two of the questions are called 'Question 1'");
     }

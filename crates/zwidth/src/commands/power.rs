@@ -21,7 +21,8 @@ use zwidth_stats::curve::LEAST_FOR_A_CLAIM as LEAST_OF_CURVES;
 use zwidth_stats::curve_power::{CurvePlan, curve_power};
 use zwidth_stats::groups::LEAST_FOR_A_CLAIM;
 use zwidth_stats::power::{
-    self, DifferenceSearch, HALVINGS, Plan, PlannedTest, Power, Searched, Simulation,
+    self, DifferenceSearch, HALVINGS, ParticipantSearch, Plan, PlannedTest, Power, Searched,
+    Simulation,
 };
 use zwidth_store::{Raw, RealFiles, StudyData, hex_blake3, write_new};
 use zwidth_study::{
@@ -96,6 +97,8 @@ const PARTICIPANTS: usize = 12;
 /// Studies that are simulated where no number is named; each of whole curves takes as long as a hundred others.
 const STUDIES: usize = 2000;
 const STUDIES_OF_CURVES: usize = 500;
+/// No study of whole curves is simulated with more participants: each takes a tenth of a second.
+const MOST_OF_CURVES: usize = 200;
 /// Halvings of a searched difference of whole curves: to a hundredth, as near as so few studies tell.
 const HALVINGS_OF_CURVES: usize = 7;
 
@@ -231,6 +234,9 @@ pub(crate) fn power(root: &Path, command: &PowerArgs, screen: &Screen) -> anyhow
         Some([first, second]) => first + second,
         None => command.participants.map_or(Ok(PARTICIPANTS), usize::try_from)?,
     };
+    if command.curve.is_some() && participants > MOST_OF_CURVES {
+        bail!("--participants: of whole curves at most {MOST_OF_CURVES} are simulated");
+    }
     let between = between(command, &data.study)?;
     let (metric, planning, source, claims) = match command.curve {
         Some(curve) => {
@@ -249,6 +255,11 @@ pub(crate) fn power(root: &Path, command: &PowerArgs, screen: &Screen) -> anyhow
                 difference: command.difference,
                 participants,
             };
+            if plan.difference_std_error() <= 0.0 {
+                bail!(
+                    "people's curves do not scatter there, so that nothing tells how many it takes"
+                );
+            }
             (curve.as_str().to_owned(), Planning::Curves(plan), source, spread.together)
         }
         None => {
@@ -277,9 +288,9 @@ pub(crate) fn power(root: &Path, command: &PowerArgs, screen: &Screen) -> anyhow
             (metric, Planning::Values(plan, test), spread.source, claims)
         }
     };
-    let (test, studies) = match &planning {
-        Planning::Values(_, test) => (*test, STUDIES),
-        Planning::Curves(_) => (PlannedTest::PairedT, STUDIES_OF_CURVES),
+    let (test, studies, most) = match &planning {
+        Planning::Values(_, test) => (*test, STUDIES, power::MOST_PARTICIPANTS),
+        Planning::Curves(_) => (PlannedTest::PairedT, STUDIES_OF_CURVES, MOST_OF_CURVES),
     };
     let simulation = Simulation {
         test,
@@ -295,8 +306,7 @@ pub(crate) fn power(root: &Path, command: &PowerArgs, screen: &Screen) -> anyhow
     let at = |participants, difference| planning.power(participants, difference, &simulation);
     let estimated = at(participants, command.difference)?;
     let needed = power::participants_for(
-        TARGET,
-        simulation.studies,
+        &ParticipantSearch { target: TARGET, studies: simulation.studies, most },
         &|participants| at(participants, command.difference),
         &|searched| advance(&bar, searched, each, (search.halvings + 1) * each),
     )?;
@@ -395,14 +405,22 @@ fn spread_of_curve(
     if !compared.contains(&curve) {
         bail!("--curve: {study} does not compare {}; name it in [compare] curves", curve.as_str());
     }
+    if let Some(effect) = &command.effect {
+        squared_weights(data, effect)?;
+    }
     super::compare::make(data, screen)?;
     let mut spreads = plan::spreads_of_curve(data, curve)?;
+    // Two modes differ in a contrast between them; effects are of other sizes.
+    let has_contrasts = spreads.iter().any(|spread| matches!(spread.effect, GroupEffect::Of(_)));
     spreads.retain(|spread| match (&command.effect, &spread.effect) {
-        (None, _) => true,
-        (Some(asked), GroupEffect::OfFactors(effect)) => effect.term == *asked,
+        (None, effect) => matches!(effect, GroupEffect::Of(_)) || !has_contrasts,
+        (Some(asked), GroupEffect::OfFactors(effect)) => {
+            let is_bend = |levels: &EffectLevels| levels.0.iter().any(LevelContrast::is_bend);
+            effect.term == *asked && !effect.levels.as_ref().is_some_and(is_bend)
+        }
         (Some(_), _) => false,
     });
-    let fewest = spreads.iter().map(|spread| spread.differences.len()).max().unwrap_or(0);
+    let most = spreads.iter().map(|spread| spread.differences.len()).max().unwrap_or(0);
     spreads.retain(|spread| spread.differences.len() >= LEAST_OF_CURVES);
     // The mean over nodes of the variance of people's differences.
     let variance = |spread: &CurveSpread| {
@@ -420,7 +438,7 @@ fn spread_of_curve(
         format!(
             "{study} has the curves of {} in such a comparison, and it takes those of {LEAST_OF_CURVES} to tell how \
              people's curves scatter",
-            counted(fewest, "participants")
+            counted(most, "participants")
         )
     })?;
     let simulated = data.counting().any(|trial| trial.meta.source.is_simulated());
@@ -479,6 +497,26 @@ fn spread(
     Ok(Spread { source: format!("from the study's own trials, {}{mark}", widest.source), ..widest })
 }
 
+/// The largest sum of squared weights of an effect that the study claims, but for bends over a dose.
+fn squared_weights(data: &StudyData, effect: &Term) -> anyhow::Result<f64> {
+    let is_it = |own: &&Effect| own.is_claimed && !own.levels.iter().any(LevelContrast::is_bend);
+    let all = data.study.effects();
+    let all: Vec<&Effect> = all.iter().filter(is_it).collect();
+    let known: Vec<&&Effect> = all.iter().filter(|own| own.term == *effect).collect();
+    let squares = |own: &Effect| own.weights.iter().map(|w| w.weight * w.weight).sum::<f64>();
+    let widest = known.iter().map(|own| squares(own)).fold(0.0, f64::max);
+    if widest > 0.0 {
+        return Ok(widest);
+    }
+    if let Some(why) = known.iter().find_map(|own| own.lacks.as_deref()) {
+        bail!("--effect {effect}: {why}");
+    }
+    let names: BTreeSet<String> = all.iter().map(|own| own.term.to_string()).collect();
+    let names: Vec<String> = names.into_iter().collect();
+    let names = if names.is_empty() { "no effects".to_owned() } else { names.join(", ") };
+    bail!("--effect {effect}: {} compares {names}", data.layout.study())
+}
+
 /// The SDs of an effect, as those of a difference between two modes that scatters as much: those of the command
 /// times √(Σw² / 2), w the effect's weights, or that of everybody's effects in the study's own trials.
 fn spread_of_effect(
@@ -488,23 +526,7 @@ fn spread_of_effect(
     effect: &Term,
     screen: &Screen,
 ) -> anyhow::Result<Spread> {
-    let is_it = |own: &&Effect| own.is_claimed && !own.levels.iter().any(LevelContrast::is_bend);
-    let all = data.study.effects();
-    let all: Vec<&Effect> = all.iter().filter(is_it).collect();
-    let known: Vec<&&Effect> = all.iter().filter(|own| own.term == *effect).collect();
-    let squares = |own: &Effect| own.weights.iter().map(|w| w.weight * w.weight).sum::<f64>();
-    let widest = known.iter().map(|own| squares(own)).fold(0.0, f64::max);
-    if widest == 0.0 {
-        let why = known.iter().find_map(|own| own.lacks.as_deref());
-        let names: BTreeSet<String> = all.iter().map(|own| own.term.to_string()).collect();
-        let names: Vec<String> = names.into_iter().collect();
-        let names = if names.is_empty() { "no effects".to_owned() } else { names.join(", ") };
-        let study = data.layout.study();
-        match why {
-            Some(why) => bail!("--effect {effect}: {why}"),
-            None => bail!("--effect {effect}: {study} compares {names}"),
-        }
-    }
+    let widest = squared_weights(data, effect)?;
     if command.participant_mode_sd.is_some() && command.residual_sd.is_some() {
         let scale = (widest / 2.0).sqrt();
         let Spread { participant, participant_mode, residual, source } =
@@ -625,6 +647,9 @@ fn sentences(study: &Study, result: &Planned) -> [String; 4] {
                 "For a power of 80 % it takes {needed} participants, in groups of such a ratio."
             ),
             Some(needed) => format!("For a power of 80 % it takes {needed} participants."),
+            None if curve.is_some() => {
+                format!("Even {MOST_OF_CURVES} participants do not reach a power of 80 %.")
+            }
             None => "Even 10,000 participants do not reach a power of 80 %.".to_owned(),
         },
         match result.smallest_difference {

@@ -87,9 +87,15 @@ fn pairs_are_asked_once_after_the_last_trial_and_a_session_killed_amid_them_goes
             .iter()
             .filter(|(_, id, _)| study.question(id).is_some_and(|question| question.is_pair()))
             .collect();
-        // Each once, always for the later one of the two, whichever stood first.
+        // Each once, always for the one that is later in the list, whichever stood first.
         assert_eq!(weighed.len(), 15);
-        assert!(weighed.iter().all(|(_, _, value)| *value == AnswerValue::from(2)), "{weighed:?}");
+        for (_, id, value) in &weighed {
+            let (first, second) = id.as_str().split_once("_or_").unwrap();
+            assert!(first < second, "{id}: 1 is the first in the alphabet");
+            let place = |own: &str| ITEMS.iter().position(|item| *item == own);
+            let later = if place(second) > place(first) { 2 } else { 1 };
+            assert_eq!(*value, AnswerValue::from(later), "{id}");
+        }
         let walls =
             log.record.trials.iter().filter(|trial| trial.environment.as_str() == "spring_wall");
         let last = walls.map(|trial| trial.trial).max().unwrap();

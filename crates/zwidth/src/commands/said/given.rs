@@ -127,6 +127,37 @@ impl<'a> NumberedSession<'a> {
         })
     }
 
+    /// Whether answers to the pairs of a score belong to a trial. A session in an order asks them once: they belong to the
+    /// trial that has them, and if there is none to the last after which the score's questions are asked. By hand, one pair
+    /// after another trial would leave that trial without a score.
+    fn check_weighed(&self, data: &StudyData, trial: u32, score: &Score) -> anyhow::Result<()> {
+        let pairs = score.weighing();
+        let has = |trial: u32| pairs.iter().any(|pair| self.answers.contains_key(&(trial, pair)));
+        if self.log.record.order.is_none() || has(trial) {
+            return Ok(());
+        }
+        let superseded = |trial: u32| {
+            let is_own = |event: &Event| matches!(event, Event::Superseded { trial: own, .. } if *own == trial);
+            self.log.events.iter().any(is_own)
+        };
+        let is_asked = |planned: &PlannedTrial| {
+            let environment = data.study.environment(&planned.environment);
+            planned.kind == Kind::Trial
+                && !superseded(planned.trial)
+                && environment.is_some_and(|e| data.study.weighed_in(e).any(|own| own == score))
+        };
+        let asked = self.planned.values().filter(|planned| is_asked(planned));
+        let asked: Vec<u32> = asked.map(|planned| planned.trial).collect();
+        let of_pairs = asked.iter().rfind(|trial| has(**trial)).or(asked.last());
+        match of_pairs {
+            Some(own) if *own != trial => bail!(
+                "the pairs of score {} are asked once in the session, and belong to trial {own}: name that one",
+                score.id
+            ),
+            _ => Ok(()),
+        }
+    }
+
     /// The question that is answered: one of those after the trial.
     fn question(
         &self,
@@ -137,12 +168,14 @@ impl<'a> NumberedSession<'a> {
         let environment = data.study.environment(&self.planned(trial)?.environment);
         let mut questions: Vec<&QuestionId> =
             environment.iter().flat_map(|e| e.questions()).collect();
-        let pairs: Vec<QuestionId> = environment
-            .iter()
-            .flat_map(|e| data.study.weighed_in(e))
-            .flat_map(Score::weighing)
-            .collect();
-        if let Some(pair) = named.filter(|named| pairs.contains(named)) {
+        let weighed = |pair: &QuestionId| {
+            let mut scores = environment.iter().flat_map(|e| data.study.weighed_in(e));
+            scores.find(|score| score.weighing().contains(pair))
+        };
+        if let Some(pair) = named
+            && let Some(score) = weighed(pair)
+        {
+            self.check_weighed(data, trial, score)?;
             questions.push(pair);
         }
         match (named, questions.as_slice()) {
