@@ -743,12 +743,12 @@ pub(crate) mod tests {
             for (id, practice) in [("S01", 0.0), ("S02", 0.5)] {
                 for who in 1..=8 {
                     let own = 0.2 * (who as f64).cos();
-                    for (mode, slope) in [("active", 2.0), ("hybrid", 2.0 + more + practice + own)]
-                    {
+                    let hybrid = 2.0 + more + practice + own * (1.0 + 0.01 * more);
+                    for (mode, slope) in [("active", 2.0), ("hybrid", hybrid)] {
                         sessions.push(SessionCurve {
                             session: id.parse().unwrap(),
                             environment: environment.parse().unwrap(),
-                            ..session(who, mode, 0.5, slope + 0.01 * own * more, true)
+                            ..session(who, mode, 0.5, slope, true)
                         });
                     }
                 }
@@ -795,7 +795,7 @@ pub(crate) mod tests {
         assert_eq!((learned.environment.as_ref().unwrap().as_str(), learned.n), ("wall", 7));
         assert_eq!(
             learned.remark.as_ref().unwrap().to_string(),
-            "P08 without a curve in each condition; the differences have no scatter"
+            "P08 without a curve in each condition; all differences are equal, so nothing tells how far they scatter"
         );
         assert_eq!((costs.environment.as_ref(), costs.n), (None, 8));
         assert_eq!(costs.verdict, Some(Verdict::Different));
