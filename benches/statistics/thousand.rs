@@ -277,6 +277,7 @@ fn parameters(study: &Study, sat: &[Sat]) -> anyhow::Result<Parameters> {
         modes: modes().collect(),
         contrasts: study.compare.contrasts.clone(),
         families: study.compare.families,
+        curve_claims: 0,
         alpha: study.compare.alpha,
         level: study.compare.level,
         effect_sizes: study.compare.effect_sizes.clone(),

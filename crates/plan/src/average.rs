@@ -13,7 +13,7 @@ use zwidth_average::{Alignment, AverageError, Parameters, SessionLoop, WhyNot};
 use zwidth_figures::{About, EnvironmentOfPeople, MEAN_LOOPS, ModeOfPeople, draws_each};
 use zwidth_runner::{Job, JobError, Made, Making, Stage};
 use zwidth_store::{Layout, StudyData};
-use zwidth_study::{Environment, SceneKind, Source};
+use zwidth_study::{Environment, Source};
 use zwidth_tables::{Table, TableError};
 
 pub(crate) const STAGE: Stage = Stage { name: "average", version: zwidth_average::VERSION };
@@ -85,7 +85,7 @@ fn over_people(data: &StudyData) -> Vec<People<'_>> {
     let mut conditions = Vec::new();
     for environment in &data.study.environments {
         // Free motion has no mean course, and neither has a questionnaire.
-        if matches!(environment.scene.kind(), SceneKind::Free | SceneKind::None) {
+        if !environment.scene.pushes_back() {
             continue;
         }
         for (place, mode) in data.study.modes.iter().enumerate() {

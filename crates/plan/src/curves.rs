@@ -1,23 +1,24 @@
 //! Stage `compare`, of whole curves: one job, and a figure for each curve and environment.
 
 use crate::average::{aligned, looped};
-use crate::compare::{STAGE, groups, has_group_differences};
+use crate::compare::{STAGE, claims_of_both, groups, has_group_differences, order, took_part};
 use crate::figures::drawing::{Drawing, Figured};
 use crate::shared::conditions::{sessions, trial_sources};
 use crate::shared::handle::{Derived, write_named};
 use crate::shared::making::derived;
+use crate::shared::trials::{OfTrials, Recordings, files, open_all};
 use crate::tables::printed::Printed;
 use rayon::prelude::*;
 use serde::Serialize;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
-use zwidth_average::Alignment;
+use zwidth_average::{Alignment, AverageError, Parameters as AverageParameters};
 use zwidth_compare::{CurveParameters, CurveSpread, SessionCurve, compare_curves, curve_spreads};
 use zwidth_figures::{About, CURVES_COMPARED, CurvesShown, IN_GROUPS, curves_compared};
 use zwidth_results::{CurveDifference, CurveNode, CurveRun, OVER_SEVERAL};
 use zwidth_runner::{Inputs, Job, JobError, Made, Making};
-use zwidth_store::StudyData;
-use zwidth_study::{Curve, Environment, EnvironmentId, SceneKind, Source};
+use zwidth_store::{OpenTrial, StudyData, TrialEntry};
+use zwidth_study::{Curve, Environment, EnvironmentId, Source};
 use zwidth_tables::{Table, TableError};
 
 /// The results of the job.
@@ -42,16 +43,16 @@ struct Comparing {
     simulated: bool,
 }
 
-/// The environments in which several people have a course of a movement, in several modes unless groups are
-/// compared, or an effect weighs the one over environments or sessions.
+/// The environments in which several people, or the study's one, have a course of a movement, in several modes unless
+/// groups are compared, or an effect weighs the one over environments or sessions.
 fn environments(data: &StudyData) -> impl Iterator<Item = &Environment> {
     let has_groups = data.study.compare.groups.is_some();
     let effects = data.study.effects();
+    let of_one = is_of_one(data);
     data.study.environments.iter().filter(move |environment| {
         let own = data.counting().filter(|trial| trial.meta.environment == environment.id);
         let (people, modes): (BTreeSet<_>, BTreeSet<_>) =
             own.map(|trial| (&trial.meta.participant, &trial.meta.mode)).unzip();
-        let is_moved = !matches!(environment.scene.kind(), SceneKind::Free | SceneKind::None);
         let is_weighed = || {
             let mut claimed = effects.iter().filter(|effect| effect.is_claimed);
             claimed.any(|effect| {
@@ -59,15 +60,25 @@ fn environments(data: &StudyData) -> impl Iterator<Item = &Environment> {
                 weights.any(|weight| weight.environment == environment.id)
             })
         };
-        is_moved && people.len() > 1 && (has_groups || modes.len() > 1 || is_weighed())
+        let is_compared = match of_one {
+            true => modes.len() > 1,
+            false => people.len() > 1 && (has_groups || modes.len() > 1 || is_weighed()),
+        };
+        environment.scene.pushes_back() && is_compared
     })
 }
 
-/// The results, if curves are compared: several people took part, and there is something to compare.
+/// Whether one participant took part: trials are compared then, which say nothing of others.
+fn is_of_one(data: &StudyData) -> bool {
+    took_part(data).len() == 1
+}
+
+/// The results, if curves are compared: there is something to compare.
 pub(crate) fn of_study(data: &StudyData) -> Option<OfCurves> {
     let compare = &data.study.compare;
     let of_modes = data.study.modes.len() > 1 && !compare.contrasts.is_empty();
-    let is_any = of_modes || compare.groups.is_some() || !data.study.effects().is_empty();
+    let of_people = compare.groups.is_some() || !data.study.effects().is_empty();
+    let is_any = of_modes || of_people && !is_of_one(data);
     let is_compared = is_any && !compare.curves.is_empty() && environments(data).next().is_some();
     let folder = derived(&data.layout, "compare");
     is_compared.then(|| OfCurves {
@@ -110,6 +121,8 @@ fn parameters(data: &StudyData) -> CurveParameters {
     let (study, compare) = (&data.study, &data.study.compare);
     CurveParameters {
         curves: compare.curves.clone(),
+        primary: compare.primary.curves().collect(),
+        metric_claims: claims_of_both(study)[1],
         nodes: compare.curve_nodes,
         environments: study.environments.iter().map(|e| e.id.clone()).collect(),
         modes: study.modes.iter().map(|m| m.id.clone()).collect(),
@@ -119,6 +132,10 @@ fn parameters(data: &StudyData) -> CurveParameters {
         families: compare.families,
         alpha: compare.alpha,
         level: compare.level,
+        orders: match is_of_one(data) {
+            true => data.sessions.iter().map(|log| order(log, study)).collect(),
+            false => Vec::new(),
+        },
     }
 }
 
@@ -126,7 +143,76 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
     let Some(results) = of_study(data) else { return Vec::new() };
     let simulated = data.counting().any(|trial| trial.meta.source.is_simulated());
     let comparing = Comparing { stage: parameters(data), simulated };
-    vec![Job::new(STAGE, "compare curves", comparing, means(data), results.files(), make)]
+    let name = "compare curves";
+    if !is_of_one(data) {
+        return vec![Job::new(STAGE, name, comparing, means(data), results.files(), make)];
+    }
+    let is_there = |id: &EnvironmentId| environments(data).any(|own| own.id == *id);
+    let own = |trial: &&TrialEntry| {
+        is_there(&trial.meta.environment) && data.study.mode(&trial.meta.mode).is_some()
+    };
+    let trials: Vec<&TrialEntry> = data.counting().filter(own).collect();
+    let of_trials = OfTrials::new(
+        ComparingTrials {
+            comparing,
+            averages: environments(data)
+                .map(|own| {
+                    (
+                        own.id.clone(),
+                        AverageParameters { analysis: data.study.analysis, scene: own.scene },
+                    )
+                })
+                .collect(),
+        },
+        &trials,
+    );
+    vec![Job::new(STAGE, name, of_trials, files(&trials), results.files(), make_of_one)]
+}
+
+/// What the comparison of one participant's trials depends on besides recordings.
+#[derive(Serialize)]
+struct ComparingTrials {
+    #[serde(flatten)]
+    comparing: Comparing,
+    /// How a trial's course is found, by environment.
+    averages: BTreeMap<EnvironmentId, AverageParameters>,
+}
+
+/// The curves of trials, each as the mean of its one repeat.
+fn make_of_one(
+    parameters: &OfTrials<ComparingTrials>,
+    files: &Recordings,
+    making: &Making,
+) -> Result<Made, JobError> {
+    let ComparingTrials { comparing, averages } = &parameters.stage;
+    let (trials, problems) = open_all(files, &parameters.trials)?;
+    let curves = &comparing.stage.curves;
+    let of_trial = |trial: &OpenTrial| -> Result<Vec<SessionCurve>, JobError> {
+        let Some(own) = averages.get(&trial.meta.environment) else { return Ok(Vec::new()) };
+        let one = std::slice::from_ref(trial);
+        let over_angle = match zwidth_average::mean_loop(one, own) {
+            Ok(mean) => zwidth_average::loop_table(&mean)?,
+            Err(AverageError::WhyNot(why)) => zwidth_average::no_loop(&why)?,
+            Err(error) => return Err(error.into()),
+        };
+        let over_time = match zwidth_average::average(one, own, Alignment::Onset) {
+            Ok(average) => zwidth_average::table(&[average])?,
+            Err(AverageError::WhyNot(why)) => zwidth_average::no_average(&why)?,
+            Err(error) => return Err(error.into()),
+        };
+        // A course without a column that could not be read is void.
+        if let Some(error) = trial.columns().failure() {
+            return Err(error.into());
+        }
+        let of_curve = |curve: &Curve| {
+            let table = if curve.is_over_angle() { &over_angle } else { &over_time };
+            SessionCurve::of_trial(&trial.meta, table, *curve)
+        };
+        Ok(curves.iter().map(of_curve).collect::<Result<_, TableError>>()?)
+    };
+    let found: Vec<Vec<SessionCurve>> =
+        trials.iter().map(of_trial).collect::<Result<_, JobError>>()?;
+    write_compared(&found.concat(), comparing, making, problems)
 }
 
 /// Every session's mean curves in every condition.
@@ -157,18 +243,28 @@ pub fn spreads_of_curve(data: &StudyData, curve: Curve) -> Result<Vec<CurveSprea
     Ok(curve_spreads(&read(&[curve], &means(data))?, curve, &parameters(data)))
 }
 
-fn make(
+fn make(comparing: &Comparing, means: &Means, making: &Making) -> Result<Made, JobError> {
+    write_compared(&read(&comparing.stage.curves, means)?, comparing, making, Vec::new())
+}
+
+fn write_compared(
+    curves: &[SessionCurve],
     Comparing { stage, simulated }: &Comparing,
-    means: &Means,
     making: &Making,
+    problems: Vec<String>,
 ) -> Result<Made, JobError> {
-    let sessions = read(&stage.curves, means)?;
-    let found = compare_curves(&sessions, stage)?;
+    let found = compare_curves(curves, stage)?;
+    let of_one = found.tests.iter().find_map(|test| test.within.as_ref());
     let tables = vec![
         Table::of_rows(&found.points)?,
-        match &stage.groups {
-            None => Table::of_rows(&found.tests)?,
-            Some(groups) => Table::of_rows(&found.tests)?.with_note(format!(
+        match (of_one, &stage.groups) {
+            (Some(who), _) => Table::of_rows(&found.tests)?.with_note(format!(
+                "n counts trials of {who}, who stands for nobody else. Test: the sharp null, that no trial's curve depended \
+                 on mode, by other orders that the design could have drawn. Intervals are Welch's, of trials, at each node by \
+                 itself, as a description."
+            )),
+            (None, None) => Table::of_rows(&found.tests)?,
+            (None, Some(groups)) => Table::of_rows(&found.tests)?.with_note(format!(
                 "Differences between groups are described, not claimed: {}. Their intervals are pointwise.",
                 match groups.blocks.is_empty() {
                     true => {
@@ -187,7 +283,7 @@ fn make(
             "A run says that there is a difference somewhere in it, not where it begins or ends.",
         ),
     ];
-    write_named(tables, making, *simulated)
+    Ok(Made { problems, ..write_named(tables, making, *simulated)? })
 }
 
 /// What a figure depends on besides tables.

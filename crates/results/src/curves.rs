@@ -3,13 +3,13 @@
 
 use crate::average::LoopBranch;
 use crate::column::UNIT_OF_ROW;
-use crate::comparison::Verdict;
+use crate::comparison::{Role, Verdict};
 use crate::groups::GroupEffect;
 use crate::row::rows;
 use crate::sentence::Sentence;
 use crate::value::named;
 use std::sync::Arc;
-use zwidth_study::{Curve, EnvironmentId, GroupContrast};
+use zwidth_study::{Curve, EnvironmentId, GroupContrast, ParticipantId};
 
 named!(Curve);
 
@@ -58,6 +58,8 @@ rows! {
         curve: Curve,
         /// unit of its values
         unit: Arc<str>,
+        /// whether its claims count
+        role: Role,
         /// what was rendered; null over several environments
         environment: Option<EnvironmentId>,
         /// what is compared of people: a difference between modes, an effect; between groups also a mode or
@@ -65,7 +67,9 @@ rows! {
         effect: GroupEffect,
         /// the groups compared: the one minus the other; null of everybody
         groups: Option<GroupContrast>,
-        /// participants; of the first group
+        /// the one participant whose trials are compared; null of several
+        within: Option<ParticipantId>,
+        /// participants, of the first group; trials of the one participant
         n: usize,
         /// participants of the second group
         n_second: Option<usize>,
@@ -87,7 +91,7 @@ rows! {
         critical_t: Option<f64>,
         /// half the width of the band in standard errors; null where intervals are pointwise
         band_t: Option<f64>,
-        /// p value of no difference anywhere: signs flipped, of groups labels permuted
+        /// p value of no difference anywhere: signs flipped, of groups labels permuted, of one participant orders redrawn
         p_value: Option<f64>,
         /// the smallest that it can be
         smallest_p: Option<f64>,

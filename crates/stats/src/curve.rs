@@ -240,14 +240,14 @@ pub fn differences(
     })
 }
 
-/// The difference of two groups' curves.
+/// The difference of two sets of curves: of two groups of people, or of one person's trials in two modes.
 #[derive(Debug, Clone, PartialEq)]
-pub struct GroupCurveTest {
+pub struct UnpairedCurveTest {
     /// Every node, in its order, with Welch's t and its pointwise interval.
     pub nodes: Vec<Node>,
     /// The node with the largest |t|.
     pub largest: usize,
-    /// The share of arrangements of the labels whose largest |t| is that or more.
+    /// The share of arrangements, of labels or of trials, whose largest |t| is that or more.
     pub permuted: Permuted,
 }
 
@@ -264,64 +264,32 @@ pub fn groups(
     lengths: &[usize],
     level: f64,
     sampling: Sampling,
-) -> Result<GroupCurveTest, Unestimable> {
+) -> Result<UnpairedCurveTest, Unestimable> {
     let (na, nb) = (a.len(), b.len());
     at_least("participants of a group", na.min(nb), 2)?;
     same_length("blocks", na, blocks[0].len())?;
     same_length("blocks", nb, blocks[1].len())?;
     let curves = [a, b].concat();
-    let number = checked(&curves, lengths)?;
-    let mut nodes = Vec::new();
-    for node in 0..number {
-        let [a, b] = [a, b].map(|rows| group(&column(rows, node)));
-        let welch = difference([a, b], level).ok();
-        nodes.push(Node {
-            mean: a.mean - b.mean,
-            std_error: welch.as_ref().map_or(0.0, |welch| welch.std_error),
-            statistic: welch.as_ref().map(|welch| welch.statistic),
-            ends: welch.as_ref().map(|welch| [welch.ci_low, welch.ci_high]),
-        });
-    }
+    checked(&curves, lengths)?;
+    let nodes = welch([a, b], level);
     if nodes.iter().all(|node| node.statistic.is_none()) {
         return Err(Unestimable::Constant { units: "participants" });
     }
-    // About their mean, over their scatter: sums of squares keep their digits.
-    let mut values = curves;
-    for (node, tested) in nodes.iter().enumerate() {
-        let moments = Moments::of(&column(&values, node));
-        let scale = moments.squares.sqrt();
-        for row in &mut values {
-            let is_tested = tested.statistic.is_some() && scale > 0.0;
-            row[node] = if is_tested { (row[node] - moments.mean) / scale } else { 0.0 };
-        }
-    }
-    let all: Vec<[f64; 2]> = (0..number)
-        .map(|node| {
-            values.iter().fold([0.0, 0.0], |[s, q], row| [s + row[node], q + row[node].powi(2)])
-        })
-        .collect();
-    let within = |[s, q]: [f64; 2], n: f64| (q - s * s / n).max(0.0) / (n - 1.0) / n;
-    let [of_a, of_b] = [na as f64, nb as f64];
+    let values = standardised(curves, |node| nodes[node].statistic.is_some());
+    let all = sums(&values, 0..na + nb);
     // Welch's t² of every node, the largest.
     let largest_t2 = |first: &[usize]| {
-        let mut sums = vec![[0.0, 0.0]; number];
-        for person in first {
-            for (sum, value) in sums.iter_mut().zip(&values[*person]) {
-                *sum = [sum[0] + value, sum[1] + value * value];
-            }
-        }
-        sums.iter().zip(&all).fold(0.0_f64, |most, (sum, all)| {
-            let rest = [all[0] - sum[0], all[1] - sum[1]];
-            let difference = sum[0] / of_a - rest[0] / of_b;
-            let variance = within(*sum, of_a) + within(rest, of_b);
-            most.max(difference * difference / variance.max(f64::MIN_POSITIVE))
-        })
+        let own = sums(&values, first.iter().copied());
+        let pairs = own.into_iter().zip(&all);
+        let t2 =
+            pairs.map(|(own, all)| welch_t2([own, [all[0] - own[0], all[1] - own[1]]], [na, nb]));
+        t2.fold(0.0, f64::max)
     };
     let observed = largest_t2(&(0..na).collect::<Vec<usize>>());
     let found = arranged(&blocks.concat(), na, sampling, largest_t2);
     let extreme = found.of.iter().filter(|t2| **t2 >= observed * (1.0 - SAME)).count();
     let t: Vec<f64> = nodes.iter().map(|node| node.statistic.unwrap_or(0.0)).collect();
-    Ok(GroupCurveTest {
+    Ok(UnpairedCurveTest {
         largest: place_of_largest(&t),
         permuted: Permuted {
             p_value: found.share(extreme),
@@ -330,6 +298,131 @@ pub fn groups(
         },
         nodes,
     })
+}
+
+/// One person's trials, each with its curve.
+#[derive(Debug, Clone, Copy)]
+pub struct TrialCurves<'a> {
+    /// Everybody's values, node by node, less what no order changes.
+    pub curves: &'a [Vec<f64>],
+    /// The number of nodes of each branch.
+    pub lengths: &'a [usize],
+    /// The mode of each trial, as a number.
+    pub modes: &'a [usize],
+}
+
+/// Tests for each pair of modes whether no trial's curve depended on mode: the largest of Welch's |t| over nodes is
+/// compared with those of the orders that `redraw` gives for a seed, each the modes of the trials, as
+/// [`sharp_null`](crate::sharp_null) does with single values. An order is drawn once for all pairs; one that leaves a mode
+/// of the pair fewer than two trials counts as extreme, which can only make p larger.
+///
+/// # Errors
+/// Curves of different length; a value that is not finite. Of a pair: a mode of fewer than two trials; no node with scatter.
+pub fn trials(
+    trials: TrialCurves,
+    pairs: &[[usize; 2]],
+    level: f64,
+    sampling: Sampling,
+    redraw: impl Fn(u64) -> Vec<usize> + Sync,
+) -> Result<Vec<Result<UnpairedCurveTest, Unestimable>>, Unestimable> {
+    let TrialCurves { curves, lengths, modes } = trials;
+    let number = checked(curves, lengths)?;
+    same_length("the list of modes", curves.len(), modes.len())?;
+    // What is left out may not depend on the order.
+    let scatter: Vec<bool> = (0..number)
+        .map(|node| scatters(&Moments::of(&column(curves, node)), curves.len()))
+        .collect();
+    let values = standardised(curves.to_vec(), |node| scatter[node]);
+    let t2 = |order: &[usize], pair: [usize; 2]| -> Option<Vec<f64>> {
+        let of =
+            |mode: usize| (0..values.len()).filter(move |trial| order.get(*trial) == Some(&mode));
+        let n = pair.map(|mode| of(mode).count());
+        let [a, b] = pair.map(|mode| sums(&values, of(mode)));
+        let each = a.into_iter().zip(b).map(|(a, b)| welch_t2([a, b], n));
+        (n[0] > 1 && n[1] > 1).then(|| each.collect())
+    };
+    let largest = |t2: Vec<f64>| t2.into_iter().fold(0.0, f64::max);
+    let drawn = (0..sampling.draws as u64).into_par_iter().map(|number| {
+        let order = redraw(stream(sampling.seed, number).next_u64());
+        let each = pairs.iter().map(|pair| t2(&order, *pair).map_or(f64::INFINITY, largest));
+        each.collect::<Vec<f64>>()
+    });
+    let drawn: Vec<Vec<f64>> = drawn.collect();
+    let tested = pairs.iter().enumerate().map(|(place, pair)| {
+        let own = pair.map(|mode| {
+            let own = curves.iter().zip(modes).filter(|(_, own)| **own == mode);
+            own.map(|(curve, _)| curve.clone()).collect::<Vec<Vec<f64>>>()
+        });
+        at_least("trials of a mode", own[0].len().min(own[1].len()), 2)?;
+        let observed = t2(modes, *pair).filter(|_| scatter.contains(&true));
+        let observed = observed.ok_or(Unestimable::Constant { units: "trials" })?;
+        let most = |least: f64| {
+            let extreme = drawn.iter().filter(|t2| t2[place] >= least * (1.0 - SAME)).count();
+            (1 + extreme) as f64 / (1 + drawn.len()) as f64
+        };
+        let all = drawn.iter().map(|t2| t2[place]).filter(|t2| t2.is_finite());
+        Ok(UnpairedCurveTest {
+            nodes: welch([&own[0], &own[1]], level),
+            largest: place_of_largest(&observed),
+            permuted: Permuted {
+                p_value: most(largest(observed.clone())),
+                smallest_p: most(all.fold(largest(observed), f64::max)),
+                null: Null::Sampled { draws: drawn.len() },
+            },
+        })
+    });
+    Ok(tested.collect())
+}
+
+/// Welch's t of each node, and its pointwise interval.
+fn welch(curves: [&[Vec<f64>]; 2], level: f64) -> Vec<Node> {
+    let number = curves[0].first().map_or(0, Vec::len);
+    let at = |node| {
+        let [a, b] = curves.map(|rows| group(&column(rows, node)));
+        let welch = difference([a, b], level).ok();
+        Node {
+            mean: a.mean - b.mean,
+            std_error: welch.as_ref().map_or(0.0, |welch| welch.std_error),
+            statistic: welch.as_ref().map(|welch| welch.statistic),
+            ends: welch.as_ref().map(|welch| [welch.ci_low, welch.ci_high]),
+        }
+    };
+    (0..number).map(at).collect()
+}
+
+/// The same curves about their mean, over their scatter, so that sums of squares keep their digits; 0 at nodes that are not
+/// tested.
+fn standardised(mut curves: Vec<Vec<f64>>, is_tested: impl Fn(usize) -> bool) -> Vec<Vec<f64>> {
+    for node in 0..curves.first().map_or(0, Vec::len) {
+        let moments = Moments::of(&column(&curves, node));
+        let scale = moments.squares.sqrt();
+        let is_tested = is_tested(node) && scale > 0.0;
+        for row in &mut curves {
+            row[node] = if is_tested { (row[node] - moments.mean) / scale } else { 0.0 };
+        }
+    }
+    curves
+}
+
+/// Sum and sum of squares of some of the rows, node by node.
+fn sums(rows: &[Vec<f64>], some: impl Iterator<Item = usize>) -> Vec<[f64; 2]> {
+    let mut sums = vec![[0.0, 0.0]; rows.first().map_or(0, Vec::len)];
+    for row in some {
+        for (sum, value) in sums.iter_mut().zip(&rows[row]) {
+            *sum = [sum[0] + value, sum[1] + value * value];
+        }
+    }
+    sums
+}
+
+/// The square of Welch's t of two sums with their sums of squares, each of so many.
+fn welch_t2([a, b]: [[f64; 2]; 2], n: [usize; 2]) -> f64 {
+    let within =
+        |[sum, squares]: [f64; 2], n: f64| (squares - sum * sum / n).max(0.0) / (n - 1.0) / n;
+    let [of_a, of_b] = n.map(|n| n as f64);
+    let difference = a[0] / of_a - b[0] / of_b;
+    let variance = within(a, of_a) + within(b, of_b);
+    difference * difference / variance.max(f64::MIN_POSITIVE)
 }
 
 /// The number of nodes of curves that are all as long as their branches.
@@ -546,5 +639,37 @@ mod tests {
         assert!(groups([&a, &b], [&[0; 5], one[1]], &[51], 0.95, SAMPLING).is_err());
         let alike = vec![vec![0.0; 3]; 6];
         assert!(groups([&alike, &alike], one, &[3], 0.95, SAMPLING).is_err());
+    }
+
+    /// Orders of complete randomisation are arrangements of labels: p agrees with that of groups, up to the draws. A curve of
+    /// one node has the p value of its value.
+    #[test]
+    fn trials_in_orders_drawn_like_labels_have_the_p_of_labels() {
+        let curves: Vec<Vec<f64>> = (1..=12).map(curve).collect();
+        let modes: Vec<usize> = (0..12).map(|trial| trial / 4).collect();
+        let shuffled = |seed: u64| {
+            let mut order = modes.clone();
+            let mut rng = stream(seed, 0);
+            for last in (1..order.len()).rev() {
+                order.swap(last, (rng.next_u64() % (last as u64 + 1)) as usize);
+            }
+            order
+        };
+        let own = TrialCurves { curves: &curves, lengths: &[20, 31], modes: &modes };
+        let found = trials(own, &[[0, 1], [2, 0], [0, 7]], 0.95, SAMPLING, shuffled).unwrap();
+        assert!(found[2].is_err(), "nobody has that mode");
+        // Of two modes alone orders and labels are the same.
+        let two = TrialCurves { curves: &curves[..8], lengths: &[51], modes: &modes[..8] };
+        let of_two = |seed| shuffled(seed).into_iter().filter(|mode| *mode < 2).collect();
+        let drawn = trials(two, &[[0, 1]], 0.95, SAMPLING, of_two).unwrap().remove(0).unwrap();
+        let block = [0; 4];
+        let counted =
+            groups([&curves[..4], &curves[4..8]], [&block, &block], &[51], 0.95, SAMPLING).unwrap();
+        assert_eq!((&drawn.nodes, drawn.largest), (&counted.nodes, counted.largest));
+        let (drawn, counted) = (drawn.permuted, counted.permuted);
+        assert!((drawn.p_value - counted.p_value).abs() < 0.02, "{drawn:?} {counted:?}");
+        assert!((drawn.smallest_p - counted.smallest_p).abs() < 0.005, "{drawn:?} {counted:?}");
+        let of = found[0].as_ref().unwrap();
+        assert_eq!(of.nodes, welch([&curves[..4], &curves[4..8]], 0.95));
     }
 }

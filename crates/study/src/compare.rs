@@ -12,7 +12,7 @@ use std::str::FromStr;
 pub struct Compare {
     /// Pairs of modes; by default the last mode against each other one.
     pub contrasts: Vec<Contrast>,
-    /// The metrics whose claims count, at least one; the claims of every other metric are exploratory.
+    /// The metrics and curves whose claims count, at least one; the claims of every other are exploratory.
     pub primary: Primary,
     /// Whether study.toml names it. No number depends on it.
     #[serde(skip)]
@@ -195,7 +195,8 @@ impl Curve {
     }
 }
 
-/// The metrics whose claims count, in the order of study.toml, which names one without a list.
+/// The metrics and whole curves whose claims count, in the order of study.toml, which names one without a list.
+/// No metric has the name of a curve.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[serde(untagged)]
 pub enum Primary {
@@ -206,22 +207,32 @@ pub enum Primary {
 }
 
 impl Primary {
-    /// All of them.
-    pub fn metrics(&self) -> &[MetricId] {
+    /// What study.toml names, curves among metrics.
+    pub fn names(&self) -> &[MetricId] {
         match self {
-            Self::One(metric) => std::slice::from_ref(metric),
-            Self::Several(metrics) => metrics,
+            Self::One(name) => std::slice::from_ref(name),
+            Self::Several(names) => names,
         }
+    }
+
+    /// The metrics.
+    pub fn metrics(&self) -> impl Iterator<Item = &MetricId> {
+        self.names().iter().filter(|name| Curve::from_word(name.as_str()).is_none())
+    }
+
+    /// The whole curves.
+    pub fn curves(&self) -> impl Iterator<Item = Curve> {
+        self.names().iter().filter_map(|name| Curve::from_word(name.as_str()))
     }
 
     /// Whether there is more than one.
     pub fn are_several(&self) -> bool {
-        self.metrics().len() > 1
+        self.names().len() > 1
     }
 
-    /// Whether the metric of that name is one of them.
-    pub fn has(&self, metric: &str) -> bool {
-        self.metrics().iter().any(|own| own.as_str() == metric)
+    /// Whether the metric or curve of that name is one of them.
+    pub fn has(&self, name: &str) -> bool {
+        self.names().iter().any(|own| own.as_str() == name)
     }
 }
 
@@ -234,7 +245,7 @@ pub enum Families {
     Metric,
     /// Those of one metric in one environment.
     Environment,
-    /// Those of all primary metrics over all environments; every other metric is a family of its own.
+    /// Those of all primary metrics and curves over all environments; every other metric or curve is a family of its own.
     Study,
 }
 

@@ -144,6 +144,11 @@ impl Scene {
         }
     }
 
+    /// Whether something is there to move against: a movement has a course then, which repeats share.
+    pub fn pushes_back(&self) -> bool {
+        !matches!(self, Self::None | Self::Free)
+    }
+
     /// The force it asks for; `None` if nothing is rendered.
     pub fn law(&self) -> Option<ForceLaw> {
         match *self {

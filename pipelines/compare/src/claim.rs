@@ -51,32 +51,44 @@ impl Claim {
     }
 }
 
+/// How claims are judged.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Judging {
+    pub(crate) families: Families,
+    /// A claim needs an adjusted p value below this.
+    pub(crate) alpha: f64,
+    /// How many claims of another kind, at most, are primary besides: of curves beside those of metrics.
+    pub(crate) elsewhere: usize,
+}
+
 /// Judges the claims of metrics that belong together, or of one metric: p values are adjusted (Holm)
 /// family by family.
-pub(crate) fn judge(
-    mut claims: Vec<&mut Claim>,
-    families: Families,
-    alpha: f64,
-) -> Result<(), StatsError> {
-    let whole = families != Families::Environment;
+pub(crate) fn judge(mut claims: Vec<&mut Claim>, judging: Judging) -> Result<(), StatsError> {
+    let whole = judging.families != Families::Environment;
     claims.sort_by_key(|claim| claim.environment);
     for family in claims.chunk_by_mut(|a, b| whole || a.environment == b.environment) {
-        adjust(family, alpha)?;
+        adjust(family, judging)?;
     }
     Ok(())
 }
 
-/// Adjusts the p values of one family, and the smallest that they can be.
-fn adjust(claims: &mut [&mut Claim], alpha: f64) -> Result<(), StatsError> {
+/// Adjusts the p values of one family, and the smallest that they can be: after Holm among each other, after
+/// Bonferroni between these and the claims elsewhere, so that both together hold alpha.
+fn adjust(
+    claims: &mut [&mut Claim],
+    Judging { alpha, elsewhere, .. }: Judging,
+) -> Result<(), StatsError> {
     let p: Vec<f64> = claims.iter().filter_map(|claim| claim.p).collect();
     // Adjusted as well: how far orders reach depends on the other claims of the family, of which those
     // that do not rest on orders can have any p.
     let with_p = claims.iter().filter(|claim| claim.p.is_some());
     let smallest: Vec<f64> = with_p.map(|claim| claim.smallest_p.unwrap_or(0.0)).collect();
     let smallest = holm::adjusted(&smallest)?;
-    let together = p.len();
+    let together = p.len() + elsewhere;
+    let share = together as f64 / p.len().max(1) as f64;
     let with_p = claims.iter_mut().filter(|claim| claim.p.is_some());
     for ((claim, p), smallest) in with_p.zip(holm::adjusted(&p)?).zip(smallest) {
+        let [p, smallest] = [p, smallest].map(|p| (p * share).min(1.0));
         claim.together = together;
         claim.p_adjusted = Some(p);
         claim.verdict = match paired::Verdict::new(p, claim.p_not_equivalent, alpha) {

@@ -2,7 +2,7 @@
 
 use crate::curves::{Comparison, CurveParameters, People, SessionCurve, compared};
 use zwidth_results::GroupEffect;
-use zwidth_study::{Curve, EnvironmentId, Families};
+use zwidth_study::{Curve, EnvironmentId};
 
 /// People's differences in one comparison of whole curves.
 #[derive(Debug, Clone, PartialEq)]
@@ -17,8 +17,6 @@ pub struct CurveSpread {
     pub lengths: Vec<usize>,
     /// The angle (rad) or the time (s) of each node.
     pub places: Vec<f64>,
-    /// How many comparisons are adjusted together, this one among them.
-    pub together: usize,
 }
 
 /// What is compared of everybody's curves, in the order of the tables, with everybody's differences.
@@ -28,24 +26,18 @@ pub fn curve_spreads(
     parameters: &CurveParameters,
 ) -> Vec<CurveSpread> {
     let own: Vec<&SessionCurve> = sessions.iter().filter(|one| one.curve == curve).collect();
-    let comparisons: Vec<Comparison> =
-        compared(&own, parameters).into_iter().filter(Comparison::is_of_everybody).collect();
-    let spread = |comparison: &Comparison| {
-        let is_beside = |other: &&Comparison| {
-            parameters.families != Families::Environment
-                || other.environment == comparison.environment
-        };
+    let comparisons = compared(&own, parameters).into_iter().filter(Comparison::is_of_everybody);
+    let spread = |comparison: Comparison| {
         let people = People::of(&own, &comparison.weights, parameters);
         CurveSpread {
-            effect: comparison.effect.clone(),
-            environment: comparison.environment.clone(),
+            effect: comparison.effect,
+            environment: comparison.environment,
             differences: people.differences(),
-            lengths: people.lengths(),
-            places: people.nodes().map(|(_, place)| place).collect(),
-            together: comparisons.iter().filter(is_beside).count(),
+            lengths: people.shared.lengths(),
+            places: people.shared.nodes().map(|(_, place)| place).collect(),
         }
     };
-    comparisons.iter().map(spread).collect()
+    comparisons.map(spread).collect()
 }
 
 #[cfg(test)]
@@ -56,11 +48,11 @@ mod tests {
 
     /// The mean of the differences is what the comparison finds, node by node.
     #[test]
-    fn the_spread_is_of_what_is_compared_and_counts_what_is_adjusted_together() {
+    fn the_spread_is_of_what_is_compared() {
         let (sessions, parameters) = (people(7), parameters());
         let spreads = curve_spreads(&sessions, Curve::ForceOverAngle, &parameters);
         let [hybrid, passive] = spreads.as_slice() else { panic!("{spreads:?}") };
-        assert_eq!((hybrid.differences.len(), hybrid.together), (7, 2));
+        assert_eq!(hybrid.differences.len(), 7);
         assert_eq!((passive.differences.len(), passive.places.len()), (0, 0));
         let found = compare_curves(&sessions, &parameters).unwrap();
         assert_eq!((hybrid.places.len(), &hybrid.lengths[..]), (found.points.len(), &[11, 11][..]));
@@ -69,8 +61,6 @@ mod tests {
             assert!((mean - point.difference).abs() < 1e-12, "{node}");
             assert_eq!(Some(hybrid.places[node]), point.theta_rad);
         }
-        let each = CurveParameters { families: Families::Environment, ..parameters };
-        assert_eq!(curve_spreads(&sessions, Curve::ForceOverAngle, &each)[0].together, 2);
-        assert!(curve_spreads(&sessions, Curve::ThetaOverTime, &each).is_empty());
+        assert!(curve_spreads(&sessions, Curve::ThetaOverTime, &parameters).is_empty());
     }
 }

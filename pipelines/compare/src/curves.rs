@@ -1,21 +1,22 @@
 //! Whole curves compared: between modes and by effects of factors, and these between groups.
 
-use crate::claim::{Claim, judge};
-use crate::{CompareError, Groups};
+use crate::claim::{Claim, Judging, judge};
+use crate::curves_within;
+use crate::{CompareError, Groups, SessionOrder};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use zwidth_numerics::series::{common_grid, interpolate_all};
 use zwidth_results::{
     AveragePoint, CurveDifference, CurveNode, CurveRun, EffectLevels, FactorEffect, GroupEffect,
-    LoopBranch, LoopPoint, Row as _, Verdict,
+    LoopBranch, LoopPoint, Role, Row as _, Verdict,
 };
-use zwidth_stats::curve::{self, CurveTest, GroupCurveTest, LEAST_FOR_A_CLAIM, Node, SKEWED};
+use zwidth_stats::curve::{self, CurveTest, LEAST_FOR_A_CLAIM, Node, SKEWED, UnpairedCurveTest};
 use zwidth_stats::null::Sampling;
-use zwidth_stats::{Unestimable, paired, sign_flip};
+use zwidth_stats::{paired, sign_flip};
 use zwidth_study::{
     Contrast, Curve, Effect, EnvironmentId, Families, GroupContrast, LevelId, ModeId,
-    ParticipantId, SessionId, Weight, counted,
+    ParticipantId, SessionId, TrialMeta, Weight, counted,
 };
 use zwidth_tables::{Table, TableError};
 
@@ -27,6 +28,10 @@ const SAMPLING: Sampling = Sampling { draws: 9_999, seed: 1 };
 pub struct CurveParameters {
     /// The curves.
     pub curves: Vec<Curve>,
+    /// Those of them that are primary: the claims of every other one are exploratory.
+    pub primary: Vec<Curve>,
+    /// How many claims on metrics are of one family with those of primary curves, at most.
+    pub metric_claims: usize,
     /// Nodes of each branch.
     pub nodes: usize,
     /// The environments, in the study's order.
@@ -45,25 +50,29 @@ pub struct CurveParameters {
     pub alpha: f64,
     /// Level of every band, as a fraction.
     pub level: f64,
+    /// The orders of one participant's sessions, and how they were drawn; empty of several participants.
+    pub orders: Vec<SessionOrder>,
 }
 
 /// A curve over angles or times that rise.
 #[derive(Debug, Clone, PartialEq, Default)]
-struct Course {
-    x: Vec<f64>,
-    y: Vec<f64>,
+pub(crate) struct Course {
+    pub(crate) x: Vec<f64>,
+    pub(crate) y: Vec<f64>,
 }
 
-/// The mean curve of a participant's repeats in one session and condition.
+/// The mean curve of a participant's repeats in one session and condition, or the curve of one of these trials.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SessionCurve {
     pub(crate) curve: Curve,
-    participant: ParticipantId,
-    session: SessionId,
-    environment: EnvironmentId,
-    mode: ModeId,
-    /// By branch; one over time has none.
-    branches: BTreeMap<Option<LoopBranch>, Course>,
+    pub(crate) participant: ParticipantId,
+    pub(crate) session: SessionId,
+    pub(crate) environment: EnvironmentId,
+    pub(crate) mode: ModeId,
+    /// The trial whose it is; none of a mean.
+    pub(crate) trial: Option<u32>,
+    /// By branch; one over time has none. A trial may have no course.
+    pub(crate) branches: BTreeMap<Option<LoopBranch>, Course>,
 }
 
 /// The column of a curve in the tables of the stage `average`.
@@ -90,36 +99,7 @@ impl SessionCurve {
     /// # Errors
     /// A table that is not of this stage.
     pub fn of(table: &Table, curve: Curve) -> Result<Option<Self>, TableError> {
-        let values = table.floats(column(curve))?;
-        let mut branches: BTreeMap<Option<LoopBranch>, Course> = BTreeMap::new();
-        let condition = if curve.is_over_angle() {
-            let points: Vec<LoopPoint> = table.to_rows()?;
-            for (point, value) in points.iter().zip(values) {
-                // While the lever is held there is no angle to go over.
-                let (LoopBranch::In | LoopBranch::Out, Some(value)) = (point.branch, value) else {
-                    continue;
-                };
-                let course = branches.entry(Some(point.branch)).or_default();
-                course.x.push(point.theta_rad);
-                course.y.push(value);
-            }
-            if let Some(out) = branches.get_mut(&Some(LoopBranch::Out)) {
-                out.x.reverse();
-                out.y.reverse();
-            }
-            points.into_iter().next().map(|p| (p.participant, p.session, p.environment, p.mode))
-        } else {
-            let points: Vec<AveragePoint> = table.to_rows()?;
-            let all = points.first().map_or(0, |point| point.n);
-            let whole = points.iter().zip(values).take_while(|(point, _)| point.n == all);
-            for (point, value) in whole {
-                let Some(value) = value else { break };
-                let course = branches.entry(None).or_default();
-                course.x.push(point.t_s);
-                course.y.push(value);
-            }
-            points.into_iter().next().map(|p| (p.participant, p.session, p.environment, p.mode))
-        };
+        let (condition, branches) = courses(table, curve)?;
         let condition = condition.filter(|_| !branches.is_empty());
         Ok(condition.map(|(participant, session, environment, mode)| Self {
             curve,
@@ -127,9 +107,65 @@ impl SessionCurve {
             session,
             environment,
             mode,
+            trial: None,
             branches,
         }))
     }
+
+    /// The curve of a trial, of whose one repeat `table` is such a mean.
+    ///
+    /// # Errors
+    /// A table that is not of this stage.
+    pub fn of_trial(meta: &TrialMeta, table: &Table, curve: Curve) -> Result<Self, TableError> {
+        let (_, branches) = courses(table, curve)?;
+        Ok(Self {
+            curve,
+            participant: meta.participant.clone(),
+            session: meta.session.clone(),
+            environment: meta.environment.clone(),
+            mode: meta.mode.clone(),
+            trial: Some(meta.trial),
+            branches,
+        })
+    }
+}
+
+type Condition = (ParticipantId, SessionId, EnvironmentId, ModeId);
+type Courses = BTreeMap<Option<LoopBranch>, Course>;
+
+/// The condition of a table of means, which an empty one has not, and its course by branch.
+fn courses(table: &Table, curve: Curve) -> Result<(Option<Condition>, Courses), TableError> {
+    let values = table.floats(column(curve))?;
+    let mut branches = Courses::new();
+    let condition = if curve.is_over_angle() {
+        let points: Vec<LoopPoint> = table.to_rows()?;
+        for (point, value) in points.iter().zip(values) {
+            // While the lever is held there is no angle to go over.
+            let (LoopBranch::In | LoopBranch::Out, Some(value)) = (point.branch, value) else {
+                continue;
+            };
+            let course = branches.entry(Some(point.branch)).or_default();
+            course.x.push(point.theta_rad);
+            course.y.push(value);
+        }
+        if let Some(out) = branches.get_mut(&Some(LoopBranch::Out)) {
+            out.x.reverse();
+            out.y.reverse();
+        }
+        points.into_iter().next().map(|p| (p.participant, p.session, p.environment, p.mode))
+    } else {
+        let points: Vec<AveragePoint> = table.to_rows()?;
+        let all = points.first().map_or(0, |point| point.n);
+        let whole = points.iter().zip(values).take_while(|(point, _)| point.n == all);
+        for (point, value) in whole {
+            let Some(value) = value else { break };
+            let course = branches.entry(None).or_default();
+            course.x.push(point.t_s);
+            course.y.push(value);
+        }
+        points.into_iter().next().map(|p| (p.participant, p.session, p.environment, p.mode))
+    };
+    Ok((condition, branches))
 }
 
 /// Curves compared.
@@ -143,9 +179,9 @@ pub struct Curves {
     pub runs: Vec<CurveRun>,
 }
 
-/// Compares whole curves, each a family of its own: everybody's sessions are averaged with equal weight, at the
-/// angles or times that all people of a comparison reach in each of its modes, and a branch that one of them
-/// lacks is left out.
+/// Compares whole curves: everybody's sessions are averaged with equal weight, at the angles or times that all people of
+/// a comparison reach in each of its modes, and a branch that one of them lacks is left out. Of one participant the
+/// curves of trials are compared. Each curve is a family of its own, but for primary ones that are adjusted together.
 ///
 /// # Errors
 /// A level that cannot be one.
@@ -153,23 +189,96 @@ pub fn compare_curves(
     sessions: &[SessionCurve],
     parameters: &CurveParameters,
 ) -> Result<Curves, CompareError> {
-    let mut all = Curves::default();
+    let mut compared_curves = Vec::new();
     for curve in &parameters.curves {
         let own: Vec<&SessionCurve> = sessions.iter().filter(|one| one.curve == *curve).collect();
-        // The order of results is that of the comparisons, on any number of threads.
-        let comparisons = compared(&own, parameters);
-        let rows = comparisons.par_iter().map(|comparison| {
-            let people = People::of(&own, &comparison.weights, parameters);
-            rows(comparison, &people, parameters)
-        });
-        let mut rows: Vec<Row> = rows.collect::<Vec<Vec<Row>>>().into_iter().flatten().collect();
-        let claims = rows.iter_mut().map(|row| &mut row.claim).collect();
-        judge(claims, parameters.families, parameters.alpha)?;
+        let rows = if own.iter().any(|one| one.trial.is_some()) {
+            curves_within::rows(&own, parameters)
+        } else {
+            // The order of results is that of the comparisons, on any number of threads.
+            let comparisons = compared(&own, parameters);
+            let rows = comparisons.par_iter().map(|comparison| {
+                let people = People::of(&own, &comparison.weights, parameters);
+                rows(comparison, &people, parameters)
+            });
+            rows.collect::<Vec<Vec<Row>>>().into_iter().flatten().collect()
+        };
+        compared_curves.push((*curve, rows));
+    }
+    let CurveParameters { families, alpha, metric_claims: elsewhere, .. } = *parameters;
+    let judging = Judging { families, alpha, elsewhere: 0 };
+    let (joined, others) = compared_curves.iter_mut().partition::<Vec<_>, _>(|(curve, _)| {
+        families == Families::Study && parameters.primary.contains(curve)
+    });
+    let joined = joined.into_iter().flat_map(|(_, rows)| rows).map(|row| &mut row.claim);
+    judge(joined.collect(), Judging { elsewhere, ..judging })?;
+    for (_, rows) in others {
+        judge(rows.iter_mut().map(|row| &mut row.claim).collect(), judging)?;
+    }
+    let mut all = Curves::default();
+    for (curve, rows) in compared_curves {
         for row in rows {
-            row.add_to(&mut all, *curve, parameters);
+            row.add_to(&mut all, curve, parameters);
         }
     }
     Ok(all)
+}
+
+/// Where several curves have nodes.
+pub(crate) struct Shared {
+    /// The branches that all have, with the angles or times of their nodes.
+    pub(crate) branches: Vec<(Option<LoopBranch>, Vec<f64>)>,
+    /// Which branches are left out, and why.
+    pub(crate) left_out: Vec<String>,
+}
+
+impl Shared {
+    /// So many nodes of each branch where all curves are, which are `whose`: everybody's, say.
+    pub(crate) fn of(curves: &[&SessionCurve], nodes: usize, whose: &str) -> Self {
+        let kinds: BTreeSet<Option<LoopBranch>> =
+            curves.iter().flat_map(|one| one.branches.keys().copied()).collect();
+        let mut shared = Self { branches: Vec::new(), left_out: Vec::new() };
+        for branch in kinds {
+            let courses: Vec<&Course> =
+                curves.iter().filter_map(|one| one.branches.get(&branch)).collect();
+            let way = match branch {
+                Some(LoopBranch::Out) => "the way back",
+                Some(LoopBranch::In | LoopBranch::Held) => "the way there",
+                None => "the course",
+            };
+            let why = match common_grid(courses.iter().map(|course| course.x.as_slice()), nodes) {
+                _ if courses.len() < curves.len() && branch == Some(LoopBranch::Out) => {
+                    format!("not {whose} returns")
+                }
+                _ if courses.len() < curves.len() => format!("not {whose} has it"),
+                Some(places) => {
+                    shared.branches.push((branch, places));
+                    continue;
+                }
+                None => "there is no place that all reach".to_owned(),
+            };
+            shared.left_out.push(format!("{way} is left out: {why}"));
+        }
+        shared
+    }
+
+    /// The values of one of the curves at the nodes of all branches.
+    pub(crate) fn values<'a>(&'a self, curve: &'a SessionCurve) -> impl Iterator<Item = f64> + 'a {
+        self.branches.iter().flat_map(|(branch, x)| {
+            let course = &curve.branches[branch];
+            // Nodes lie within what every course covers.
+            interpolate_all(&course.x, &course.y, x).into_iter().map(|y| y.unwrap_or(f64::NAN))
+        })
+    }
+
+    pub(crate) fn lengths(&self) -> Vec<usize> {
+        self.branches.iter().map(|(_, x)| x.len()).collect()
+    }
+
+    /// The branch and the place of each node.
+    pub(crate) fn nodes(&self) -> impl Iterator<Item = (Option<LoopBranch>, f64)> + '_ {
+        self.branches.iter().flat_map(|(branch, x)| x.iter().map(|x| (*branch, *x)))
+    }
 }
 
 /// What is compared.
@@ -251,10 +360,7 @@ pub(crate) struct People {
     who: Vec<ParticipantId>,
     /// People who have some of the conditions, not all.
     lacking: Vec<ParticipantId>,
-    /// The branches that all have, with the angles or times of their nodes.
-    branches: Vec<(Option<LoopBranch>, Vec<f64>)>,
-    /// Which branches are left out, and why.
-    left_out: Vec<String>,
+    pub(crate) shared: Shared,
     /// The sum over conditions of positive weight and that over the others, person by person, over the nodes of all
     /// branches; the second is taken from the first.
     sides: [Vec<Vec<f64>>; 2],
@@ -270,7 +376,6 @@ impl People {
         let in_group = |who: &ParticipantId| {
             parameters.groups.as_ref().is_none_or(|groups| groups.levels_of.contains_key(who))
         };
-        let nodes = parameters.nodes;
         // Everybody's curve of each weight: session by session, or, where sessions are levels, of all of them
         // together. A session that lacks one would bring its own practice into a difference.
         type OfPerson<'a> = BTreeMap<Option<&'a SessionId>, BTreeMap<usize, &'a SessionCurve>>;
@@ -296,47 +401,18 @@ impl People {
         });
         let curves: Vec<&SessionCurve> =
             by_person.values().flatten().flat_map(|(_, own)| own.values().copied()).collect();
-        let kinds: BTreeSet<Option<LoopBranch>> =
-            curves.iter().flat_map(|one| one.branches.keys().copied()).collect();
-        let mut branches = Vec::new();
-        let mut left_out = Vec::new();
-        for branch in kinds {
-            let courses: Vec<&Course> =
-                curves.iter().filter_map(|one| one.branches.get(&branch)).collect();
-            let way = match branch {
-                Some(LoopBranch::Out) => "the way back",
-                Some(LoopBranch::In | LoopBranch::Held) => "the way there",
-                None => "the course",
-            };
-            match common_grid(courses.iter().map(|course| course.x.as_slice()), nodes) {
-                _ if courses.len() < curves.len() && branch == Some(LoopBranch::Out) => {
-                    left_out.push("the way back is left out: not everybody returns".to_owned());
-                }
-                _ if courses.len() < curves.len() => {
-                    left_out.push(format!("{way} is left out: not everybody has it"));
-                }
-                Some(shared) => branches.push((branch, shared)),
-                None => {
-                    left_out.push(format!("{way} is left out: there is no place that all reach"))
-                }
-            }
-        }
+        let shared = Shared::of(&curves, parameters.nodes, "everybody");
         let side = |sign: f64| -> Vec<Vec<f64>> {
             let people = by_person.values().map(|sessions| {
-                let mut sum = vec![0.0; branches.iter().map(|(_, x)| x.len()).sum()];
+                let mut sum = vec![0.0; shared.lengths().iter().sum()];
                 for (place, weight) in weights.iter().enumerate() {
                     if weight.weight * sign <= 0.0 {
                         continue;
                     }
                     for own in sessions.values() {
                         let share = weight.weight.abs() / sessions.len() as f64;
-                        let values = branches.iter().flat_map(|(branch, x)| {
-                            let course = &own[&place].branches[branch];
-                            interpolate_all(&course.x, &course.y, x)
-                        });
-                        // Nodes lie within what every course covers.
-                        for (sum, value) in sum.iter_mut().zip(values) {
-                            *sum += share * value.unwrap_or(f64::NAN);
+                        for (sum, value) in sum.iter_mut().zip(shared.values(own[&place])) {
+                            *sum += share * value;
                         }
                     }
                 }
@@ -348,19 +424,14 @@ impl People {
             sides: [side(1.0), side(-1.0)],
             who: by_person.keys().map(|who| (*who).clone()).collect(),
             lacking,
-            branches,
-            left_out,
+            shared,
         }
-    }
-
-    pub(crate) fn lengths(&self) -> Vec<usize> {
-        self.branches.iter().map(|(_, x)| x.len()).collect()
     }
 
     /// Everybody's differences; values that differ by their rounding do not differ.
     pub(crate) fn differences(&self) -> Vec<Vec<f64>> {
         let mut rows = self.sides[0].clone();
-        for node in 0..self.lengths().iter().sum() {
+        for node in 0..self.shared.lengths().iter().sum() {
             let pairs = self.sides[0].iter().zip(&self.sides[1]);
             let pairs: Vec<[f64; 2]> = pairs.map(|(a, b)| [a[node], b[node]]).collect();
             for (row, difference) in rows.iter_mut().zip(paired::differences(&pairs)) {
@@ -369,43 +440,51 @@ impl People {
         }
         rows
     }
-
-    /// The branch and the place of each node.
-    pub(crate) fn nodes(&self) -> impl Iterator<Item = (Option<LoopBranch>, f64)> + '_ {
-        self.branches.iter().flat_map(|(branch, x)| x.iter().map(|x| (*branch, *x)))
-    }
 }
 
 /// One comparison, not judged yet.
-struct Row {
-    effect: GroupEffect,
+pub(crate) struct Row {
+    pub(crate) effect: GroupEffect,
     /// The environment in which it is; `None` of an effect over several.
-    environment: Option<EnvironmentId>,
-    groups: Option<GroupContrast>,
-    n: usize,
-    n_second: Option<usize>,
+    pub(crate) environment: Option<EnvironmentId>,
+    pub(crate) groups: Option<GroupContrast>,
+    /// The one participant whose trials are compared.
+    pub(crate) within: Option<ParticipantId>,
+    pub(crate) n: usize,
+    pub(crate) n_second: Option<usize>,
     /// The branch and the place of each node.
-    places: Vec<(Option<LoopBranch>, f64)>,
+    pub(crate) places: Vec<(Option<LoopBranch>, f64)>,
     /// The means whose difference each node's is.
-    means: [Vec<f64>; 2],
-    tested: Result<Test, Unestimable>,
-    remarks: Vec<String>,
-    claim: Claim,
+    pub(crate) means: [Vec<f64>; 2],
+    /// The test, or why there is none.
+    pub(crate) tested: Result<Test, String>,
+    pub(crate) remarks: Vec<String>,
+    pub(crate) claim: Claim,
 }
 
-/// Of everybody, or of two groups.
-enum Test {
+/// How curves were compared.
+pub(crate) enum Test {
+    /// Everybody's differences, by flipped signs.
     Flipped(CurveTest),
-    Permuted(GroupCurveTest),
+    /// Two groups of people, or of one participant's trials, by other arrangements.
+    Arranged(UnpairedCurveTest),
+    /// Trials that no other order has: described, without a p value.
+    Described(UnpairedCurveTest),
 }
 
 impl Test {
     fn nodes(&self) -> (&[Node], usize) {
         match self {
             Self::Flipped(test) => (&test.nodes, test.largest),
-            Self::Permuted(test) => (&test.nodes, test.largest),
+            Self::Arranged(test) | Self::Described(test) => (&test.nodes, test.largest),
         }
     }
+}
+
+/// The mean over rows, node by node.
+pub(crate) fn mean(rows: &[&Vec<f64>], nodes: usize) -> Vec<f64> {
+    let sum = |node| rows.iter().map(|row| row[node]).sum::<f64>() / rows.len() as f64;
+    (0..nodes).map(sum).collect()
 }
 
 /// The comparison of everybody, if that is asked, then of each pair of groups.
@@ -421,15 +500,11 @@ fn rows(comparison: &Comparison, people: &People, parameters: &CurveParameters) 
         let what = if are_modes { "mode" } else { "condition" };
         about.push(format!("{} without a curve in each {what}", names.join(", ")));
     }
-    about.extend(people.left_out.iter().cloned());
-    let lengths = people.lengths();
+    about.extend(people.shared.left_out.iter().cloned());
+    let lengths = people.shared.lengths();
+    let nodes = lengths.iter().sum();
     let differences = people.differences();
-    let mean = |rows: &[&Vec<f64>]| -> Vec<f64> {
-        let nodes = lengths.iter().sum();
-        let sum = |node| rows.iter().map(|row| row[node]).sum::<f64>() / rows.len() as f64;
-        (0..nodes).map(sum).collect()
-    };
-    let places: Vec<(Option<LoopBranch>, f64)> = people.nodes().collect();
+    let places: Vec<(Option<LoopBranch>, f64)> = people.shared.nodes().collect();
     let n = people.who.len();
     let mut rows = Vec::new();
     if comparison.is_of_everybody() {
@@ -454,12 +529,13 @@ fn rows(comparison: &Comparison, people: &People, parameters: &CurveParameters) 
             effect: effect.clone(),
             environment: environment.clone(),
             groups: None,
+            within: None,
             n,
             n_second: None,
             places: places.clone(),
-            means: [0, 1].map(|side| mean(&people.sides[side].iter().collect::<Vec<_>>())),
+            means: [0, 1].map(|side| mean(&people.sides[side].iter().collect::<Vec<_>>(), nodes)),
             claim: Claim::new(family, p, smallest_p, None),
-            tested: tested.map(Test::Flipped),
+            tested: tested.map(Test::Flipped).map_err(|why| why.to_string()),
             remarks,
         });
     }
@@ -475,18 +551,19 @@ fn rows(comparison: &Comparison, people: &People, parameters: &CurveParameters) 
         };
         let [(first, first_blocks), (second, second_blocks)] =
             [&contrast.group, &contrast.against].map(of_group);
-        let means = [&first, &second].map(|rows| mean(&rows.iter().collect::<Vec<_>>()));
+        let means = [&first, &second].map(|rows| mean(&rows.iter().collect::<Vec<_>>(), nodes));
         let blocks = [&first_blocks[..], &second_blocks[..]];
         let tested = curve::groups([&first, &second], blocks, &lengths, parameters.level, SAMPLING);
         rows.push(Row {
             effect: effect.clone(),
             environment: environment.clone(),
             groups: Some(contrast.clone()),
+            within: None,
             n: first.len(),
             n_second: Some(second.len()),
             places: places.clone(),
             means,
-            tested: tested.map(Test::Permuted),
+            tested: tested.map(Test::Arranged).map_err(|why| why.to_string()),
             remarks: about.clone(),
             claim: Claim::new(family, None, None, None),
         });
@@ -502,11 +579,12 @@ impl Row {
         let tested = self.tested.as_ref().ok();
         let flipped = tested.and_then(|test| match test {
             Test::Flipped(test) => Some(test),
-            Test::Permuted(_) => None,
+            Test::Arranged(_) | Test::Described(_) => None,
         });
-        let permutation = tested.map(|test| match test {
-            Test::Flipped(test) => test.flipped,
-            Test::Permuted(test) => test.permuted,
+        let permutation = tested.and_then(|test| match test {
+            Test::Flipped(test) => Some(test.flipped),
+            Test::Arranged(test) => Some(test.permuted),
+            Test::Described(_) => None,
         });
         let (nodes, largest) = tested.map(Test::nodes).unwrap_or_default();
         let place = tested.map(|_| self.places[largest]);
@@ -516,19 +594,26 @@ impl Row {
         if verdict == Verdict::Undecided
             && let Some(least) = self.claim.out_of_reach(parameters.alpha)
         {
-            let people = counted(self.n, "participants");
-            self.remarks
-                .push(format!("the signs of {people} reach an adjusted p of {least:.4} at best"));
+            let what = match &self.within {
+                Some(_) => "other orders".to_owned(),
+                None => format!("the signs of {}", counted(self.n, "participants")),
+            };
+            self.remarks.push(format!("{what} reach an adjusted p of {least:.4} at best"));
         }
         if let Err(why) = &self.tested {
-            self.remarks.push(why.to_string());
+            self.remarks.push(why.clone());
         }
         all.tests.push(CurveDifference {
             curve,
             unit: curve.unit().into(),
+            role: match parameters.primary.contains(&curve) {
+                true => Role::Primary,
+                false => Role::Exploratory,
+            },
             environment: self.environment.clone(),
             effect: self.effect.clone(),
             groups: self.groups.clone(),
+            within: self.within.clone(),
             n: self.n,
             n_second: self.n_second,
             nodes: nodes.len() - left_out,
@@ -607,6 +692,7 @@ pub(crate) mod tests {
             session: "S01".parse().unwrap(),
             environment: "spring".parse().unwrap(),
             mode: mode.parse().unwrap(),
+            trial: None,
             branches: [(Some(LoopBranch::In), course)].into_iter().chain(back).collect(),
         }
     }
@@ -618,6 +704,8 @@ pub(crate) mod tests {
         };
         CurveParameters {
             curves: vec![Curve::ForceOverAngle],
+            primary: Vec::new(),
+            metric_claims: 0,
             nodes: 11,
             environments: vec!["spring".parse().unwrap()],
             modes: ["active", "passive", "hybrid"].map(|id| id.parse().unwrap()).to_vec(),
@@ -627,6 +715,7 @@ pub(crate) mod tests {
             families: Families::Metric,
             alpha: 0.05,
             level: 0.95,
+            orders: Vec::new(),
         }
     }
 
@@ -732,6 +821,45 @@ pub(crate) mod tests {
         assert!(test.p_value.unwrap() < 0.01 && test.p_adjusted == test.p_unstudentised);
         assert_eq!(test.verdict, Some(Verdict::Undecided));
         assert!(test.remark.as_ref().unwrap().to_string().contains("are skewed"));
+    }
+
+    #[test]
+    fn primary_curves_share_alpha_with_primary_metrics_and_leave_others_alone() {
+        let both = CurveParameters {
+            curves: vec![Curve::ForceOverAngle, Curve::VelocityOverAngle],
+            families: Families::Study,
+            ..parameters()
+        };
+        let mut sessions = people(8);
+        let again: Vec<SessionCurve> = sessions
+            .iter()
+            .map(|one| SessionCurve { curve: Curve::VelocityOverAngle, ..one.clone() })
+            .collect();
+        sessions.extend(again);
+        let adjusted = |parameters: &CurveParameters| {
+            let found = compare_curves(&sessions, parameters).unwrap();
+            let tested = found.tests.into_iter().filter(|test| test.p_value.is_some());
+            tested.map(|test| (test.role, test.p_adjusted.unwrap() * 256.0)).collect::<Vec<_>>()
+        };
+        let near = |found: Vec<(Role, f64)>, expected: [(Role, f64); 2]| {
+            for ((role, p), (expected_role, expected)) in found.iter().zip(expected) {
+                assert!(*role == expected_role && (p - expected).abs() < 1e-9, "{role:?} {p}");
+            }
+        };
+        let (main, side) = (Role::Primary, Role::Exploratory);
+        near(adjusted(&both), [(side, 2.0), (side, 2.0)]);
+        // One claim beside three of metrics has a quarter of alpha.
+        let beside = CurveParameters {
+            primary: vec![Curve::ForceOverAngle],
+            metric_claims: 3,
+            ..both.clone()
+        };
+        near(adjusted(&beside), [(main, 8.0), (side, 2.0)]);
+        // Two claims beside three of metrics have two fifths, and Holm's method among them.
+        let joined = CurveParameters { primary: beside.curves.clone(), ..beside.clone() };
+        near(adjusted(&joined), [(main, 10.0), (main, 10.0)]);
+        let apart = CurveParameters { families: Families::Metric, metric_claims: 0, ..joined };
+        near(adjusted(&apart), [(main, 2.0), (main, 2.0)]);
     }
 
     /// Of two environments and two sessions in which the second mode is steeper by 1 and 3, and by 0.5 more in the

@@ -31,6 +31,7 @@ mod contrasts;
 mod covariates;
 mod curve_spread;
 mod curves;
+mod curves_within;
 mod differences;
 mod doses;
 mod drawn;
@@ -70,7 +71,7 @@ pub use relations::{Said, relations};
 pub use together::together;
 
 use cells::Cells;
-use claim::{Claim, judge};
+use claim::{Claim, Judging, judge};
 use measure::Measure;
 use orders::SharpNull;
 use rayon::prelude::*;
@@ -168,12 +169,13 @@ pub fn compare_tables(
     let tested = claiming.par_iter().map(|metric| Tested::of(tables, metric, parameters));
     // `par_iter` keeps the order of the metrics, so rows are the same with any number of threads.
     let mut tested = tested.collect::<Result<Vec<Tested>, CompareError>>()?;
-    let Parameters { families, alpha, .. } = *parameters;
-    judge(tested.iter_mut().flat_map(Tested::claims).collect(), families, alpha)?;
+    let Parameters { families, alpha, curve_claims: elsewhere, .. } = *parameters;
+    let judging = Judging { families, alpha, elsewhere };
+    judge(tested.iter_mut().flat_map(Tested::claims).collect(), judging)?;
     let found = tested.into_par_iter().map(|metric| metric.judged(parameters));
     let others = others.par_iter().map(|metric| {
         let mut metric = Tested::of(tables, metric, parameters)?;
-        judge(metric.claims().collect(), families, alpha)?;
+        judge(metric.claims().collect(), Judging { elsewhere: 0, ..judging })?;
         metric.judged(parameters)
     });
     let mut all = Comparison::default();

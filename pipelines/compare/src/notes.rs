@@ -260,6 +260,17 @@ pub(crate) fn order_tests(measure: &Measure) -> Vec<MetricNote> {
     below::<OrderTest>(measure, vec![general(&note)])
 }
 
+/// How the claims of a metric are adjusted for each other.
+fn adjusted(is_primary: bool, parameters: &Parameters) -> String {
+    match parameters.curve_claims {
+        claims if claims > 0 && is_primary => format!(
+            "adjusted after Holm, and after Bonferroni for {} on primary curves",
+            counted(claims, "claims")
+        ),
+        _ => "adjusted after Holm".to_owned(),
+    }
+}
+
 /// Notes on contrasts.
 pub(crate) fn contrasts(
     rows: &[contrasts::Row],
@@ -290,8 +301,8 @@ pub(crate) fn contrasts(
         (false, false) => ", those of the table of effects among them",
         (true, false) => ", those of the tables of groups and of effects among them",
     };
-    let family =
-        format!("{role} {together}{beside}, adjusted after Holm; intervals are not adjusted.");
+    let adjusted = adjusted(is_primary, parameters);
+    let family = format!("{role} {together}{beside}, {adjusted}; intervals are not adjusted.");
     let test = match unit {
         UnitOfAnalysis::Participants if split.is_some() => {
             "Test: the participants' differences, t with Satterthwaite's degrees of freedom, because groups \
@@ -416,6 +427,7 @@ pub(crate) fn effects(
         }
         Families::Metric | Families::Study => "Effects and contrasts are one family of claims",
     };
+    let adjusted = adjusted(measure.parameters.primary, parameters);
     let mut notes = vec![
         general(&format!(
             "{what}Everybody has one value, of the means of their repeats, {sessions}; n counts participants."
@@ -429,7 +441,7 @@ pub(crate) fn effects(
                 "Test: t with the same weight for each group, Satterthwaite's degrees of freedom."
             }
         }),
-        general(&format!("{role}{together}, adjusted after Holm; intervals are not adjusted.")),
+        general(&format!("{role}{together}, {adjusted}; intervals are not adjusted.")),
     ];
     notes.extend(split.map(weights));
     let has_jnd = rows.iter().any(effects::Row::has_jnd);

@@ -21,6 +21,8 @@ pub struct Parameters {
     pub contrasts: Vec<Contrast>,
     /// Which of them are adjusted together.
     pub families: Families,
+    /// How many claims on whole curves are of one family with those of primary metrics, at most.
+    pub curve_claims: usize,
     /// A claim needs an adjusted p value below this.
     pub alpha: f64,
     /// Level of every interval, as a fraction.
@@ -126,9 +128,10 @@ impl Noticed {
 }
 
 impl Parameters {
-    /// Whether claims rest on several metrics.
+    /// Whether claims rest on several metrics, or on curves besides.
     pub(crate) fn has_several_primary(&self) -> bool {
-        self.metrics.iter().filter(|metric| metric.primary).count() > 1
+        let metrics = self.metrics.iter().filter(|metric| metric.primary).count();
+        metrics > 1 || self.curve_claims > 0
     }
 
     /// The places of an environment and a mode, where the study has them.

@@ -47,6 +47,7 @@ pub(crate) fn parameters() -> Parameters {
         modes: ["active", "passive", "hybrid"].map(mode).to_vec(),
         contrasts: ["active", "passive"].map(contrast).to_vec(),
         families: Families::Metric,
+        curve_claims: 0,
         alpha: 0.05,
         level: 0.95,
         effect_sizes: Compare::EFFECT_SIZES.to_vec(),

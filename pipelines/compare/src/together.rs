@@ -1,7 +1,7 @@
 //! The contrasts of every metric in one table, as a paper prints them.
 
-use crate::CompareError;
 use crate::notes::of_whom;
+use crate::{CompareError, Parameters};
 use zwidth_results::{Compared, ModeDifference, PrintedDifference, Role, UnitOfAnalysis};
 use zwidth_study::Families;
 use zwidth_tables::Table;
@@ -14,9 +14,9 @@ use zwidth_tables::Table;
 pub fn together(
     metrics: &[Compared],
     contrasts: &[ModeDifference],
-    families: Families,
-    has_groups: bool,
+    parameters: &Parameters,
 ) -> Result<Table, CompareError> {
+    let has_groups = parameters.groups.is_some();
     let printed = Table::of_rows(contrasts)?.to_rows::<PrintedDifference>()?;
     let table = Table::of_rows(&printed)?.without_empty_columns();
     let Some(first) = metrics.first() else { return Ok(table) };
@@ -44,10 +44,13 @@ pub fn together(
             several.join("; ")
         ),
     };
-    let family = match families {
-        Families::Study if primary.len() > 1 => {
-            "the primary metrics one family, each other metric one"
-        }
+    let family = match parameters.families {
+        Families::Study if parameters.has_several_primary() => match parameters.curve_claims {
+            0 => "the primary metrics one family, each other metric one",
+            _ => {
+                "the primary metrics and curves one family (after Bonferroni between both), each other metric one"
+            }
+        },
         Families::Metric | Families::Study => "each metric a family",
         Families::Environment => "each environment of a metric a family",
     };
@@ -81,7 +84,7 @@ mod tests {
         let parameters = crate::Parameters { metrics: both, families, ..parameters() };
         let table = Table::new("metrics", "", columns.concat()).unwrap();
         let found = compare(&Measured::of(table).unwrap(), &parameters).unwrap();
-        let table = together(&found.metrics, &found.contrasts, families, false).unwrap();
+        let table = together(&found.metrics, &found.contrasts, &parameters).unwrap();
         (table, found.contrasts)
     }
 
@@ -107,7 +110,7 @@ mod tests {
         let (table, _) = both(&["other_n"], Families::Metric);
         assert!(table.column("d_av").is_err() && table.column("difference_jnd").is_err());
         assert!(table.notes_by_kind().any(|(_, note)| note.ends_with("all are exploratory.")));
-        assert_eq!(together(&[], &[], Families::Metric, false).unwrap().height(), 0);
+        assert_eq!(together(&[], &[], &parameters()).unwrap().height(), 0);
     }
 
     /// The two metrics have the same values, so each adjusted p of one metric is met twice in the family of
@@ -138,6 +141,35 @@ mod tests {
             notes[3].contains("the primary metrics one family, each other metric one of its own"),
             "{notes:?}"
         );
+    }
+
+    #[test]
+    fn claims_on_primary_curves_take_their_share_of_alpha() {
+        let of = |curve_claims| {
+            let own = MetricParameters { primary: true, ..parameters().metrics[0].clone() };
+            let parameters = crate::Parameters {
+                metrics: vec![own],
+                families: Families::Study,
+                curve_claims,
+                ..parameters()
+            };
+            let found = compare(&metrics(&four()), &parameters).unwrap();
+            let table = together(&found.metrics, &found.contrasts, &parameters).unwrap();
+            let notes: Vec<String> =
+                table.notes_by_kind().map(|(_, note)| note.to_owned()).collect();
+            (found.contrasts, notes[3].clone(), found.notes)
+        };
+        let (alone, _, _) = of(0);
+        let (beside, note, notes) = of(6);
+        for (alone, beside) in alone.iter().zip(&beside) {
+            let [alone, beside] = [alone, beside].map(|row| row.p_adjusted.unwrap());
+            assert!((beside - (4.0 * alone).min(1.0)).abs() < 1e-15, "two claims beside six");
+        }
+        assert!(note.contains("primary metrics and curves one family"), "{note}");
+        let is_told = |note: &zwidth_results::MetricNote| {
+            note.note.to_string().contains("after Bonferroni for 6 claims on primary curves")
+        };
+        assert!(notes.iter().any(is_told));
     }
 
     #[test]

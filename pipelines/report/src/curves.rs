@@ -3,7 +3,8 @@
 use crate::compared::environment_label;
 use crate::findings::Finding;
 use crate::gallery::Shown;
-use zwidth_results::{CurveDifference, CurveRun, GroupEffect, LoopBranch, Verdict};
+use crate::people::capital;
+use zwidth_results::{CurveDifference, CurveRun, GroupEffect, LoopBranch, Role, Verdict};
 use zwidth_study::{Setup, contrast_label, counted, curve_label};
 use zwidth_tables::{number, p_value, shown_unit, with_unit};
 
@@ -37,33 +38,93 @@ pub fn curve_differences(
     told.collect()
 }
 
+/// What each primary curve says, in one sentence of all its comparisons of everybody.
+pub fn curve_answers(study: &Setup, tests: &[CurveDifference]) -> Vec<Finding> {
+    let primary = tests
+        .iter()
+        .filter(|test| test.role == Role::Primary && test.groups.is_none())
+        .collect::<Vec<_>>();
+    let answer = |own: &[&CurveDifference]| {
+        let parts = own.iter().map(|test| {
+            let p =
+                test.p_adjusted.map_or(String::new(), |p| format!(" (adjusted p {})", p_value(p)));
+            let verdict = match test.verdict {
+                Some(Verdict::Different) => format!(
+                    "differs somewhere{p}, most clearly at {}{}",
+                    at(study, test.theta_rad, test.t_s),
+                    on_way(test.branch)
+                ),
+                Some(Verdict::Undecided) => format!("was not shown to differ{p}"),
+                _ => "was not tested".to_owned(),
+            };
+            format!("{}, {} {verdict}", in_environment(study, test), effect(study, test))
+        });
+        let within = own[0].within.as_ref().map_or(String::new(), |who| format!("Within {who}: "));
+        let label = capital(&curve_label(own[0].curve, study.coordinate));
+        let parts = parts.collect::<Vec<_>>().join("; ");
+        let text = format!("{within}{label} (a primary measure): {parts}.");
+        let shown = Shown::Curves {
+            curve: own[0].curve,
+            environment: own[0].environment.clone(),
+            of_groups: false,
+        };
+        Finding { is_answer: true, ..Finding::new(text, shown) }
+    };
+    primary.chunk_by(|a, b| a.curve == b.curve).map(answer).collect()
+}
+
+fn in_environment(study: &Setup, test: &CurveDifference) -> String {
+    match &test.environment {
+        Some(environment) => environment_label(study, environment),
+        None => "Over several environments".to_owned(),
+    }
+}
+
+fn effect(study: &Setup, test: &CurveDifference) -> String {
+    match &test.effect {
+        GroupEffect::Of(contrast) => contrast_label(&study.modes, contrast),
+        other => other.to_string(),
+    }
+}
+
+/// A place along a curve, as people of the study say it.
+fn at(study: &Setup, theta_rad: Option<f64>, t_s: Option<f64>) -> String {
+    let (unit, factor) = shown_unit("rad", study.coordinate);
+    match (theta_rad, t_s) {
+        (Some(theta), _) => with_unit(&number(theta * factor, Some(1.0)), &unit),
+        (None, Some(t)) => with_unit(&number(t, Some(0.1)), "s"),
+        (None, None) => String::new(),
+    }
+}
+
 /// `Spring, user's force over the angle, Hybrid − Active: there is a difference somewhere (…)`; nothing of what was
 /// not tested.
 fn sentence(study: &Setup, test: &CurveDifference, runs: &[&CurveRun]) -> Option<String> {
     let (unit, factor) = shown_unit(&test.unit, study.coordinate);
-    let effect = match &test.effect {
-        GroupEffect::Of(contrast) => contrast_label(&study.modes, contrast),
-        other => other.to_string(),
-    };
+    let effect = effect(study, test);
     let effect = match &test.groups {
         Some(groups) => format!("{groups} in {effect}"),
         None => effect,
     };
-    let (position, position_factor) = shown_unit("rad", study.coordinate);
-    let at = |theta_rad: Option<f64>, t_s: Option<f64>| match (theta_rad, t_s) {
-        (Some(theta), _) => with_unit(&number(theta * position_factor, Some(1.0)), &position),
-        (None, Some(t)) => with_unit(&number(t, Some(0.1)), "s"),
-        (None, None) => String::new(),
+    let people = match (test.n_second, &test.within) {
+        (Some(second), _) => format!("{} + {second} participants", test.n),
+        (None, Some(who)) => format!("{} of {who}", counted(test.n, "trials")),
+        (None, None) => counted(test.n, "participants"),
     };
-    let people = match test.n_second {
-        Some(second) => format!("{} + {second} participants", test.n),
-        None => counted(test.n, "participants"),
+    let test_by = match (&test.within, &test.groups) {
+        (Some(_), _) => "redrawn orders",
+        (None, Some(_)) => "permuted labels",
+        (None, None) => "flipped signs",
     };
-    let environment = match &test.environment {
-        Some(environment) => environment_label(study, environment),
-        None => "Over several environments".to_owned(),
+    let role = match test.role {
+        Role::Primary => "",
+        Role::Exploratory => "; exploratory",
     };
-    let place = format!("{environment}, {}, {effect}", curve_label(test.curve, study.coordinate));
+    let place = format!(
+        "{}, {}, {effect}",
+        in_environment(study, test),
+        curve_label(test.curve, study.coordinate)
+    );
     let remark = test.remark.as_ref().map(|why| format!("; {why}")).unwrap_or_default();
     let (t, p, difference) = (test.largest_t?, test.p_value?, test.difference?);
     let verdict = match (&test.groups, test.verdict) {
@@ -72,16 +133,15 @@ fn sentence(study: &Setup, test: &CurveDifference, runs: &[&CurveRun]) -> Option
         (None, _) => "not tested",
         (Some(_), _) => "described, not claimed",
     };
-    let p = match (test.p_adjusted, &test.groups) {
-        (Some(adjusted), _) => format!("adjusted p {} by flipped signs", p_value(adjusted)),
-        (None, Some(_)) => format!("p {} by permuted labels", p_value(p)),
-        (None, None) => format!("p {} by flipped signs", p_value(p)),
+    let p = match test.p_adjusted {
+        Some(adjusted) => format!("adjusted p {} by {test_by}", p_value(adjusted)),
+        None => format!("p {} by {test_by}", p_value(p)),
     };
     let places: Vec<String> = runs
         .iter()
         .map(|run| {
-            let [low, high] =
-                [at(run.theta_low_rad, run.begins_s), at(run.theta_high_rad, run.ends_s)];
+            let [low, high] = [(run.theta_low_rad, run.begins_s), (run.theta_high_rad, run.ends_s)]
+                .map(|(theta_rad, t_s)| at(study, theta_rad, t_s));
             format!("between {low} and {high}{}", on_way(run.branch))
         })
         .collect();
@@ -90,9 +150,9 @@ fn sentence(study: &Setup, test: &CurveDifference, runs: &[&CurveRun]) -> Option
         places => format!(" Runs of large t: somewhere {}.", places.join(", and somewhere ")),
     };
     Some(format!(
-        "{place}: {verdict} (largest |t| = {} at {}{}, where it is {}; {p}; {people}; exploratory){remark}.{places}",
+        "{place}: {verdict} (largest |t| = {} at {}{}, where it is {}; {p}; {people}{role}){remark}.{places}",
         number(t.abs(), Some(0.1)),
-        at(test.theta_rad, test.t_s),
+        at(study, test.theta_rad, test.t_s),
         on_way(test.branch),
         with_unit(&number(difference * factor, Some((difference / t * factor).abs())), &unit),
     ))

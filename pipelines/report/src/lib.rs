@@ -36,7 +36,7 @@ pub use compared::{
     ComparedMetric, Matrix, MatrixRow, Primaries, contrasts, matrix, primary_first,
 };
 pub use components::components;
-pub use curves::curve_differences;
+pub use curves::{curve_answers, curve_differences};
 pub use design::{device_facts, mode_forces};
 pub use effects::{explored_effects, factor_effects};
 pub use evidence::{Derived, Known, notes};

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use zwidth_store::{Signal, StudyData};
-use zwidth_study::{Bound, Effect, Environment, Families, MetricId, ParticipantId, Study};
+use zwidth_study::{Bound, Curve, Effect, Environment, Families, MetricId, ParticipantId, Study};
 
 /// The metrics that a study compares, where it does not say which, besides the primary one and the
 /// one that is primary by default.
@@ -70,8 +70,8 @@ fn requested_metrics(study: &Study) -> Vec<String> {
             all.chain(own).chain(scores).collect()
         }
     };
-    let primary = study.compare.primary.metrics();
-    let mut requested: Vec<String> = primary.iter().map(ToString::to_string).collect();
+    let mut requested: Vec<String> =
+        study.compare.primary.metrics().map(ToString::to_string).collect();
     for metric in others {
         if !requested.contains(&metric) {
             requested.push(metric);
@@ -80,48 +80,83 @@ fn requested_metrics(study: &Study) -> Vec<String> {
     requested
 }
 
-/// How many claims are adjusted together with one of a metric, itself among them. As many as there can
-/// be: a plan is made before it is known what every mode can have.
-pub fn claims(study: &Study, metric: &str) -> usize {
+/// How many claims are adjusted together with one of a metric or curve, itself among them. As many as there
+/// can be: a plan is made before it is known what every mode can have.
+pub fn claims(study: &Study, name: &str) -> usize {
+    let families = |name: &str| match Curve::from_word(name) {
+        Some(_) => claims_of_curve(study),
+        None => claims_of_metric(study, name),
+    };
+    match study.compare.families {
+        Families::Environment => families(name).into_iter().max().unwrap_or(0),
+        Families::Study if study.compare.primary.has(name) => {
+            study.compare.primary.names().iter().flat_map(|name| families(name.as_str())).sum()
+        }
+        Families::Metric | Families::Study => families(name).into_iter().sum(),
+    }
+}
+
+/// How many claims on primary curves are one family with those of primary metrics, and the other way round.
+pub(crate) fn claims_of_both(study: &Study) -> [usize; 2] {
+    let primary = &study.compare.primary;
+    if study.compare.families != Families::Study {
+        return [0; 2];
+    }
+    let of_curves = primary.curves().count() * claims_of_curve(study).into_iter().sum::<usize>();
+    let of_metrics = primary.metrics().flat_map(|metric| claims_of_metric(study, metric.as_str()));
+    [of_curves, of_metrics.sum()]
+}
+
+/// The claims of a whole curve: of each environment in which something moves, then those over several.
+fn claims_of_curve(study: &Study) -> Vec<usize> {
+    let effects: Vec<Effect> = study.effects().into_iter().filter(is_claimed).collect();
+    let with_courses = study.environments.iter().filter(|own| own.scene.pushes_back());
+    let in_each = with_courses.map(|environment| {
+        let id = Some(&environment.id);
+        let own = effects.iter().filter(|effect| effect.environment.as_ref() == id).count();
+        study.compare.contrasts.len() + own
+    });
+    let has_course = |id| study.environment(id).is_some_and(|own| own.scene.pushes_back());
+    let over_several = effects.iter().filter(|effect| {
+        effect.environment.is_none()
+            && effect.weights.iter().all(|own| has_course(&own.environment))
+    });
+    in_each.chain([over_several.count()]).collect()
+}
+
+fn is_claimed(effect: &Effect) -> bool {
+    effect.is_claimed && !effect.weights.is_empty()
+}
+
+/// The claims of a metric: of each environment that can have it, then those over several.
+fn claims_of_metric(study: &Study, metric: &str) -> Vec<usize> {
     let compare = &study.compare;
     let signals: Vec<Signal> = Signal::all().collect();
-    let is_claimed = |effect: &Effect| effect.is_claimed && !effect.weights.is_empty();
     let effects: Vec<Effect> = study.effects().into_iter().filter(is_claimed).collect();
     // Of groups in the mean over modes and in each contrast; in the mode, if there is one.
     let of_groups = compare.groups.as_ref().map_or(0, |groups| groups.contrasts.len());
     let in_groups = if study.modes.len() > 1 { compare.contrasts.len() + 1 } else { 1 };
-    // The claims of a metric: of each environment that can have it, then those over several.
-    let families = |metric: &str| -> Vec<usize> {
-        let can_have = |environment: &Environment| {
-            if let Some(score) = zwidth_metrics::score_of(study, metric) {
-                // Answers that are imported need not be asked for anywhere.
-                let asks = |place: &Environment| {
-                    score.questions.iter().all(|id| place.questions().any(|own| own == id))
-                };
-                return asks(environment) || !study.environments.iter().any(asks);
-            }
-            zwidth_metrics::is_possible(study, metric, &environment.scene, &signals)
-        };
-        let in_each = study.environments.iter().filter(|own| can_have(own)).map(|environment| {
-            let id = Some(&environment.id);
-            let own = effects.iter().filter(|effect| effect.environment.as_ref() == id).count();
-            compare.contrasts.len() + own + of_groups * (in_groups + own)
-        });
-        let over_several = effects.iter().filter(|effect| effect.environment.is_none());
-        let over_several = over_several.filter(|effect| {
-            let mut all = effect.weights.iter();
-            all.all(|weight| study.environment(&weight.environment).is_some_and(can_have))
-        });
-        in_each.chain([over_several.count() * (1 + of_groups)]).collect()
-    };
-    let whole = |metric: &str| families(metric).into_iter().sum::<usize>();
-    match compare.families {
-        Families::Environment => families(metric).into_iter().max().unwrap_or(0),
-        Families::Study if compare.primary.has(metric) => {
-            compare.primary.metrics().iter().map(|metric| whole(metric.as_str())).sum()
+    let can_have = |environment: &Environment| {
+        if let Some(score) = zwidth_metrics::score_of(study, metric) {
+            // Answers that are imported need not be asked for anywhere.
+            let asks = |place: &Environment| {
+                score.questions.iter().all(|id| place.questions().any(|own| own == id))
+            };
+            return asks(environment) || !study.environments.iter().any(asks);
         }
-        Families::Metric | Families::Study => whole(metric),
-    }
+        zwidth_metrics::is_possible(study, metric, &environment.scene, &signals)
+    };
+    let in_each = study.environments.iter().filter(|own| can_have(own)).map(|environment| {
+        let id = Some(&environment.id);
+        let own = effects.iter().filter(|effect| effect.environment.as_ref() == id).count();
+        compare.contrasts.len() + own + of_groups * (in_groups + own)
+    });
+    let over_several = effects.iter().filter(|effect| effect.environment.is_none());
+    let over_several = over_several.filter(|effect| {
+        let mut all = effect.weights.iter();
+        all.all(|weight| study.environment(&weight.environment).is_some_and(can_have))
+    });
+    in_each.chain([over_several.count() * (1 + of_groups)]).collect()
 }
 
 /// Remarks on metrics in study.toml that do not exist, and on bounds that have no effect.
@@ -170,7 +205,6 @@ pub fn asked_in_vain(study: &Study) -> Vec<String> {
     remarks
 }
 
-/// Who took part: who has a trial that counts, or an answer.
 /// The squared standard error of a mean over the study's groups with equal weight, times its people, over the variance of
 /// one of them: Σ n/(n_g G²), which is 1 where groups are as large as each other, or are not compared.
 pub fn inflation_by_groups(data: &StudyData) -> f64 {
@@ -185,6 +219,7 @@ pub fn inflation_by_groups(data: &StudyData) -> f64 {
     if sizes.is_empty() { 1.0 } else { sizes.values().map(|own| n / (own * number * number)).sum() }
 }
 
+/// Who took part: who has a trial that counts, or an answer.
 pub(crate) fn took_part(data: &StudyData) -> BTreeSet<&ParticipantId> {
     let of_trials = data.counting().map(|trial| &trial.meta.participant);
     of_trials.chain(data.answers.iter().map(|answer| &answer.participant)).collect()
@@ -248,6 +283,21 @@ mod tests {
         assert_eq!(claims(&study, "loop_area_j"), environments * contrasts);
         study.compare.families = Families::Environment;
         assert_eq!(claims(&study, "duration_s"), contrasts);
+        // Each environment has a course that can be compared as a whole.
+        assert!(study.environments.iter().all(|own| own.scene.pushes_back()));
+        assert_eq!(claims(&study, "force_over_angle"), contrasts);
+        assert_eq!(claims_of_both(&study), [0, 0]);
+        study.compare.families = Families::Study;
+        assert_eq!(claims(&study, "force_over_angle"), environments * contrasts);
+        let with_curve =
+            ["wall_past_max_rad", "force_over_angle"].map(|name| name.parse().unwrap());
+        study.compare.primary = Primary::Several(with_curve.to_vec());
+        let [of_curves, of_metrics] = claims_of_both(&study);
+        assert_eq!([of_curves, of_metrics], [environments * contrasts, walls * contrasts]);
+        assert_eq!(claims(&study, "force_over_angle"), of_curves + of_metrics);
+        assert_eq!(claims(&study, "wall_past_max_rad"), of_curves + of_metrics);
+        study.environments[0].scene = zwidth_study::Scene::Free;
+        assert_eq!(claims_of_both(&study)[0], (environments - 1) * contrasts);
     }
 
     #[test]

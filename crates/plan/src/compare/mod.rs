@@ -4,8 +4,8 @@ mod asked;
 mod parameters;
 
 pub use asked::{asked_in_vain, claims, compared, inflation_by_groups};
-pub(crate) use asked::{has_group_differences, took_part};
-pub(crate) use parameters::groups;
+pub(crate) use asked::{claims_of_both, has_group_differences, took_part};
+pub(crate) use parameters::{groups, order};
 
 use crate::figures::drawing::{Drawing, Figured};
 use crate::likert::figures::{self as likert_figures, Page};
@@ -377,8 +377,7 @@ fn make(
     let stage = &stage.parameters;
     let results = zwidth_compare::compare_tables(&tables, stage)?;
     let has_groups = stage.groups.is_some();
-    let printed =
-        zwidth_compare::together(&results.metrics, &results.contrasts, stage.families, has_groups)?;
+    let printed = zwidth_compare::together(&results.metrics, &results.contrasts, stage)?;
     let mut tables = vec![
         table_of(results.metrics)?,
         table_of(results.cells)?,

@@ -1,6 +1,6 @@
 //! What a comparison depends on besides tables.
 
-use super::asked::{compared, took_part};
+use super::asked::{claims_of_both, compared, took_part};
 use crate::page::preregistered::preregistered;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
@@ -117,6 +117,7 @@ impl Comparing<OfMetrics> {
             modes: study.modes.iter().map(|m| m.id.clone()).collect(),
             contrasts: compare.contrasts.clone(),
             families: compare.families,
+            curve_claims: claims_of_both(study)[0],
             alpha: compare.alpha,
             level: compare.level,
             effect_sizes: compare.effect_sizes.clone(),
@@ -178,7 +179,7 @@ fn covariate(data: &StudyData, id: &PersonColumnId) -> Covariate {
 }
 
 /// How the order of a session came about. It was drawn for the study as it was then.
-fn order(log: &SessionLog, study: &Study) -> SessionOrder {
+pub(crate) fn order(log: &SessionLog, study: &Study) -> SessionOrder {
     // A session without a copy of its study is taken to be of today's.
     let study = log.study.as_deref().unwrap_or(study);
     let drawn = log.record.order.map(|order| DrawnOrder {

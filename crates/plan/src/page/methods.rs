@@ -39,7 +39,7 @@ pub fn recorded(data: &StudyData) -> Recorded {
     let plan = preregistered(data, &compared);
     let participants = participants(data);
     let bounded = data.study.compare.bounds.keys().map(ToString::to_string);
-    let primary = data.study.compare.primary.metrics().iter().map(ToString::to_string);
+    let primary = data.study.compare.primary.metrics().map(ToString::to_string);
     let metrics = bounded.chain(primary).chain(compared.iter().cloned());
     let words = metrics.filter_map(|name| {
         let words = zwidth_metrics::in_words(&data.study, &name)?;

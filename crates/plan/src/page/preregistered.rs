@@ -34,6 +34,7 @@ pub fn analysis(study: &Study) -> Value {
         "contrasts": compare.contrasts,
         "primary": compare.primary,
         "metrics": compare.metrics,
+        "curve_nodes": compare.primary.curves().next().map(|_| compare.curve_nodes),
         "bounds": compare.bounds,
         "alpha": compare.alpha,
         "level": compare.level,
@@ -162,16 +163,16 @@ pub(crate) fn preregistered(data: &StudyData, compared: &[String]) -> Option<Pre
     // The power was computed for one metric, and there must be one to make claims of.
     let primary = &data.study.compare.primary;
     if let Some(planned) = content["metric"].as_str().filter(|metric| !primary.has(metric)) {
-        let names: Vec<&str> = primary.metrics().iter().map(|metric| metric.as_str()).collect();
-        let are = if primary.are_several() { "metrics are" } else { "metric is" };
+        let names: Vec<&str> = primary.names().iter().map(|name| name.as_str()).collect();
+        let metrics = if primary.curves().next().is_none() { "metric" } else { "measure" };
+        let are = if primary.are_several() { "s are" } else { " is" };
         deviations.push(format!(
-            "the power was computed for {planned}, and the primary {are} {}",
+            "the power was computed for {planned}, and the primary {metrics}{are} {}",
             names.join(", ")
         ));
     }
     if data.counting().next().is_some() {
-        let lacking =
-            primary.metrics().iter().filter(|metric| !compared.contains(&metric.to_string()));
+        let lacking = primary.metrics().filter(|metric| !compared.contains(&metric.to_string()));
         deviations.extend(lacking.map(|metric| {
             let the = if primary.are_several() { "a" } else { "the" };
             format!("{the} primary metric, {metric}, could not be compared")

@@ -14,12 +14,12 @@ use std::path::{Path, PathBuf};
 use zwidth_figures::Caption;
 use zwidth_report::{
     ComparedMetric, Finding, Gallery, Made as Listed, Primaries, Remark, Shown, Summary,
-    TrialNames, changes, curve_differences, findings, laddered, learned, primary_first,
-    summary_markdown, survey, traded, uneven_ranges,
+    TrialNames, changes, curve_answers, curve_differences, findings, laddered, learned,
+    primary_first, summary_markdown, survey, traded, uneven_ranges,
 };
 use zwidth_results::{
     AnswerTally, Compared, EffectDifference, FactorTest, GroupDifference, JudgedStatement,
-    LadderChoice, Learning, Mean, MetricNote, ModeDifference, RedrawnDifference, Row,
+    LadderChoice, Learning, Mean, MetricNote, ModeDifference, RedrawnDifference, Role, Row,
     SessionChange, TradeChoice, TrialRemark,
 };
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, ORIGIN, Stage, strip_root};
@@ -234,16 +234,23 @@ pub(crate) fn gather(page: &Page, files: &Files, making: &Making) -> Result<Gath
         let sessions = own(&compared.sessions, |row| row.metric == primary.metric.metric);
         sentences.extend(changes(&page.planned, primary, sessions));
     }
-    for metric in others {
-        sentences.extend(zwidth_report::explored_effects(&page.planned, metric));
-        sentences.extend(zwidth_report::explored_groups(&page.planned, metric));
-    }
+    let (mut primary_curves, mut other_curves) = (Vec::new(), Vec::new());
     if let Some(curves) = &files.curves
         && let (Some(tests), Some(runs)) =
             (curves.tests.read_if_made()?, curves.runs.read_if_made()?)
     {
-        sentences.extend(curve_differences(&page.planned, &tests, &runs, page.alpha));
+        let (primary, others) =
+            tests.into_iter().partition::<Vec<_>, _>(|test| test.role == Role::Primary);
+        primary_curves = curve_answers(&page.planned, &primary);
+        primary_curves.extend(curve_differences(&page.planned, &primary, &runs, page.alpha));
+        other_curves = curve_differences(&page.planned, &others, &runs, page.alpha);
     }
+    sentences.extend(primary_curves);
+    for metric in others {
+        sentences.extend(zwidth_report::explored_effects(&page.planned, metric));
+        sentences.extend(zwidth_report::explored_groups(&page.planned, metric));
+    }
+    sentences.extend(other_curves);
     summary.shown = list_findings(page, files, metrics.as_ref(), sentences, &summary)?;
     if let Some(statements) = files.statements.as_ref().filter(|table| table.path().exists()) {
         let (rows, notes) = statements.read_with_notes()?;

@@ -4,8 +4,8 @@ use crate::drawn::normal;
 use crate::judged::{ALPHA, Asked, Judged, LEVEL, Said, judge};
 use core::f64::consts::PI;
 use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::SeedableRng;
-use zwidth_stats::curve::{self, SKEWED};
+use rand_chacha::rand_core::{Rng, SeedableRng};
+use zwidth_stats::curve::{self, SKEWED, TrialCurves};
 use zwidth_stats::null::Sampling;
 
 /// Nodes of a curve.
@@ -124,5 +124,78 @@ pub(crate) fn tests(kind: Curves, studies: usize) -> Vec<Judged> {
             said(!found.runs.is_empty()),
             Said { rejects: None, covers: Some(holds) },
         ]
+    })
+}
+
+/// One person's trials in two modes, each mode once in every pair of trials, in an order that chance chose.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct TrialsOfOne {
+    pairs: usize,
+    scatter: Scatter,
+    /// How much a trial adds to those before it.
+    practice: f64,
+}
+
+pub(crate) fn kinds_of_one() -> Vec<TrialsOfOne> {
+    let scatters = [
+        (Scatter::Even, 0.0),
+        (Scatter::Even, 0.3),
+        (Scatter::Skewed, 0.0),
+        (Scatter::Different, 0.0),
+    ];
+    let kinds = [6, 8, 12, 20].into_iter().flat_map(|pairs| {
+        scatters.map(|(scatter, practice)| TrialsOfOne { pairs, scatter, practice })
+    });
+    kinds.collect()
+}
+
+impl TrialsOfOne {
+    pub(crate) fn name(&self) -> String {
+        let kind = match (self.scatter, self.practice > 0.0) {
+            (Scatter::Skewed, _) => "lognormal",
+            (Scatter::Different, _) => "normal; an effect of one SD in a fifth",
+            (_, true) => "normal, each trial adds 0.3 SD",
+            (_, false) => "normal",
+        };
+        format!("{} trials a mode, {kind}", self.pairs)
+    }
+
+    /// How trials of the second mode scatter, which has no effect.
+    fn null(self) -> Scatter {
+        if self.scatter == Scatter::Different { Scatter::Even } else { self.scatter }
+    }
+}
+
+/// The largest |t| against redrawn orders.
+pub(crate) fn tests_of_one(kind: TrialsOfOne, studies: usize) -> Vec<Judged> {
+    let asked = match kind.scatter {
+        Scatter::Different => Asked::Nothing,
+        _ => Asked::Exact,
+    };
+    judge(studies, [("largest t, orders redrawn", asked)], |study| {
+        let redraw = |seed: u64| -> Vec<usize> {
+            let mut rng = ChaCha8Rng::seed_from_u64(seed);
+            (0..kind.pairs)
+                .flat_map(|_| if rng.next_u64() % 2 == 0 { [0, 1] } else { [1, 0] })
+                .collect()
+        };
+        let modes = redraw(study);
+        let mut rng = ChaCha8Rng::seed_from_u64(study ^ u64::MAX);
+        let people = Curves { people: 1, scatter: kind.scatter };
+        let trials: Vec<Vec<f64>> = modes
+            .iter()
+            .enumerate()
+            .map(|(number, mode)| {
+                let scatter =
+                    if *mode == 0 { people } else { Curves { scatter: kind.null(), ..people } };
+                let own = scatter.curve(&mut rng).into_iter();
+                own.map(|value| value + kind.practice * number as f64).collect()
+            })
+            .collect();
+        let own = TrialCurves { curves: &trials, lengths: &[NODES], modes: &modes };
+        let sampling = Sampling { draws: DRAWS, seed: study };
+        let found = curve::trials(own, &[[0, 1]], LEVEL, sampling, redraw).unwrap();
+        let p = found[0].as_ref().unwrap().permuted.p_value;
+        [Said { rejects: Some(p <= ALPHA), covers: None }]
     })
 }

@@ -95,6 +95,14 @@ fn tests_of_curves_find_nothing_more_often_than_they_promise() {
 }
 
 #[test]
+fn tests_of_one_persons_curves_find_nothing_more_often_than_they_promise() {
+    let kinds = curves::kinds_of_one().into_iter().map(|kind| (kind.name(), kind)).collect();
+    hold(12, "Whole curves of one person's trials", kinds, |kind| {
+        curves::tests_of_one(kind, studies_of(2500))
+    });
+}
+
+#[test]
 fn lines_over_trials_find_nothing_more_often_than_they_promise() {
     let kinds = practice::kinds().into_iter().map(|kind| (kind.name(), kind)).collect();
     hold(10, "Practice: own lines over trials", kinds, |kind| practice::tests(kind, studies()));

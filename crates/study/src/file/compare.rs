@@ -43,7 +43,12 @@ impl Check<'_> {
             let problem = format!("{level} must lie between 0 and 1, such as 0.95");
             self.error("compare.level", problem);
         }
-        self.metrics(&primary, table.metrics.as_deref().unwrap_or_default());
+        let curves = self.each_once(
+            "compare.curves",
+            table.curves.unwrap_or_else(|| Compare::CURVES.to_vec()),
+            Curve::as_str,
+        );
+        self.metrics(&primary, table.metrics.as_deref().unwrap_or_default(), &curves);
         let compared = |m: &MetricId| {
             primary.has(m.as_str())
                 || table.metrics.as_ref().is_none_or(|others| others.contains(m))
@@ -76,11 +81,7 @@ impl Check<'_> {
                 table.effect_sizes.unwrap_or_else(|| Compare::EFFECT_SIZES.to_vec()),
                 EffectSize::as_str,
             ),
-            curves: self.each_once(
-                "compare.curves",
-                table.curves.unwrap_or_else(|| Compare::CURVES.to_vec()),
-                Curve::as_str,
-            ),
+            curves,
             curve_nodes: self.curve_nodes(table.curve_nodes),
             groups: self.groups(table.groups, table.group_contrasts, people),
             covariates,
@@ -149,17 +150,20 @@ impl Check<'_> {
         }
     }
 
-    /// The primary metrics and the others: each once.
-    fn metrics(&mut self, primary: &Primary, others: &[MetricId]) {
+    /// The primary metrics and curves, and the other metrics: each once.
+    fn metrics(&mut self, primary: &Primary, others: &[MetricId], curves: &[Curve]) {
         let mut seen = BTreeSet::new();
-        if primary.metrics().is_empty() {
+        if primary.names().is_empty() {
             let problem = "the list is empty; name a metric, or leave it out for the default one";
             self.error("compare.primary", problem);
         }
-        for (i, metric) in primary.metrics().iter().enumerate() {
-            if !seen.insert(metric) {
-                let problem = format!("'{metric}' stands twice; leave one out");
-                self.error(&format!("compare.primary[{i}]"), problem);
+        for (i, name) in primary.names().iter().enumerate() {
+            let key = format!("compare.primary[{i}]");
+            if !seen.insert(name) {
+                self.error(&key, format!("'{name}' stands twice; leave one out"));
+            }
+            if Curve::from_word(name.as_str()).is_some_and(|curve| !curves.contains(&curve)) {
+                self.error(&key, format!("'{name}' is not compared; add it to compare.curves"));
             }
         }
         for (i, metric) in others.iter().enumerate() {
@@ -167,11 +171,13 @@ impl Check<'_> {
             if primary.has(metric.as_str()) {
                 let a = if matches!(primary, Primary::One(_)) { "the" } else { "a" };
                 self.error(&key, format!("'{metric}' is {a} primary metric; leave it out here"));
+            } else if Curve::from_word(metric.as_str()).is_some() {
+                self.error(&key, format!("'{metric}' is a curve; name it in compare.curves"));
             } else if !seen.insert(metric) {
                 self.error(&key, format!("'{metric}' stands twice; leave one out"));
             }
         }
-        self.at_most_listed("compare.primary", primary.metrics().len());
+        self.at_most_listed("compare.primary", primary.names().len());
         self.at_most_listed("compare.metrics", others.len());
     }
 
@@ -195,7 +201,7 @@ impl Check<'_> {
     }
 }
 
-/// The claims of several primary metrics are one family: any of them can be wrong by chance.
+/// The claims of all that is primary are one family: any of them can be wrong by chance.
 fn default_families(primary: &Primary) -> Families {
     if primary.are_several() { Families::Study } else { Families::Metric }
 }
@@ -259,7 +265,7 @@ pub(super) fn table(study: &Study) -> CompareTable {
 #[cfg(test)]
 mod tests {
     use crate::tests::{check_refused, check_round_trip, demo, text};
-    use crate::{Bound, Families, Study, StudyError};
+    use crate::{Bound, Curve, Families, Study, StudyError};
 
     /// The template's study with `[compare]` and what stands under it.
     fn with(compare: &str) -> Result<Study, Vec<StudyError>> {
@@ -280,7 +286,7 @@ mod tests {
         let study = demo();
         assert_eq!(pairs(&study), [("hybrid", "active"), ("hybrid", "passive")]);
         let compare = &study.compare;
-        assert_eq!(compare.primary.metrics(), [metric("discrepancy_user_mean_n")]);
+        assert_eq!(compare.primary.names(), [metric("discrepancy_user_mean_n")]);
         assert_eq!((compare.metrics.as_ref(), compare.bounds.len()), (None, 0));
         assert_eq!(compare.alpha.to_bits(), 0.05_f64.to_bits());
         assert_eq!(compare.level.to_bits(), 0.95_f64.to_bits());
@@ -326,7 +332,7 @@ mod tests {
         let study =
             with("primary = [\"wall_dwell_s\", \"loop_area_j\"]\nbounds.loop_area_j = 1").unwrap();
         let both = ["wall_dwell_s", "loop_area_j"].map(metric);
-        assert_eq!(study.compare.primary.metrics(), both);
+        assert_eq!(study.compare.primary.names(), both);
         assert_eq!(study.compare.families, Families::Study);
         check_round_trip(&study);
         let own =
@@ -336,6 +342,20 @@ mod tests {
         let one = with("primary = [\"wall_dwell_s\"]").unwrap();
         assert_eq!(one.compare.families, Families::Metric);
         check_round_trip(&one);
+    }
+
+    #[test]
+    fn a_curve_is_primary_beside_metrics_or_alone() {
+        let study = with("primary = [\"force_over_angle\", \"loop_area_j\"]").unwrap();
+        let primary = &study.compare.primary;
+        assert!(primary.curves().eq([Curve::ForceOverAngle]));
+        assert!(primary.metrics().eq([&metric("loop_area_j")]));
+        assert_eq!(study.compare.families, Families::Study);
+        check_round_trip(&study);
+        let alone = with("primary = \"force_over_time\"\ncurves = [\"force_over_time\"]").unwrap();
+        assert_eq!(alone.compare.primary.metrics().count(), 0);
+        assert_eq!(alone.compare.families, Families::Metric);
+        check_round_trip(&alone);
     }
 
     #[test]
@@ -369,9 +389,19 @@ mod tests {
             ("contrasts = [[\"hybrid\"]]", "contrasts", "invalid length 1"),
             ("primary = \"Force N\"", "primary", "not a valid metric id"),
             ("primary = []", "compare.primary", "the list is empty"),
-            ("primary = 1", "primary", "a metric, or a list of metrics"),
+            ("primary = 1", "primary", "a metric or a curve, or a list of such"),
             ("primary = [\"a_s\", \"B c\"]", "primary", "not a valid metric id"),
             ("primary = [\"a_s\", \"a_s\"]", "compare.primary[1]", "'a_s' stands twice"),
+            (
+                "primary = \"force_over_time\"",
+                "compare.primary[0]",
+                "'force_over_time' is not compared; add it to compare.curves",
+            ),
+            (
+                "metrics = [\"force_over_angle\"]",
+                "compare.metrics[0]",
+                "'force_over_angle' is a curve; name it in compare.curves",
+            ),
             (
                 "primary = [\"a_s\", \"b_s\"]\nmetrics = [\"b_s\"]",
                 "compare.metrics[0]",

@@ -67,7 +67,7 @@ mod tests {
         let study = Study::from_toml(&whole).unwrap();
         assert_eq!(study.device.lever_m, Some(0.05));
         assert_eq!((study.questions.len(), study.channels.len()), (1, 1));
-        assert_eq!(study.compare.primary.metrics()[0].as_str(), "stiffness_n_per_rad");
+        assert_eq!(study.compare.primary.names()[0].as_str(), "stiffness_n_per_rad");
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! The checks of `[[metrics]]` of a `study.toml`.
 
 use super::check::Check;
-use crate::{Channel, OwnMetric, Statistic};
+use crate::{Channel, Curve, OwnMetric, Statistic};
 
 /// No study has more metrics of its own.
 const MOST_METRICS: usize = 32;
@@ -35,6 +35,10 @@ impl Check<'_> {
                 let problem = format!(
                     "'{id}' has '_sd', by which tables name the deviation of a metric; choose another id"
                 );
+                self.error(&key("id"), problem);
+            }
+            if Curve::from_word(id).is_some() {
+                let problem = format!("'{id}' is a whole curve's name; choose another id");
                 self.error(&key("id"), problem);
             }
             self.line(&key("label"), &metric.label);

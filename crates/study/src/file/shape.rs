@@ -212,7 +212,7 @@ pub(super) struct WeightedTable {
     pub(super) weights: BTreeMap<String, f64>,
 }
 
-/// A metric or a list of metrics. By hand, because an untagged enum does not say what is wrong with an id.
+/// A metric or curve, or a list of such. By hand, because an untagged enum does not say what is wrong with an id.
 fn one_or_several<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Primary>, D::Error> {
     struct OneOrSeveral;
 
@@ -220,7 +220,7 @@ fn one_or_several<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<P
         type Value = Primary;
 
         fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-            f.write_str("a metric, or a list of metrics")
+            f.write_str("a metric or a curve, or a list of such")
         }
 
         fn visit_str<E: de::Error>(self, text: &str) -> Result<Primary, E> {

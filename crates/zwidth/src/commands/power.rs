@@ -260,14 +260,19 @@ pub(crate) fn power(root: &Path, command: &PowerArgs, screen: &Screen) -> anyhow
                     "people's curves do not scatter there, so that nothing tells how many it takes"
                 );
             }
-            (curve.as_str().to_owned(), Planning::Curves(plan), source, spread.together)
+            let claims = plan::claims(&data.study, curve.as_str());
+            (curve.as_str().to_owned(), Planning::Curves(plan), source, claims)
         }
         None => {
             let metric = match &command.metric {
                 Some(metric) => metric.clone(),
                 None => {
-                    let first = compare.primary.metrics().first();
-                    first.context("no metric is primary")?.to_string()
+                    let first = compare.primary.metrics().next();
+                    first
+                        .context(
+                            "no metric is primary; name one with --metric, or a curve with --curve",
+                        )?
+                        .to_string()
                 }
             };
             let spread = match &command.effect {

@@ -5,16 +5,16 @@
 //! is not the hypothesis of no average effect. Orders are redrawn for all participants and sessions
 //! together, by the rules and with the probabilities that drew theirs ([`zwidth_study::order`]).
 
-use crate::Parameters;
 use crate::measure::Measure;
 use crate::trials::Trials;
+use crate::{Parameters, SessionOrder};
 use std::collections::{BTreeMap, BTreeSet};
 use zwidth_results::{Effect, OrderTest, RedrawnDifference};
 use zwidth_stats::Unestimable;
 use zwidth_stats::null::Sampling;
 use zwidth_stats::sharp_null::{self, Randomised, Statistic};
 use zwidth_study::order::{Rules, can_draw, draw_modes};
-use zwidth_study::{ParticipantId, SessionId};
+use zwidth_study::{EnvironmentId, ModeId, ParticipantId, SessionId};
 
 /// The number of orders drawn besides the actual one, and their seed.
 pub(crate) const SAMPLING: Sampling = Sampling { draws: 9_999, seed: 1 };
@@ -62,9 +62,24 @@ pub(crate) struct SharpNull {
     pub(crate) contrasts: Vec<Result<Randomised, NoTest>>,
 }
 
-/// The trials of one session in one environment: the mode and the value of each by its place in
-/// the session's order. Modes as [`Parameters::modes`] has them.
-type Places = Vec<(u32, usize, Option<f64>)>;
+/// The design from which the orders of sessions were drawn.
+#[derive(Clone, Copy)]
+pub(crate) struct Design<'a> {
+    /// The study's environments and modes.
+    pub(crate) environments: &'a [EnvironmentId],
+    pub(crate) modes: &'a [ModeId],
+    /// The orders of the sessions, and how they were drawn.
+    pub(crate) orders: &'a [SessionOrder],
+}
+
+/// A trial of one session in one environment.
+#[derive(Debug, Clone)]
+pub(crate) struct Place<V> {
+    pub(crate) number: u32,
+    /// As [`Design::modes`] has them.
+    pub(crate) mode: usize,
+    pub(crate) value: Option<V>,
+}
 
 /// What the modes of a session's trials in one environment are redrawn by. Sessions of which this
 /// is equal get the same modes in every order.
@@ -73,7 +88,7 @@ struct Source {
     rules: Rules,
     /// The environment as the rules number it.
     environment: usize,
-    /// The modes as the rules number them, by their places among [`Parameters::modes`].
+    /// The modes as the rules number them, by their places among [`Design::modes`].
     modes: Vec<usize>,
     /// Sessions of one number have one seed.
     seed: u64,
@@ -82,10 +97,58 @@ struct Source {
 }
 
 /// A session whose order can be redrawn in one environment.
-struct Redrawn {
+pub(crate) struct Redrawn<V> {
     source: Source,
     /// The values, place by place in the block.
-    values: Vec<Option<f64>>,
+    values: Vec<Option<V>>,
+}
+
+/// The trials that have a value, of all sessions in one environment, and what redraws their modes together.
+pub(crate) struct Joined<'a, V> {
+    pub(crate) values: Vec<V>,
+    /// The number of the session of each.
+    pub(crate) session: Vec<usize>,
+    /// The mode that each had.
+    pub(crate) actual: Vec<usize>,
+    /// The place of each in an order; trials of one place have one mode in every order.
+    pub(crate) places: Vec<usize>,
+    /// Each with the place of its first trial in an order.
+    sources: Vec<(&'a Source, usize)>,
+}
+
+impl<'a, V: Clone> Joined<'a, V> {
+    pub(crate) fn of(sessions: &'a [Redrawn<V>]) -> Self {
+        let mut joined = Self {
+            values: vec![],
+            session: vec![],
+            actual: vec![],
+            places: vec![],
+            sources: vec![],
+        };
+        for (number, Redrawn { source, values }) in sessions.iter().enumerate() {
+            let mut existing = joined.sources.iter();
+            let existing = existing.find(|(other, _)| *other == source).map(|(_, start)| *start);
+            let start = existing.unwrap_or_else(|| {
+                let last = joined.sources.last();
+                let start = last.map_or(0, |(last, start)| start + last.actual.len());
+                joined.sources.push((source, start));
+                start
+            });
+            for (place, value) in values.iter().enumerate() {
+                let Some(value) = value else { continue };
+                joined.values.push(value.clone());
+                joined.session.push(number);
+                joined.actual.push(source.actual[place]);
+                joined.places.push(start + place);
+            }
+        }
+        joined
+    }
+
+    /// The mode of each place in the order that the design draws by a seed.
+    pub(crate) fn redraw(&self, seed: u64) -> Vec<usize> {
+        self.sources.iter().flat_map(|(source, _)| source.redraw(seed)).collect()
+    }
 }
 
 /// The tests of each environment, in the order of [`Parameters::environments`].
@@ -97,26 +160,29 @@ pub(crate) fn sharp_nulls(
     parameters: &Parameters,
     sampling: Sampling,
 ) -> Vec<SharpNull> {
-    let mut environments: Vec<BTreeMap<(usize, usize), Places>> =
-        vec![BTreeMap::new(); parameters.environments.len()];
+    // By participant and session.
+    type OfSessions = BTreeMap<(usize, usize), Vec<Place<f64>>>;
+    let mut environments = vec![OfSessions::new(); parameters.environments.len()];
     for trial in &trials.trials {
         let session = (trial.participant, trial.session);
         let places = environments[trial.environment].entry(session).or_default();
-        places.push((trial.number, trial.mode, trial.value));
+        places.push(Place { number: trial.number, mode: trial.mode, value: trial.value });
     }
+    let Parameters { environments: ids, modes, orders, .. } = parameters;
+    let design = Design { environments: ids, modes, orders };
     let nulls = environments.iter().enumerate().map(|(environment, sessions)| {
         let redrawn = sessions.iter().map(|(&(participant, session), places)| {
             let who = (&trials.participants[participant], &trials.sessions[session]);
-            redrawn(environment, who, places, parameters)
+            redrawn(environment, who, places, design)
         });
-        let redrawn: Result<Vec<Redrawn>, NoTest> = redrawn.collect();
+        let redrawn: Result<Vec<Redrawn<f64>>, NoTest> = redrawn.collect();
         // One session that cannot be redrawn voids the environment: all are redrawn together.
         let tests = redrawn.and_then(|sessions| tests(&sessions, parameters, sampling));
         let (any_effect, contrasts) = match tests {
             Ok(tests) => tests,
             Err(why) => (Err(why.clone()), vec![Err(why); parameters.contrasts.len()]),
         };
-        let values = sessions.values().flatten().filter(|(.., value)| value.is_some());
+        let values = sessions.values().flatten().filter(|place| place.value.is_some());
         SharpNull { sessions: sessions.len(), trials: values.count(), any_effect, contrasts }
     });
     nulls.collect()
@@ -126,7 +192,7 @@ type Tests = (Result<Randomised, NoTest>, Vec<Result<Randomised, NoTest>>);
 
 /// Any effect, and each contrast.
 fn tests(
-    sessions: &[Redrawn],
+    sessions: &[Redrawn<f64>],
     parameters: &Parameters,
     sampling: Sampling,
 ) -> Result<Tests, NoTest> {
@@ -136,32 +202,13 @@ fn tests(
         Statistic::Difference(mode, against)
     });
     let statistics: Vec<Statistic> = [Statistic::BetweenModes].into_iter().chain(pairs).collect();
-    // Each with the place of its first trial among those of all.
-    let mut sources: Vec<(&Source, usize)> = Vec::new();
-    let mut values = vec![];
-    let mut block = vec![];
-    let mut actual = vec![];
-    let mut group = vec![];
-    for (number, Redrawn { source, values: of_session }) in sessions.iter().enumerate() {
-        let existing = sources.iter().find(|(other, _)| *other == source).map(|(_, start)| *start);
-        let start = existing.unwrap_or_else(|| {
-            let start = sources.last().map_or(0, |(last, start)| start + last.actual.len());
-            sources.push((source, start));
-            start
-        });
-        for (place, value) in of_session.iter().enumerate() {
-            let Some(value) = value else { continue };
-            values.push(*value);
-            block.push(number);
-            actual.push(source.actual[place]);
-            group.push(start + place);
-        }
-    }
-    let trials = sharp_null::Trials::new(&values, &block, &actual, parameters.modes.len())?;
-    let trials = trials.moving_together(&group)?;
-    let groups: BTreeSet<usize> = group.into_iter().collect();
+    let joined = Joined::of(sessions);
+    let modes = parameters.modes.len();
+    let trials = sharp_null::Trials::new(&joined.values, &joined.session, &joined.actual, modes)?;
+    let trials = trials.moving_together(&joined.places)?;
+    let groups: BTreeSet<usize> = joined.places.iter().copied().collect();
     let tests = trials.each_against_drawn(&statistics, sampling, |seed| {
-        let all: Vec<usize> = sources.iter().flat_map(|(source, _)| source.redraw(seed)).collect();
+        let all = joined.redraw(seed);
         groups.iter().filter_map(|group| all.get(*group).copied()).collect()
     });
     let mut tests = tests.into_iter().map(|test| test.map_err(NoTest::from));
@@ -171,14 +218,14 @@ fn tests(
 }
 
 /// A session's trials in one environment, if they are a whole order of its design.
-fn redrawn(
+pub(crate) fn redrawn<V: Clone>(
     environment: usize,
     (participant, session): (&ParticipantId, &SessionId),
-    places: &Places,
-    parameters: &Parameters,
-) -> Result<Redrawn, NoTest> {
+    places: &[Place<V>],
+    design: Design,
+) -> Result<Redrawn<V>, NoTest> {
     let name = format!("{participant} {session}");
-    let mut orders = parameters.orders.iter();
+    let mut orders = design.orders.iter();
     let order = orders
         .find(|o| (&o.participant, &o.session) == (participant, session))
         .and_then(|order| order.drawn.as_ref());
@@ -188,20 +235,21 @@ fn redrawn(
         return Err(NoTest::NotWhole { session: name, found: places.len(), planned });
     }
     let other = NoTest::OtherOrder { session: name };
-    let environment = &parameters.environments[environment];
+    let environment = &design.environments[environment];
     let environment = order.environments.iter().position(|e| e == environment);
-    let modes = order.modes.iter().map(|mode| parameters.modes.iter().position(|m| m == mode));
+    let modes = order.modes.iter().map(|mode| design.modes.iter().position(|m| m == mode));
     let modes: Option<Vec<usize>> = modes.collect();
     let Some((environment, modes)) = environment.zip(modes) else { return Err(other) };
     // A repeated trial has the place of the one that it replaces, so numbers may be out of order.
-    let mut places: Places =
-        places.iter().map(|(trial, mode, value)| (order.place(*trial), *mode, *value)).collect();
-    places.sort_by_key(|(place, ..)| *place);
+    let placed =
+        places.iter().map(|trial| Place { number: order.place(trial.number), ..trial.clone() });
+    let mut places: Vec<Place<V>> = placed.collect();
+    places.sort_by_key(|place| place.number);
     let numbers: Option<Vec<usize>> =
-        places.iter().map(|(_, mode, _)| modes.iter().position(|m| m == mode)).collect();
+        places.iter().map(|place| modes.iter().position(|m| *m == place.mode)).collect();
     let Some(numbers) = numbers else { return Err(other) };
-    let in_block = places.iter().zip(order.first_of_block(places[0].0)..);
-    if !in_block.clone().all(|((place, ..), expected)| *place == expected)
+    let in_block = places.iter().zip(order.first_of_block(places[0].number)..);
+    if !in_block.clone().all(|(place, expected)| place.number == expected)
         || !can_draw(&order.rules, &numbers)
     {
         return Err(other);
@@ -210,15 +258,15 @@ fn redrawn(
         rules: order.rules.shared(),
         environment,
         modes,
-        seed: seed_number(order.seed, parameters),
-        actual: places.iter().map(|(_, mode, _)| *mode).collect(),
+        seed: seed_number(order.seed, design),
+        actual: places.iter().map(|place| place.mode).collect(),
     };
-    Ok(Redrawn { source, values: places.into_iter().map(|(.., value)| value).collect() })
+    Ok(Redrawn { source, values: places.into_iter().map(|place| place.value).collect() })
 }
 
 /// The place of a seed among all that sessions were drawn with.
-fn seed_number(seed: Option<u64>, parameters: &Parameters) -> u64 {
-    let drawn = parameters.orders.iter().filter_map(|order| order.drawn.as_ref());
+fn seed_number(seed: Option<u64>, design: Design) -> u64 {
+    let drawn = design.orders.iter().filter_map(|order| order.drawn.as_ref());
     // Its place is enough: seeds are drawn anew, and only which sessions share one matters.
     let seeds: BTreeSet<Option<u64>> = drawn.map(|drawn| drawn.seed).collect();
     seeds.range(..seed).count() as u64
@@ -287,4 +335,4 @@ pub(crate) fn redrawn_differences(
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

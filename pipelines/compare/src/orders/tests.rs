@@ -19,24 +19,30 @@ const SEED: u64 = 8;
 
 /// A trial that counts.
 #[derive(Clone)]
-struct Trial {
+pub(crate) struct Trial {
     who: String,
     number: u32,
     environment: usize,
     mode: usize,
-    value: Option<f64>,
+    pub(crate) value: Option<f64>,
 }
 
 /// A study of some people in one session.
-struct Demo {
-    trials: Vec<Trial>,
-    parameters: Parameters,
+pub(crate) struct Demo {
+    pub(crate) trials: Vec<Trial>,
+    pub(crate) parameters: Parameters,
 }
 
 impl Demo {
     /// People as a design draws their orders with `seed`; each value is noise from 0 to 1, and
     /// `effect` for every step from one mode to the next.
-    fn new(scheme: OrderScheme, modes: usize, people: u32, seed: u64, effect: f64) -> Self {
+    pub(crate) fn new(
+        scheme: OrderScheme,
+        modes: usize,
+        people: u32,
+        seed: u64,
+        effect: f64,
+    ) -> Self {
         let mut noise = ChaCha8Rng::seed_from_u64(seed);
         let (mut trials, mut orders) = (Vec::new(), Vec::new());
         for person in 1..=people {
@@ -89,11 +95,11 @@ impl Demo {
         Self { trials, parameters }
     }
 
-    fn of(scheme: OrderScheme, people: u32, effect: f64) -> Self {
+    pub(crate) fn of(scheme: OrderScheme, people: u32, effect: f64) -> Self {
         Self::new(scheme, 3, people, SEED, effect)
     }
 
-    fn metrics(&self) -> Measured {
+    pub(crate) fn keys(&self) -> Vec<TrialKey> {
         let key = |t: &Trial| TrialKey {
             participant: t.who.parse().unwrap(),
             session: "S01".parse().unwrap(),
@@ -103,8 +109,11 @@ impl Demo {
             mode: MODES[t.mode].parse().unwrap(),
             source: Origin::Recorded,
         };
-        let keys: Vec<TrialKey> = self.trials.iter().map(key).collect();
-        measured(&keys, self.trials.iter().map(|t| t.value))
+        self.trials.iter().map(key).collect()
+    }
+
+    fn metrics(&self) -> Measured {
+        measured(&self.keys(), self.trials.iter().map(|t| t.value))
     }
 
     /// The tests of both environments.
@@ -179,20 +188,25 @@ fn a_strong_effect_reaches_the_smallest_p_of_the_design() {
     }
 }
 
+fn design(parameters: &Parameters) -> Design<'_> {
+    let Parameters { environments, modes, orders, .. } = parameters;
+    Design { environments, modes, orders }
+}
+
 #[test]
 fn orders_redrawn_with_the_seed_that_drew_them_are_those_of_all_sessions() {
     for scheme in [OrderScheme::Williams, OrderScheme::Constrained] {
         let demo = Demo::of(scheme, 4, 0.0);
         let counting = demo.counting();
-        let mut sessions: BTreeMap<_, Places> = BTreeMap::new();
+        let mut sessions: BTreeMap<_, Vec<Place<f64>>> = BTreeMap::new();
         for trial in &counting.trials {
             let session = (trial.environment, trial.participant, trial.session);
             let places = sessions.entry(session).or_default();
-            places.push((trial.number, trial.mode, trial.value));
+            places.push(Place { number: trial.number, mode: trial.mode, value: trial.value });
         }
         for ((environment, participant, session), places) in sessions {
             let who = (&counting.participants[participant], &counting.sessions[session]);
-            let found = redrawn(environment, who, &places, &demo.parameters).unwrap();
+            let found = redrawn(environment, who, &places, design(&demo.parameters)).unwrap();
             assert_eq!(found.source.redraw(SEED), found.source.actual);
             assert_ne!(found.source.redraw(SEED + 1), found.source.actual);
         }
@@ -204,7 +218,7 @@ fn sessions_of_another_seed_are_redrawn_with_another_seed() {
     let mut demo = Demo::of(OrderScheme::Williams, 2, 0.0);
     demo.drawn().seed = Some(SEED + 5);
     let seeds = [Some(SEED), Some(SEED + 5), None];
-    assert_eq!(seeds.map(|seed| seed_number(seed, &demo.parameters)), [0, 1, 0]);
+    assert_eq!(seeds.map(|seed| seed_number(seed, design(&demo.parameters))), [0, 1, 0]);
 }
 
 #[test]

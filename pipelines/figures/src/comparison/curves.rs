@@ -67,10 +67,13 @@ pub fn curves_compared(
         None => t_s.unwrap_or(f64::NAN),
     };
     let y = |values: &[f64]| on_axis(words, signal, values);
-    let branches: &[(Option<LoopBranch>, &str)] = match is_angle {
-        true => &[(Some(LoopBranch::In), "way there"), (Some(LoopBranch::Out), "way back")],
-        false => &[(None, "")],
+    let mut branches = match is_angle {
+        true => vec![(Some(LoopBranch::In), "way there"), (Some(LoopBranch::Out), "way back")],
+        false => vec![(None, "")],
     };
+    // A way that no comparison has needs no panels: the notes say why.
+    let has = |branch| shown.points.iter().any(|point| point.branch == branch);
+    branches.retain(|(branch, _)| *branch != Some(LoopBranch::Out) || has(*branch));
     let mut panels = Vec::new();
     let mut verdicts = Vec::new();
     for (row, test) in shown.tests.iter().enumerate() {
@@ -180,12 +183,18 @@ pub fn curves_compared(
         }
     }
     let level = percent(shown.level);
-    let note = match shown.tests.iter().any(|test| test.groups.is_some()) {
-        true => format!(
+    let of_groups = shown.tests.iter().any(|test| test.groups.is_some());
+    let within = shown.tests.iter().find_map(|test| test.within.as_ref());
+    let note = match (within, of_groups) {
+        (Some(who), _) => format!(
+            "Left: means over trials of {who}. Right: their difference; grey: pointwise {level} intervals of trials, a \
+             description. p: largest t in other orders that the design could have drawn, after Holm."
+        ),
+        (None, true) => format!(
             "Left: means of groups. Right: their difference; grey: pointwise {level} intervals. p: largest t, labels \
              permuted; described, not claimed."
         ),
-        false => format!(
+        (None, false) => format!(
             "Left: means over people. Right: their difference; grey: its {level} band, which covers the whole curve (of \
              fewer than six people pointwise). Thick on zero, where there is a difference: runs of large t with p below {}: it is \
              somewhere in one, not where it begins. p: largest t, signs flipped, after Holm.",
@@ -236,9 +245,10 @@ fn sides(about: &About, test: &CurveDifference) -> [String; 2] {
 fn claim(label: &str, test: &CurveDifference) -> String {
     let p = test.p_adjusted.or(test.p_value);
     let p = p.map(|p| format!("p {}", p_value(p)).replace(' ', "\u{a0}"));
-    let people = match test.n_second {
-        Some(second) => format!("{} + {second} participants", test.n),
-        None => counted(test.n, "participants"),
+    let people = match (test.n_second, &test.within) {
+        (Some(second), _) => format!("{} + {second} participants", test.n),
+        (None, Some(_)) => counted(test.n, "trials"),
+        (None, None) => counted(test.n, "participants"),
     };
     let verdict = test.verdict.map(|verdict| verdict.as_str().to_owned());
     let remark = test.remark.as_ref().map(ToString::to_string);
@@ -251,14 +261,17 @@ fn claim(label: &str, test: &CurveDifference) -> String {
 mod tests {
     use super::*;
     use zwidth_draw::Layer;
+    use zwidth_results::Role;
 
     fn test(contrast: &str) -> CurveDifference {
         CurveDifference {
             curve: Curve::ForceOverAngle,
             unit: "N".into(),
+            role: Role::Exploratory,
             environment: Some("spring".parse().unwrap()),
             effect: contrast.parse().unwrap(),
             groups: None,
+            within: None,
             n: 8,
             n_second: None,
             nodes: 2,

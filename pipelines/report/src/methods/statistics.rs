@@ -3,8 +3,8 @@
 use super::recorded::{Recorded, plain};
 use super::sources::Cited;
 use zwidth_study::{
-    Bound, DoseScale, Effect, EffectSize, FactorOf, Families, GroupsCompared, LevelId, OverTrials,
-    Study, contrast_label, curve_label,
+    Bound, Curve, DoseScale, Effect, EffectSize, FactorOf, Families, GroupsCompared, LevelId,
+    OverTrials, Study, contrast_label, curve_label,
 };
 
 pub(super) fn paragraphs(study: &Study, recorded: &Recorded, cited: &mut Cited) -> Vec<String> {
@@ -30,7 +30,7 @@ pub(super) fn paragraphs(study: &Study, recorded: &Recorded, cited: &mut Cited) 
     sentences.extend(study.compare.over.map(adjusted));
     sentences.push(claims(study, recorded, cited));
     if recorded.curves {
-        sentences.push(curves(study, cited));
+        sentences.push(curves(study, recorded, cited));
     }
     if recorded.answers {
         sentences.push(answers(recorded, cited));
@@ -63,7 +63,11 @@ fn compared(study: &Study, recorded: &Recorded) -> String {
     for metric in primary.metrics() {
         let is_compared = recorded.compared.iter().any(|name| name == metric.as_str());
         let list = if is_compared { &mut existing } else { &mut missing };
-        list.push(recorded.in_words(metric.as_str()));
+        list.push(recorded.in_words(metric.as_str()).to_owned());
+    }
+    for curve in primary.curves() {
+        let list = if recorded.curves { &mut existing } else { &mut missing };
+        list.push(curve_label(curve, study.coordinate));
     }
     let measures = match existing.as_slice() {
         [] => String::new(),
@@ -313,7 +317,7 @@ fn claims(study: &Study, recorded: &Recorded, cited: &mut Cited) -> String {
 }
 
 /// How whole curves were compared.
-fn curves(study: &Study, cited: &mut Cited) -> String {
+fn curves(study: &Study, recorded: &Recorded, cited: &mut Cited) -> String {
     let compare = &study.compare;
     let curves: Vec<String> =
         compare.curves.iter().map(|curve| curve_label(*curve, study.coordinate)).collect();
@@ -326,17 +330,50 @@ fn curves(study: &Study, cited: &mut Cited) -> String {
         ),
         None => String::new(),
     };
+    let primary: Vec<Curve> = compare.primary.curves().collect();
+    let is_joined = compare.families == Families::Study && !primary.is_empty();
     let family = match compare.families {
         Families::Environment => "the comparisons of a curve in an environment",
+        Families::Study if is_joined => {
+            "all comparisons of primary curves, and those of each other curve"
+        }
         Families::Metric | Families::Study => "all comparisons of a curve",
     };
+    let bonferroni = match is_joined && compare.primary.metrics().next().is_some() {
+        true => {
+            " (those of primary curves and primary measures, besides, by Bonferroni's, each kind taking its share)"
+        }
+        false => "",
+    };
+    let role = if primary.is_empty() {
+        "; they are exploratory".to_owned()
+    } else if primary.len() == compare.curves.len() {
+        String::new()
+    } else {
+        let primary = primary.iter().map(|curve| curve_label(*curve, study.coordinate));
+        format!(
+            "; all but those of the primary ones ({}) are exploratory",
+            primary.collect::<Vec<_>>().join("; ")
+        )
+    };
+    if recorded.participants == 1 {
+        return format!(
+            "Whole curves ({}) of trials were compared at {} nodes{each} that all trials of an environment reach. The largest \
+             |t| of Welch over all nodes was compared with those in other orders that the design could have drawn {}: the \
+             hypothesis is that no trial's curve depended on mode. p values were adjusted by Holm's method over \
+             {family}{bonferroni}{role}. Intervals are pointwise and describe the trials.",
+            curves.join("; "),
+            compare.curve_nodes,
+            cited.cite("edgington"),
+        );
+    }
     format!(
         "Whole curves ({}) were compared at {} nodes{each} that all participants reach in all modes of a comparison. The \
          largest |t| of the participants' differences over all nodes was compared with that of other signs of their \
          curves {}: of all of them up to 14 participants, else of 9,999; with fewer than six no difference was \
          claimed, and intervals are pointwise. Where the median skewness over nodes exceeded 0.7 the larger p of this and of the largest mean \
-         difference, not divided by its standard error, counted. p values were adjusted by Holm's method over {family}, which are \
-         exploratory. Bands cover the whole curve: their width is from flips of the differences from their mean. Runs of |t| \
+         difference, not divided by its standard error, counted. p values were adjusted by Holm's method over \
+         {family}{bonferroni}{role}. Bands cover the whole curve: their width is from flips of the differences from their mean. Runs of |t| \
          above its pointwise critical value were tested by their sum of |t| {}, not adjusted; they say that there is a \
          difference somewhere in them {}.{groups}",
         curves.join("; "),

@@ -90,6 +90,7 @@ fn parameters() -> anyhow::Result<Parameters> {
         modes: MODES.into_iter().map(mode).collect::<Result<_, _>>()?,
         contrasts: CONTRASTS.into_iter().map(contrast).collect::<Result<_, _>>()?,
         families: Families::Metric,
+        curve_claims: 0,
         alpha: ALPHA,
         level: LEVEL,
         effect_sizes: Vec::new(),
