@@ -310,6 +310,56 @@ mod tests {
         assert!(smallest < 0.6, "{smallest}");
     }
 
+    /// Six repeats that turn at 30.3° to 31.8°, stand there for 0.5 to 1.1 s and let go to 1.3 to 1.45 N: the means at 10° and
+    /// 30° by definition, in degrees and newtons. A mean at equal phases has 2.5 N at 30.3° on the way back.
+    #[test]
+    fn repeats_that_turn_elsewhere_have_the_means_of_their_forces_at_the_angle() {
+        let s = |x: f64| x * x * x * (10.0 - 15.0 * x + 6.0 * x * x);
+        let slope = |x: f64| 30.0 * x * x * (1.0 - x) * (1.0 - x);
+        let trials: Vec<Trial> = (1..=6)
+            .map(|number| {
+                let i = f64::from(number);
+                let (top, held_s) = ((30.0 + 0.3 * i).to_radians(), 0.4 + 0.12 * i);
+                let t: Vec<f64> =
+                    (0..=((2.0 + held_s) * 100.0) as u32).map(|k| f64::from(k) / 100.0).collect();
+                let back = |t: f64| (t - 1.0 - held_s).clamp(0.0, 1.0);
+                let theta = |t: f64| top * (s(t.min(1.0)) - s(back(t)));
+                let velocity = |t: f64| top * (slope(t.min(1.0)) - slope(back(t)));
+                let force = |t: f64| match back(t) > 0.0 {
+                    false => 0.16 * theta(t).to_degrees(),
+                    true => (1.3 + 0.025 * i) * theta(t) / top,
+                };
+                let mut trial = repeat(number, 0.0, 1.0, 1.0);
+                trial.samples.set(Signal::Theta, t.iter().copied().map(theta).collect());
+                trial.samples.set(Signal::ThetaDot, t.iter().copied().map(velocity).collect());
+                trial.samples.set(Signal::ForceEx, t.iter().copied().map(force).collect());
+                trial.samples.set(Signal::Time, t);
+                trial
+            })
+            .collect();
+        let found = mean_loop(&trials, &parameters()).unwrap();
+        let at = |which: Branch, degrees: f64| {
+            let branch = branch(&found, which);
+            let mut course: Vec<(f64, f64)> = branch
+                .theta_rad
+                .iter()
+                .copied()
+                .zip(branch.loads[0].1.mean.iter().flatten().copied())
+                .collect();
+            course.sort_by(|a, b| a.0.total_cmp(&b.0));
+            let (x, y): (Vec<f64>, Vec<f64>) = course.into_iter().unzip();
+            zwidth_numerics::series::interpolate(&x, &y, degrees.to_radians()).unwrap()
+        };
+        let turn = branch(&found, Branch::In).theta_rad[NODES - 1].to_degrees();
+        assert!((turn - 30.3).abs() < 1e-3, "{turn}");
+        let expected =
+            [(Branch::In, 30.0, 4.8), (Branch::Out, 30.0, 1.340264), (Branch::Out, 10.0, 0.446755)];
+        for (which, degrees, mean) in expected {
+            let found = at(which, degrees);
+            assert!((found - mean).abs() < 1e-3, "{which:?} {degrees}: {found}");
+        }
+    }
+
     proptest! {
         /// A mean lies within the least and the largest of what it is a mean of, at every angle.
         #[test]
