@@ -96,6 +96,23 @@ rows! {
         remark: Option<Sentence>,
     }
 
+    /// What is claimed of participants, one by one: everybody's effect of factors, or the value in which groups are
+    /// compared.
+    PersonValue = "person_values", "Everybody's effects, and values compared between groups" {
+        /// what is compared
+        metric: MetricId,
+        /// unit of the metric
+        unit: Arc<str>,
+        /// what was rendered; null over several environments
+        environment: Option<EnvironmentId>,
+        /// what of people: in a mode, over all modes, their difference between two, or an effect of factors
+        effect: GroupEffect,
+        /// who
+        participant: ParticipantId,
+        /// this participant's
+        value: f64 = UNIT_OF_ROW,
+    }
+
     /// The mean of a group's people in a condition.
     GroupMean = "group_means", "Means by group and condition" {
         ..of_metric,

@@ -26,6 +26,7 @@
 //! | [`CovariateSlope`] | metric, environment, contrast, covariate | `compare` | printed tables |
 //! | [`TrialSlope`] | metric, environment | `compare` | printed tables |
 //! | [`GroupMember`] | participant | `compare` | figures |
+//! | [`PersonValue`] | metric, environment, effect, participant | `compare` | nothing but the file |
 //! | [`GroupMean`] | metric, environment, mode, group | `compare` | figures, printed tables |
 //! | [`GroupModeDifference`] | metric, environment, contrast, group | `compare` | printed tables |
 //! | [`GroupDifference`] | metric, environment, effect, groups | `compare` | figures, page, summary |

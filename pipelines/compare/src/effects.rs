@@ -9,7 +9,9 @@ use crate::split::{Refused, Split};
 use crate::weighed::{averaged, levels_of, of_people, placed, weighed};
 use crate::{CompareError, Parameters};
 use std::collections::BTreeMap;
-use zwidth_results::{EffectDifference, EffectLevels, FactorEffect, UnitOfAnalysis};
+use zwidth_results::{
+    EffectDifference, EffectLevels, FactorEffect, GroupEffect, PersonValue, UnitOfAnalysis,
+};
 use zwidth_stats::null::Sampling;
 use zwidth_stats::over_doses::{Term, own_coefficient};
 use zwidth_stats::over_trials::WeighedCondition;
@@ -196,6 +198,22 @@ pub(crate) fn rows<'a>(
     Ok(rows)
 }
 
+/// Everybody's effects.
+pub(crate) fn values(rows: &[Row], cells: &Cells, measure: &Measure) -> Vec<PersonValue> {
+    let mut all = Vec::new();
+    for row in rows {
+        all.extend(row.of_everybody().into_iter().map(|(who, value)| PersonValue {
+            metric: measure.parameters.metric.clone(),
+            unit: measure.unit.clone(),
+            environment: row.effect.environment.clone(),
+            effect: GroupEffect::OfFactors(row.name()),
+            participant: cells.participants[who].clone(),
+            value,
+        }));
+    }
+    all
+}
+
 /// The effects by the names of what they compare.
 pub(crate) fn named(
     rows: &[Row],
@@ -282,7 +300,7 @@ pub(crate) mod tests {
     use super::*;
     use crate::tests::{measured, parameters};
     use crate::{Groups, compare};
-    use zwidth_results::{GroupEffect, TrialKey, Verdict};
+    use zwidth_results::{GroupEffect, GroupMember, TrialKey, Verdict};
     use zwidth_study::{GroupsCompared, OverTrials, Source, Term, Weight};
 
     /// A number between −½ and ½: (h³ mod 9941)/9941 − ½.
@@ -535,6 +553,48 @@ pub(crate) mod tests {
         let effect = &found.effects[0];
         near(effect.difference, 0.449375);
         assert!(effect.df < Some(7.0) && effect.g_av.is_none(), "{effect:?}");
+    }
+
+    /// Means and standard errors of everybody's effects are those that R and SciPy confirm above; with groups those of
+    /// either group are the means compared.
+    #[test]
+    fn everybodys_values_are_those_that_effects_and_groups_are_tested_by() {
+        let (keys, values) = eight();
+        let mut parameters = of_eight();
+        parameters.effects.push(wall_costs());
+        let found = compare(&measured(&keys, values.iter().copied()), &parameters).unwrap();
+        assert_eq!(found.person_values.len(), 8 * found.effects.len());
+        for row in &found.effects {
+            let effect = GroupEffect::OfFactors(row.name());
+            let is_own =
+                |own: &&PersonValue| own.environment == row.environment && own.effect == effect;
+            let own: Vec<f64> =
+                found.person_values.iter().filter(is_own).map(|own| own.value).collect();
+            let mean = own.iter().sum::<f64>() / 8.0;
+            let squares = own.iter().map(|value| (value - mean).powi(2)).sum::<f64>();
+            near(row.difference, mean);
+            near(row.difference_std_error, (squares / 7.0 / 8.0).sqrt());
+        }
+
+        // The last has no group.
+        parameters.groups = Some(groups(&[3, 4]));
+        let found = compare(&measured(&keys, values.into_iter()), &parameters).unwrap();
+        let claimed = found.groups.iter().filter(|row| row.verdict.is_some());
+        assert_eq!(found.person_values.len(), 7 * claimed.clone().count());
+        for row in claimed {
+            let mean = |group: &str| {
+                let own = found.person_values.iter().filter(|own| {
+                    let member = |row: &&GroupMember| row.participant == own.participant;
+                    let group_of = found.group_members.iter().find(member).unwrap();
+                    let is_row = own.environment == row.environment && own.effect == row.effect;
+                    is_row && group_of.group.as_str() == group
+                });
+                let own: Vec<f64> = own.map(|own| own.value).collect();
+                own.iter().sum::<f64>() / own.len() as f64
+            };
+            near(row.mean_first, mean("many"));
+            near(row.mean_second, mean("few"));
+        }
     }
 
     /// SciPy's Welch test of everybody's weighted sums over both environments, and Welch's F of three

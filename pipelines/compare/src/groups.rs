@@ -7,7 +7,9 @@ use crate::measure::Measure;
 use crate::split::{Refused, Split};
 use crate::{CompareError, Parameters, effects};
 use std::collections::{BTreeMap, BTreeSet};
-use zwidth_results::{AnyGroup, GroupDifference, GroupEffect, GroupMean, GroupModeDifference};
+use zwidth_results::{
+    AnyGroup, GroupDifference, GroupEffect, GroupMean, GroupModeDifference, PersonValue,
+};
 use zwidth_stats::groups::{self, Permuted, group};
 use zwidth_stats::null::Sampling;
 use zwidth_stats::welch::Group;
@@ -253,6 +255,34 @@ pub(crate) fn named(
         }
     });
     named.collect()
+}
+
+/// Everybody's value of what is claimed, of those who have a group.
+pub(crate) fn values(
+    split: &Split,
+    cells: &Cells,
+    contrasts: &[contrasts::Row],
+    of_factors: &[effects::Row],
+    measure: &Measure,
+    parameters: &Parameters,
+) -> Vec<PersonValue> {
+    let mut rows = Vec::new();
+    for environment in 0..=parameters.environments.len() {
+        for compared in compared(environment, cells, contrasts, of_factors, parameters) {
+            let people = compared.values.into_iter().filter(|_| compared.is_claimed);
+            for (who, value) in people.filter(|(who, _)| split.level(*who).is_some()) {
+                rows.push(PersonValue {
+                    metric: measure.parameters.metric.clone(),
+                    unit: measure.unit.clone(),
+                    environment: parameters.environments.get(environment).cloned(),
+                    effect: compared.effect.clone(),
+                    participant: cells.participants[who].clone(),
+                    value,
+                });
+            }
+        }
+    }
+    rows
 }
 
 /// Whether any group differs from another, where there are more than two.

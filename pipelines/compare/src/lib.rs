@@ -81,7 +81,7 @@ use zwidth_results::{
     AnyGroup, Cell, Compared, CovariateSlope, DoseModel, DosePoint, EffectDifference, FactorTest,
     GroupDifference, GroupMean, GroupMember, GroupModeDifference, GroupModel, GroupModelTest,
     Learning, Mean, MetricNote, ModeDifference, Model, Omnibus, OrderTest, PersonDifference,
-    RedrawnDifference, RepeatMean, Role, SessionChange, TrialSlope, UnitOfAnalysis,
+    PersonValue, RedrawnDifference, RepeatMean, Role, SessionChange, TrialSlope, UnitOfAnalysis,
 };
 use zwidth_study::Families;
 use zwidth_tables::Measured;
@@ -112,6 +112,8 @@ pub struct Comparison {
     pub over_trials: Vec<TrialSlope>,
     /// Who is of which group.
     pub group_members: Vec<GroupMember>,
+    /// Everybody's effects of factors, and values in which groups are compared.
+    pub person_values: Vec<PersonValue>,
     /// Means of groups by condition.
     pub group_means: Vec<GroupMean>,
     /// Differences between modes within groups.
@@ -197,6 +199,7 @@ pub fn compare_tables(
         all.participants.extend(metric.participants);
         all.covariates.extend(metric.covariates);
         all.over_trials.extend(metric.over_trials);
+        all.person_values.extend(metric.person_values);
         all.group_means.extend(metric.group_means);
         all.group_contrasts.extend(metric.group_contrasts);
         all.groups.extend(metric.groups);
@@ -304,6 +307,12 @@ impl<'a> Tested<'a> {
             covariates: covariates::slopes(contrasts, cells, measure, parameters),
             over_trials: over_trials::slopes(cells.lines.as_ref(), unit, measure, parameters),
             group_members: Vec::new(),
+            person_values: match split {
+                Some(split) => {
+                    groups::values(split, cells, contrasts, effects, measure, parameters)
+                }
+                None => effects::values(effects, cells, measure),
+            },
             group_means: match split {
                 Some(split) => groups::means(split, cells, measure, parameters)?,
                 None => Vec::new(),

@@ -30,7 +30,7 @@ use zwidth_results::{
     AnswerDifference, AnyGroup, Cell, Compared, CovariateSlope, DoseModel, DosePoint,
     EffectDifference, FactorTest, GivenAnswer, GroupDifference, GroupMean, GroupMember,
     GroupModeDifference, GroupModel, GroupModelTest, Learning, Mean, MetricNote, ModeDifference,
-    Model, Omnibus, OrderTest, PersonDifference, PersonSuperiority, PrintedDifference,
+    Model, Omnibus, OrderTest, PersonDifference, PersonSuperiority, PersonValue, PrintedDifference,
     RedrawnDifference, RepeatMean, Row, SessionChange, TrialScore, TrialSlope,
 };
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, Stage};
@@ -85,6 +85,11 @@ impl Comparison {
             has_effects: !effects.is_empty(),
             has_doses,
         }
+    }
+
+    /// Whether everybody's effects, or values in which groups are compared, are there.
+    pub(crate) fn has_person_values(&self) -> bool {
+        self.has_groups || self.has_effects
     }
 
     /// The table of rows `R`.
@@ -168,6 +173,9 @@ impl Inputs for Comparison {
         }
         if self.has_doses {
             names.extend([DosePoint::NAME, DoseModel::NAME]);
+        }
+        if self.has_person_values() {
+            names.push(PersonValue::NAME);
         }
         names.into_iter().map(|name| self.file(name)).collect()
     }
@@ -416,6 +424,9 @@ fn make(
     }
     if stage.effects.iter().any(|effect| effect.over.is_some()) {
         tables.extend([table_of(results.trend_curves)?, table_of(results.trend_models)?]);
+    }
+    if has_groups || !stage.effects.is_empty() {
+        tables.push(table_of(results.person_values)?);
     }
     write_named(tables, making, *simulated)
 }
