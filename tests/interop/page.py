@@ -78,6 +78,8 @@ def main():
         no_white_cards_in_the_dark(browser, visit.report)
         a_mean_opens_the_trials_of_everybody(browser, given.zwidth.resolve())
         what_is_left_out_is_estimated_as_by_the_program(browser, given.zwidth.resolve(), given.exclusions)
+        effects_groups_and_scores_have_their_people(browser, given.zwidth.resolve(), given.axe, given.out)
+        scores_without_recordings_open_their_answers(browser, given.zwidth.resolve(), given.out)
         screens(browser, visit.report, given)
         says_what_is_missing(browser, visit.report)
         what_is_missing_has_no_label(browser, visit.report)
@@ -413,13 +415,13 @@ def the_matrix_is_opened(visit):
     checks.equal("they are brought back", (page.locator("#trials #surface").count(), page.locator(".detail").count()), (1, 0))
     for form, begin in (("svg", b"<svg"), ("png", b"\x89PNG"), ("csv", b"metric,")):
         with page.expect_download() as waiting:
-            page.locator(f'[data-save-matrix="{form}"]').click()
+            page.locator(f'#verdict-matrix [data-save-matrix="{form}"]').click()
         saved = Path(waiting.value.path()).read_bytes()
         checks.check(f"the matrix is saved as {form}", saved.startswith(begin) and len(saved) > 500, saved[:40])
     lines = list(csv.DictReader(io.StringIO(saved.decode())))
     checks.equal("every row is in it", len(lines), len(rows))
-    page.locator("#copy-matrix").click()
-    wait_until(page, "document.getElementById('copy-matrix').textContent !== 'Copy values'")
+    page.locator("#verdict-matrix .copy-values").click()
+    wait_until(page, "document.querySelector('#verdict-matrix .copy-values').textContent !== 'Copy values'")
     page.locator("#left-out > summary").click()
     box = page.locator("#left-out-trials input").first
     trial = box.get_attribute("value")
@@ -498,6 +500,231 @@ def what_is_left_out_is_estimated_as_by_the_program(browser, zwidth, exclusions)
         checks.equal(f"{compared} rows after {exclusions} random exclusions are those of the program", wrong[:5], [])
         checks.check("rows were compared", compared >= 10 * exclusions, f"{compared}")
         checks.equal("no complaint while leaving out", visit.complaints(), [])
+        visit.context.close()
+
+
+# The modes as combinations of two factors, one of which lacks a condition; two groups, and a score of two answers.
+LEVELS = {"active": ("yes", "no"), "passive": ("no", "yes"), "hybrid": ("yes", "yes")}
+MORE = """
+[[questions]]
+id = "steady"
+text = "The lever felt steady."
+reversed = true
+[[factors]]
+id = "motor"
+levels = ["no", "yes"]
+[[factors]]
+id = "brake"
+levels = ["no", "yes"]
+[[people]]
+id = "group"
+levels = ["novice", "expert"]
+[[scores]]
+id = "feel"
+kind = "mean"
+questions = ["felt_spring", "felt_wall", "steady"]
+min_answered = 0.5
+[compare]
+contrasts = [["hybrid", "active"]]
+groups = "group"
+primary = "force_mean_n"
+metrics = ["score_feel"]
+"""
+
+
+def effects_groups_and_scores_have_their_people(browser, zwidth, axe, out):
+    """Dots of effects and columns of groups are the rows of `compare`, every value bit for bit; a dot opens its traces, of a score the answers too."""
+    with tempfile.TemporaryDirectory() as root:
+        checks.run(zwidth, "--root", root, "new", "crossed")
+        file = Path(root) / "raw" / "crossed" / "study.toml"
+        study = file.read_text()
+        for mode, (motor, brake) in LEVELS.items():
+            study = study.replace(f'id = "{mode}"\n', f'id = "{mode}"\nfactors = {{ motor = "{motor}", brake = "{brake}" }}\n')
+        study = study.replace("repeats = 6", "repeats = 2")
+        file.write_text(re.sub(r'question = "(felt_\w+)"', r'questions = ["\1", "steady"]', study) + MORE)
+        people = {f"P{n:02}": "expert" if n > 4 else "novice" for n in range(1, 9)}
+        (file.parent / "participants.csv").write_text("participant,group\n" + "".join(f"{who},{group}\n" for who, group in people.items()))
+        checks.run(zwidth, "--root", root, "twin", "crossed", "--participants", 8, "--sessions", 1)
+        checks.run(zwidth, "--root", root, "run", "crossed")
+        visit = Visit(browser, Path(root) / "reports" / "crossed").ready()
+        page = visit.page
+        page.wait_for_selector("#claims[data-ready]")
+        tables = Path(root) / "derived" / "crossed" / "compare"
+        values = {}
+        for row in parquet.read_table(tables / "person_values.parquet").to_pylist():
+            values.setdefault((row["metric"], row["environment"], row["effect"]), {})[row["participant"]] = row["value"]
+        means = {(row["metric"], row["environment"], row["effect"]): row["difference"] for row in parquet.read_table(tables / "effects.parquet").to_pylist() if row["difference"] is not None}
+        for key, mean in means.items():
+            # Each group has the same weight.
+            own = [[value for who, value in values[key].items() if people[who] == group] for group in ("novice", "expert")]
+            checks.close(f"everybody's {key[2]} in {key[0]}, {key[1]} make the effect", sum(sum(group) / len(group) for group in own) / 2, mean, 1e-9)
+        claims = [(metric["name"], claim) for metric in visit.study["metrics"] for claim in metric["claims"]]
+        wrong = []
+        for metric, claim in claims:
+            if "people" in claim:
+                own = next((own for (name, environment, effect), own in values.items() if name == metric and environment == claim["environment"] and claim["of"].endswith(f": {effect}")), {})
+                wrong += [] if {who["participant"]: bits(who["value"]) for who in claim["people"]} == {who: bits(value) for who, value in own.items()} else [claim["of"]]
+            elif claim["is_of_groups"]:
+                drawn = [sorted(map(bits, group["values"])) for group in claim["groups"]]
+                fits = lambda own: [sorted(bits(value) for who, value in own.items() if people[who] == group["label"]) for group in claim["groups"]] == drawn
+                wrong += [] if any(name == metric and environment == claim["environment"] and fits(own) for (name, environment, _), own in values.items()) else [claim["of"]]
+        checks.equal(f"people of {len(claims)} effects and differences between groups are those of the table", wrong, [])
+        checks.check("there are effects with people, one without an estimate, groups, and a score", {"people" in claim or claim["is_of_groups"] for _, claim in claims} == {True, False} and any(name == "score_feel" for name, _ in claims), f"{len(claims)}")
+        rows = page.evaluate(ROWS.replace(".verdicts tr", "#claims tr").replace("line.querySelector('.number').textContent", "''"))
+        checks.equal("every claim has a row", len(rows), len(claims))
+        for row, n in page.evaluate("[...document.querySelectorAll('#claims svg[role=slider]')].map((plot) => [plot.closest('tr').dataset, Number(plot.getAttribute('aria-valuemax'))]).map(([row, n]) => [row.row, [n, Number(row.n)]])"):
+            if n[0] != n[1]:
+                wrong.append((row, n))
+        checks.equal("a row has as many dots as people", wrong, [])
+        for form, begin in (("svg", b"<svg"), ("png", b"\x89PNG"), ("csv", b"metric,")):
+            with page.expect_download() as waiting:
+                page.locator(f'#claims [data-save-matrix="{form}"]').click()
+            saved = Path(waiting.value.path()).read_bytes()
+            (out / f"claims.{form}").write_bytes(saved)
+            checks.check(f"effects and groups are saved as {form}", saved.startswith(begin) and len(saved) > 500 and b"NaN" not in saved, saved[:40])
+            if form == "svg":
+                checks.check("and marked as simulated", b"SYNTHETIC" in saved and saved.count(b'class="estimate"') == sum(claim["value"] is not None and (claim["jnd"] or claim["deviation"] or 0) > 0 for _, claim in claims))
+        lines = list(csv.DictReader(io.StringIO(saved.decode())))
+        scales = {(metric["label"], claim["of"]): (claim["value"], metric["scale"]) for metric in visit.study["metrics"] for claim in metric["claims"]}
+        checks.equal("every claim is in it with its value", [line["contrast"] for line in lines if line["difference"] != "" and float(line["difference"]) != math.prod(scales[line["metric"], line["contrast"]])] + [len(lines) - len(claims)], [0])
+        page.locator("#claims .copy-values").click()
+        wait_until(page, "document.querySelector('#claims .copy-values').textContent !== 'Copy values'")
+        open_claim = lambda text, at=0: page.locator("#claims .row-name", has_text=text).nth(at)
+        open_claim("expert − novice").click()
+        checks.equal("a name of groups opens a column for each, with everybody", (page.locator(".detail .charts svg").count(), page.locator(".detail .point[role=img]").count(), page.locator(".detail .mean").count()), (1, 8, 2))
+        checks.check("the address names the open row", "row=" in page.url, page.url)
+        page.locator("#claims").screenshot(path=str(out / "groups.png"))
+        open_claim("motor: yes").click()
+        checks.equal("a name of an effect opens the conditions and everybody's effect", (page.locator(".detail .charts svg").count(), page.locator(".detail .charts svg").last.locator(".point").count()), (2, 8))
+        page.locator("#claims").screenshot(path=str(out / "effects.png"))
+        address = page.url
+        page.goto("about:blank")
+        page.goto(address)
+        visit.ready()
+        page.wait_for_selector("#claims[data-ready]")
+        checks.equal("an address opens it again", page.locator("#claims .detail .charts svg").count(), 2)
+        dots = page.locator("#claims tr[data-row^='force_mean_n'] svg[role=slider]").first
+        dots.focus()
+        page.keyboard.press("End")
+        who = dots.get_attribute("aria-valuetext").split(":")[0]
+        visit.after(lambda: page.keyboard.press("Enter"))
+        modes = page.evaluate("[...document.querySelectorAll('#pick-modes input:checked')].map((box) => box.value)")
+        checks.equal("a dot of an effect opens its person's traces in the modes that it weighs", (page.locator("#claims .detail #surface").count(), page.locator("#pick-participant").input_value(), modes), (1, who, ["passive", "hybrid"]))
+        checks.equal("no answers are shown beside a metric of trials", page.locator("#score-answers").count(), 0)
+        dots = page.locator("#verdict-matrix tr[data-row^='score_feel/spring/'] svg[role=slider]").first
+        dots.focus()
+        page.keyboard.press("Home")
+        who = dots.get_attribute("aria-valuetext").split(":")[0]
+        visit.after(lambda: page.keyboard.press("Enter"))
+        trials = [trial for trial in visit.study["trials"] if (trial["participant"], trial["environment"]) == (who, "spring") and trial["mode"] in ("hybrid", "active")]
+        answers = page.evaluate("[...document.querySelectorAll('.detail #score-answers tbody tr')].map((line) => [...line.querySelectorAll('td')].map((cell) => cell.textContent))")
+        asked = [question["id"] for question in visit.study["questions"]]
+        wanted = [["–" if (value := trial["answers"][asked.index(item)]) is None else str(value) for trial in trials] for item in ("felt_spring", "felt_wall", "steady")]
+        checks.equal("a dot of a score opens the traces, and the answers that it is made of", (page.locator(".detail #surface").count(), [[text.split(" (")[0] for text in line] for line in answers[:-1]]), (1, wanted))
+        means = [(float(felt) + 6 - float(steady)) / 2 for felt, steady in zip(wanted[0], wanted[2])]
+        checks.equal("whose mean, the reversed one turned, is the score", [float(text) for text in answers[-1]], means)
+        page.locator("#verdict-matrix").screenshot(path=str(out / "score.png"))
+        scroll_through(page)
+        place = next(i for i, metric in enumerate(visit.study["metrics"]) if metric["name"] == "score_feel")
+        page.locator("#dots-metric").select_option(str(place))
+        visit.after(lambda: page.locator("#dot-plot .point").first.click())
+        checks.equal("a point of a score opens its trial and its answers", (page.locator("#trials #surface").count(), page.locator("#trials #score-answers thead th").count()), (1, 2))
+        visit.after(lambda: page.locator(".matrix td a").first.click())
+        for width in (360, 1440):
+            page.set_viewport_size({"width": width, "height": 900})
+            wide = page.evaluate("document.documentElement.scrollWidth")
+            checks.check(f"{width} px with effects and groups: nothing is wider than the screen", wide <= width, f"{wide} px")
+        accessible(visit, axe, "effects and groups")
+        visit.page.pdf(path=str(out / "claims.pdf"), format="A4", print_background=True)
+        checks.equal("no complaint about effects, groups and scores", visit.complaints(), [])
+        nothing_left_the_page(visit)
+        visit.context.close()
+
+
+QUESTIONNAIRE = """schema = 2
+[study]
+id = "asked"
+title = "A questionnaire"
+[design]
+repeats = 1
+trial_limit_s = 60.0
+[device]
+name = "lever"
+[[environments]]
+id = "task"
+label = "Task"
+kind = "none"
+[[modes]]
+id = "active"
+label = "Active"
+[[modes]]
+id = "hybrid"
+label = "Hybrid"
+[[questions]]
+id = "easy"
+text = "It was easy."
+[[questions]]
+id = "tiring"
+text = "It was tiring."
+reversed = true
+[[scores]]
+id = "comfort"
+kind = "sum"
+questions = ["easy", "tiring"]
+[compare]
+primary = "score_comfort"
+"""
+QUESTIONNAIRE_MAP = """kind = "likert"
+simulated = true
+[trial]
+participant = { column = "participant" }
+session = "S01"
+environment = "task"
+mode = { column = "mode" }
+[questions.columns]
+easy = "easy"
+tiring = "tiring"
+"""
+
+
+def scores_without_recordings_open_their_answers(browser, zwidth, out):
+    """A questionnaire alone: a dot of its score opens the answers that the table has."""
+    with tempfile.TemporaryDirectory() as root:
+        raw = Path(root) / "raw" / "asked"
+        raw.mkdir(parents=True)
+        (raw / "study.toml").write_text(QUESTIONNAIRE)
+        given = {(f"P{p:02}", mode): (1 + (2 * p + 3 * m) % 5, 1 + (p + m) % 4) for p in range(1, 7) for m, mode in enumerate(("active", "hybrid"))}
+        (Path(root) / "map.toml").write_text(QUESTIONNAIRE_MAP)
+        (Path(root) / "answers.csv").write_text("participant,mode,easy,tiring\n" + "".join(f"{who},{mode},{easy},{tiring}\n" for (who, mode), (easy, tiring) in given.items()))
+        checks.run(zwidth, "--root", root, "import", "asked", "--map", Path(root) / "map.toml", Path(root) / "answers.csv")
+        checks.run(zwidth, "--root", root, "run", "asked")
+        visit = Visit(browser, Path(root) / "reports" / "asked")
+        page = visit.page
+        page.wait_for_selector("#verdict-matrix[data-ready]")
+        checks.equal("without recordings there is no browser of trials, and no link to one", (page.locator("#trials").count(), page.locator("a[href='#trials']").count()), (0, 0))
+        dots = page.locator("#verdict-matrix svg[role=slider]").first
+        words = "[...document.querySelectorAll('#score-answers tbody tr')].map((line) => [...line.querySelectorAll('td')].map((cell) => cell.textContent.split(' (')[0]))"
+        wrong = []
+        dots.focus()
+        page.keyboard.press("Home")
+        for _ in range(6):
+            who = dots.get_attribute("aria-valuetext").split(":")[0]
+            page.keyboard.press("Enter")
+            columns = [given[who, mode] for mode in ("active", "hybrid")]
+            wanted = [[str(easy) for easy, _ in columns], [str(tiring) for _, tiring in columns], [str(easy + 6 - tiring) for easy, tiring in columns]]
+            found = page.evaluate(words)
+            wrong += [] if found == wanted else [(who, found, wanted)]
+            dots.focus()
+            page.keyboard.press("ArrowRight")
+        checks.equal("everybody's dot of a score opens the answers that it is the sum of", wrong, [])
+        page.keyboard.press("Enter")
+        checks.check("the answers take the focus", page.evaluate("document.activeElement.id === 'score-answers'"))
+        page.screenshot(path=str(out / "asked.png"))
+        scroll_through(page)
+        page.locator("#dot-plot .point").first.click()
+        checks.equal("a point of a score opens the answers of its trial", page.locator("#dots #score-answers thead th").count(), 2)
+        checks.equal("no complaint about a questionnaire", visit.complaints(), [])
+        nothing_left_the_page(visit)
         visit.context.close()
 
 

@@ -25,8 +25,8 @@
 //! | [`PersonDifference`] | metric, environment, contrast, participant | `compare` | figures |
 //! | [`CovariateSlope`] | metric, environment, contrast, covariate | `compare` | printed tables |
 //! | [`TrialSlope`] | metric, environment | `compare` | printed tables |
-//! | [`GroupMember`] | participant | `compare` | figures |
-//! | [`PersonValue`] | metric, environment, effect, participant | `compare` | nothing but the file |
+//! | [`GroupMember`] | participant | `compare` | figures, page |
+//! | [`PersonValue`] | metric, environment, effect, participant | `compare` | page |
 //! | [`GroupMean`] | metric, environment, mode, group | `compare` | figures, printed tables |
 //! | [`GroupModeDifference`] | metric, environment, contrast, group | `compare` | printed tables |
 //! | [`GroupDifference`] | metric, environment, effect, groups | `compare` | figures, page, summary |

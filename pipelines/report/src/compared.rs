@@ -5,8 +5,8 @@ use crate::gallery::Shown;
 use crate::people::capital;
 use serde::Serialize;
 use zwidth_results::{
-    Compared, EffectDifference, FactorTest, GroupDifference, Mean, ModeDifference,
-    RedrawnDifference, Role, Sentence, Size, UnitOfAnalysis, Verdict,
+    Compared, EffectDifference, FactorTest, GroupDifference, GroupMember, Mean, ModeDifference,
+    PersonValue, RedrawnDifference, Role, Sentence, Size, UnitOfAnalysis, Verdict,
 };
 use zwidth_study::{
     Better, Coordinate, EnvironmentId, ModeId, Setup, Study, contrast_label, in_a_sentence,
@@ -49,6 +49,10 @@ pub struct ComparedMetric<'a> {
     pub contrasts: &'a [ModeDifference],
     /// Differences between groups, if there are groups.
     pub groups: &'a [GroupDifference],
+    /// Who is of which group.
+    pub group_members: &'a [GroupMember],
+    /// Everybody's effects of factors, and values in which groups are compared.
+    pub person_values: &'a [PersonValue],
     /// Effects of factors, if there are factors.
     pub effects: &'a [EffectDifference],
     /// Their analysis of variance.
@@ -558,6 +562,8 @@ pub(crate) mod tests {
             means: &[],
             contrasts: &[],
             groups: &[],
+            group_members: &[],
+            person_values: &[],
             effects: &[],
             factor_tests: &[],
             redrawn: &[],

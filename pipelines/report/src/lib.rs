@@ -46,8 +46,8 @@ pub use groups::{explored_groups, group_differences};
 pub use methods::{MethodsForm, MethodsPart, Recorded, methods};
 pub use model::model_facts;
 pub use page::{
-    Columns, Contents, Course, Estimating, Event, Page, PageHtml, TURNED, Turn, condition_script,
-    page_html, single_file, turned_script,
+    Columns, Contents, Course, Estimating, Event, Page, PageHtml, TURNED, TrialValues, Turn,
+    condition_script, page_html, single_file, turned_script,
 };
 pub use pros_cons::pros_cons;
 pub use ranges::uneven_ranges;

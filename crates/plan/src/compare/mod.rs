@@ -5,7 +5,7 @@ mod parameters;
 
 pub use asked::{asked_in_vain, claims, compared, inflation_by_groups};
 pub(crate) use asked::{claims_of_both, has_group_differences, took_part};
-pub(crate) use parameters::{groups, order};
+pub(crate) use parameters::{ScoreColumn, groups, order};
 
 use crate::figures::drawing::{Drawing, Figured};
 use crate::likert::figures::{self as likert_figures, Page};

@@ -43,6 +43,16 @@ pub(crate) struct ScoreColumn {
 }
 
 impl ScoreColumn {
+    /// The scores of a study that are among the metrics compared.
+    pub(crate) fn compared(study: &Study, compared: &[String]) -> Vec<Self> {
+        let scores = zwidth_metrics::scores(study).map(|(metric, score)| Self {
+            score: score.id.clone(),
+            metric,
+            words: score.in_words(),
+        });
+        scores.filter(|score| compared.iter().any(|own| own == score.metric.as_str())).collect()
+    }
+
     /// The scores of trials, as a table of metrics has them.
     pub(crate) fn measured(&self, rows: &[TrialScore]) -> Result<Measured, TableError> {
         let own = || rows.iter().filter(|row| row.score == self.score);
@@ -103,14 +113,7 @@ impl Comparing<OfMetrics> {
                 }),
             });
         }
-        let is_compared =
-            |score: &ScoreColumn| compared.iter().any(|own| own == score.metric.as_str());
-        let scores = zwidth_metrics::scores(study).map(|(metric, score)| ScoreColumn {
-            score: score.id.clone(),
-            metric,
-            words: score.in_words(),
-        });
-        let scores: Vec<ScoreColumn> = scores.filter(is_compared).collect();
+        let scores = ScoreColumn::compared(study, &compared);
         let parameters = Parameters {
             metrics,
             environments: study.environments.iter().map(|e| e.id.clone()).collect(),

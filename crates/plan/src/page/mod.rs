@@ -7,6 +7,7 @@ pub(crate) mod people;
 pub(crate) mod preregistered;
 pub(crate) mod summary;
 
+use crate::compare::ScoreColumn;
 use crate::figures::drawing::Drawing;
 use crate::replay::courses;
 use crate::replay::runs;
@@ -20,17 +21,17 @@ use std::path::PathBuf;
 use zwidth_average::Alignment;
 use zwidth_replay::Parameters;
 use zwidth_report::{
-    Columns, Contents, Course, Estimating, Event, Page, TURNED, condition_script, page_html,
-    turned_script,
+    Columns, Contents, Course, Estimating, Event, Page, TURNED, TrialValues, condition_script,
+    page_html, turned_script,
 };
-use zwidth_results::{CourseSample, CourseSeries, GivenAnswer, PlantRun, TrialEvent};
+use zwidth_results::{CourseSample, CourseSeries, GivenAnswer, PlantRun, TrialEvent, TrialScore};
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, ORIGIN, Output, Stage, WriteLong};
 use zwidth_store::{Findings, Layout, Signal, StudyData, Trial};
 use zwidth_study::{Environment, EnvironmentId, ModeId};
 use zwidth_tables::Table;
 
 /// Its version is raised when the page would be written differently from the same data.
-const STAGE: Stage = Stage { name: "page", version: 27 };
+const STAGE: Stage = Stage { name: "page", version: 28 };
 
 /// The job that makes the page itself.
 pub const JOB: &str = "page";
@@ -87,10 +88,19 @@ pub(crate) fn jobs(data: &StudyData, findings: &Findings, figures: &[Drawing]) -
                 .into_iter()
                 .filter(|metric| zwidth_metrics::is_of_plant(metric))
                 .collect(),
+            effects: data.study.effects(),
+            items: zwidth_metrics::scores(&data.study)
+                .map(|(metric, score)| (metric.to_string(), score.questions.clone()))
+                .collect(),
         },
+        scores: ScoreColumn::compared(&data.study, &compare::compared(data)),
         version: env!("CARGO_PKG_VERSION"),
     };
-    let files = IndexFiles { summary: files, answers: likert::answers(data) };
+    let files = IndexFiles {
+        summary: files,
+        answers: likert::answers(data),
+        scores: likert::scores(data).map(|(scores, _)| scores),
+    };
     let output = vec![file(&data.layout)];
     jobs.push(Job::new(STAGE, JOB, index, files, output, make_index).tolerant());
     jobs
@@ -310,6 +320,9 @@ struct Index {
     /// The user's torque was recorded, and no force.
     torque: bool,
     estimating: Estimating,
+    /// The scores among the metrics compared.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    scores: Vec<ScoreColumn>,
     version: &'static str,
 }
 
@@ -317,12 +330,14 @@ struct Index {
 struct IndexFiles {
     summary: summary::Files,
     answers: Option<Derived<GivenAnswer>>,
+    scores: Option<Derived<TrialScore>>,
 }
 
 impl Inputs for IndexFiles {
     fn files(&self) -> Vec<PathBuf> {
         let mut files = self.summary.files();
         files.extend(self.answers.files());
+        files.extend(self.scores.files());
         files
     }
 }
@@ -333,14 +348,21 @@ fn make_index(index: &Index, files: &IndexFiles, making: &Making) -> Result<Made
     let answers = files.answers.as_ref().filter(|answers| answers.path().exists());
     let answers = answers.map(likert::read_counting).transpose()?.unwrap_or_default();
     let planned = &index.summary.planned;
-    let contents = metrics.map(|metrics| {
+    let mut scores = Vec::new();
+    if let Some(rows) = files.scores.as_ref().map(Derived::read_if_made).transpose()?.flatten() {
+        for score in &index.scores {
+            scores.push(score.measured(&rows)?);
+        }
+    }
+    let has_values = metrics.is_some() || !scores.is_empty();
+    let contents = has_values.then(|| {
         let compared = compared.by_metric(index.summary.primary);
         let contents = Contents::of(
             index.study.as_str(),
             &summary.title,
             planned,
             &index.estimating,
-            &metrics,
+            TrialValues { recorded: metrics.as_ref(), scores: &scores },
             &compared,
             &answers,
         );

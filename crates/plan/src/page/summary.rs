@@ -18,9 +18,9 @@ use zwidth_report::{
     primary_first, summary_markdown, survey, traded, uneven_ranges,
 };
 use zwidth_results::{
-    AnswerTally, Compared, EffectDifference, FactorTest, GroupDifference, JudgedStatement,
-    LadderChoice, Learning, Mean, MetricNote, ModeDifference, RedrawnDifference, Role, Row,
-    SessionChange, TradeChoice, TrialRemark,
+    AnswerTally, Compared, EffectDifference, FactorTest, GroupDifference, GroupMember,
+    JudgedStatement, LadderChoice, Learning, Mean, MetricNote, ModeDifference, PersonValue,
+    RedrawnDifference, Role, Row, SessionChange, TradeChoice, TrialRemark,
 };
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, ORIGIN, Stage, strip_root};
 use zwidth_store::{Findings, Signal, StoreError, StudyData};
@@ -104,6 +104,10 @@ impl Inputs for Files {
             files.extend(names.map(|name| comparison.file(name)));
             if comparison.has_groups {
                 files.push(comparison.file(GroupDifference::NAME));
+                files.push(comparison.file(GroupMember::NAME));
+            }
+            if comparison.has_person_values() {
+                files.push(comparison.file(PersonValue::NAME));
             }
             if comparison.has_effects {
                 files.extend(
@@ -333,6 +337,8 @@ pub(crate) struct ReadComparison {
     means: Vec<Mean>,
     contrasts: Vec<ModeDifference>,
     groups: Vec<GroupDifference>,
+    group_members: Vec<GroupMember>,
+    person_values: Vec<PersonValue>,
     effects: Vec<EffectDifference>,
     factor_tests: Vec<FactorTest>,
     sessions: Vec<SessionChange>,
@@ -351,6 +357,11 @@ impl ReadComparison {
             means: tables.table().read()?,
             contrasts: tables.table().read()?,
             groups: if tables.has_groups { tables.table().read()? } else { Vec::new() },
+            group_members: if tables.has_groups { tables.table().read()? } else { Vec::new() },
+            person_values: match tables.has_person_values() {
+                true => tables.table().read()?,
+                false => Vec::new(),
+            },
             effects: if tables.has_effects { tables.table().read()? } else { Vec::new() },
             factor_tests: if tables.has_effects { tables.table().read()? } else { Vec::new() },
             sessions,
@@ -368,6 +379,8 @@ impl ReadComparison {
             means: own(&self.means, |row| row.metric == metric.metric),
             contrasts: own(&self.contrasts, |row| row.metric == metric.metric),
             groups: own(&self.groups, |row| row.metric == metric.metric),
+            group_members: &self.group_members,
+            person_values: own(&self.person_values, |row| row.metric == metric.metric),
             effects: own(&self.effects, |row| row.metric == metric.metric),
             factor_tests: own(&self.factor_tests, |row| row.metric == metric.metric),
             redrawn: own(&self.redrawn, |row| row.metric == metric.metric),

@@ -9,8 +9,8 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use zwidth_results::{Compared, GivenAnswer, Role, Size, TrialKey, Verdict};
 use zwidth_study::{
-    AnswerValue, Coordinate, EnvironmentId, Families, ModeId, ParticipantId, Perception, Question,
-    SessionId, Setup, in_a_sentence,
+    AnswerValue, Coordinate, Effect, EnvironmentId, Families, ModeId, ParticipantId, Perception,
+    Question, QuestionId, SessionId, Setup, in_a_sentence,
 };
 use zwidth_tables::{Column, Measured, Values, shown_unit};
 
@@ -102,6 +102,9 @@ struct MetricOf {
     /// Effects of factors, then differences between groups.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     claims: Vec<ClaimOf>,
+    /// Of a score: the places of the questions whose answers it is made of.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    items: Vec<usize>,
 }
 
 /// How the differences of the study were estimated, to do it again.
@@ -119,6 +122,27 @@ pub struct Estimating {
     pub perception: Perception,
     /// The metrics that rest on the plant, which all trials together identify.
     pub of_plant: Vec<String>,
+    /// The effects of factors with their weights.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub effects: Vec<Effect>,
+    /// The questions of each score, by the metric as which it is compared.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub items: BTreeMap<String, Vec<QuestionId>>,
+}
+
+/// The values of trials.
+#[derive(Debug, Clone, Copy)]
+pub struct TrialValues<'a> {
+    /// Metrics of what was recorded, where anything was.
+    pub recorded: Option<&'a Measured>,
+    /// Scores of answers, a table each.
+    pub scores: &'a [Measured],
+}
+
+impl<'a> TrialValues<'a> {
+    fn tables(self) -> impl Iterator<Item = &'a Measured> {
+        self.recorded.into_iter().chain(self.scores)
+    }
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -143,8 +167,8 @@ pub(super) struct TrialOf {
     pub(super) mode: ModeId,
     pub(super) repeat: u32,
     pub(super) trial: u32,
-    /// The script that holds its samples.
-    data: String,
+    /// The script that holds its samples; none of one that was not recorded.
+    data: Option<String>,
     metrics: Vec<Option<f64>>,
     answers: Vec<Option<AnswerValue>>,
 }
@@ -164,6 +188,11 @@ impl Contents {
     #[must_use]
     pub fn with_torque(self) -> Self {
         Self { force_unit: "N·m", ..self }
+    }
+
+    /// Whether any trial was recorded.
+    pub(super) fn has_recordings(&self) -> bool {
+        self.trials.iter().any(|trial| trial.data.is_some())
     }
 
     /// Whether effects of factors or differences between groups are claimed.
@@ -242,7 +271,7 @@ impl Contents {
         title: &str,
         planned: &Setup,
         estimating: &Estimating,
-        metrics: &Measured,
+        values: TrialValues,
         compared: &[ComparedMetric],
         answers: &[GivenAnswer],
     ) -> Self {
@@ -257,14 +286,20 @@ impl Contents {
         };
         let coordinate = planned.coordinate;
         let (angle_unit, angle_scale) = shown_unit("rad", coordinate);
-        let columns: Vec<(&ComparedMetric, &Column)> = compared
+        let columns: Vec<ColumnOf> = compared
             .iter()
-            .filter_map(|m| Some((m, metrics.metric(m.metric.metric.as_str())?)))
+            .filter_map(|metric| {
+                let mut tables = values.tables().enumerate();
+                tables.find_map(|(table, values)| {
+                    let column = values.metric(metric.metric.metric.as_str())?;
+                    Some(ColumnOf { metric, table, column })
+                })
+            })
             .collect();
         Self {
             study: study.to_owned(),
             title: title.to_owned(),
-            simulated: crate::people::simulated(metrics),
+            simulated: values.tables().any(crate::people::simulated),
             angle_unit,
             angle_scale,
             force_unit: "N",
@@ -272,10 +307,10 @@ impl Contents {
             modes: planned.modes.iter().map(mode).collect(),
             metrics: columns
                 .iter()
-                .map(|(metric, _)| MetricOf::of(metric, planned, estimating))
+                .map(|column| MetricOf::of(column.metric, planned, estimating))
                 .collect(),
             questions: ratings(planned).map(QuestionOf::of).collect(),
-            trials: trials(metrics, &columns, &answered(planned, answers)),
+            trials: trials(values, &columns, &answered(planned, answers)),
             turned: None,
             level: estimating.level,
             alpha: estimating.alpha,
@@ -327,9 +362,15 @@ impl MetricOf {
             claims: metric
                 .effects
                 .iter()
-                .map(|row| ClaimOf::of_effect(row, planned))
-                .chain(metric.groups.iter().filter_map(|row| ClaimOf::of_groups(row, planned)))
+                .map(|row| ClaimOf::of_effect(row, metric, &estimating.effects, planned))
+                .chain(
+                    metric.groups.iter().filter_map(|row| ClaimOf::of_groups(row, metric, planned)),
+                )
                 .collect(),
+            items: {
+                let items = estimating.items.get(id.as_str()).into_iter().flatten();
+                items.filter_map(|id| ratings(planned).position(|own| own.id == *id)).collect()
+            },
         }
     }
 }
@@ -372,28 +413,51 @@ fn answered(planned: &Setup, answers: &[GivenAnswer]) -> BTreeMap<Key, Vec<Optio
     found
 }
 
+/// A metric, and where its values are: which of the tables, and its column there.
+struct ColumnOf<'a> {
+    metric: &'a ComparedMetric<'a>,
+    table: usize,
+    column: &'a Column,
+}
+
+/// Every trial that was recorded, then every other that has a score.
 fn trials(
-    metrics: &Measured,
-    columns: &[(&ComparedMetric, &Column)],
+    values: TrialValues,
+    columns: &[ColumnOf],
     answers: &BTreeMap<Key, Vec<Option<AnswerValue>>>,
 ) -> Vec<TrialOf> {
-    let trial = |(row, of): (usize, &TrialKey)| {
-        let TrialKey { participant, session, trial, repeat, environment, mode, .. } = of.clone();
-        let key = (participant.clone(), session.clone(), trial);
-        let data = [participant.as_str(), session.as_str(), environment.as_str(), mode.as_str()];
-        TrialOf {
-            data: data.join("."),
-            metrics: columns.iter().map(|(_, column)| number(column, row)).collect(),
-            answers: answers.get(&key).cloned().unwrap_or_default(),
-            participant,
-            session,
-            environment,
-            mode,
-            repeat,
-            trial,
+    let key = |of: &TrialKey| (of.participant.clone(), of.session.clone(), of.trial);
+    let mut trials: Vec<TrialOf> = Vec::new();
+    let mut places: BTreeMap<Key, usize> = BTreeMap::new();
+    for (table, own) in values.tables().enumerate() {
+        let is_recorded = table == 0 && values.recorded.is_some();
+        for (row, of) in own.trials().iter().enumerate() {
+            let place = *places.entry(key(of)).or_insert(trials.len());
+            if place == trials.len() {
+                let TrialKey { participant, session, trial, repeat, environment, mode, .. } =
+                    of.clone();
+                let data =
+                    [participant.as_str(), session.as_str(), environment.as_str(), mode.as_str()];
+                trials.push(TrialOf {
+                    data: is_recorded.then(|| data.join(".")),
+                    metrics: vec![None; columns.len()],
+                    answers: answers.get(&key(of)).cloned().unwrap_or_default(),
+                    participant,
+                    session,
+                    environment,
+                    mode,
+                    repeat,
+                    trial,
+                });
+            }
+            for (column, value) in columns.iter().zip(&mut trials[place].metrics) {
+                if column.table == table {
+                    *value = number(column.column, row);
+                }
+            }
         }
-    };
-    metrics.trials().iter().enumerate().map(trial).collect()
+    }
+    trials
 }
 
 fn number(column: &Column, row: usize) -> Option<f64> {

@@ -1,13 +1,15 @@
 //! What the stage `compare` estimated of a metric, as the page's script draws it: means and
 //! differences with their intervals, and what it needs to estimate a difference again.
 
-use crate::compared::before;
+use crate::compared::{ComparedMetric, before};
 use crate::groups::compared_words;
 use serde::{Serialize, Serializer};
+use std::collections::BTreeMap;
 use zwidth_results::{
-    EffectDifference, GroupDifference, Mean, ModeDifference, RedrawnDifference, Size, Verdict,
+    EffectDifference, GroupDifference, GroupEffect, Mean, ModeDifference, RedrawnDifference, Size,
+    Verdict,
 };
-use zwidth_study::{Better, ModeId, Setup};
+use zwidth_study::{Better, Effect, EnvironmentId, LevelId, ModeId, ParticipantId, Setup};
 
 /// A mean in one condition, in the metric's unit.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -117,14 +119,18 @@ pub(super) struct ClaimOf {
     /// Environment, factors and levels, or groups and what of them.
     of: String,
     pub(super) is_of_groups: bool,
+    /// None over several.
+    environment: Option<String>,
     /// None of one that cannot be estimated.
     value: Option<f64>,
     error: Option<f64>,
     /// Ends of the interval, where there is one.
     low: Option<f64>,
     high: Option<f64>,
-    /// How many people.
-    who: String,
+    /// How many people, of groups those of the first.
+    n: usize,
+    /// Those of the second group.
+    n_against: Option<usize>,
     #[serde(serialize_with = "verdict_in_words")]
     pub(super) verdict: Verdict,
     #[serde(serialize_with = "size_in_words")]
@@ -134,47 +140,140 @@ pub(super) struct ClaimOf {
     /// The standard deviation by which it is measured where that is not known.
     deviation: Option<f64>,
     remark: Option<String>,
+    /// Everybody's effect.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    people: Vec<PersonOf>,
+    /// The conditions of an effect; of one over several environments those of the first.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    conditions: Option<ConditionsOf>,
+    /// The two groups. Who is of which is not on the page.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    groups: Vec<GroupOf>,
+}
+
+/// A participant's value.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct PersonOf {
+    participant: ParticipantId,
+    value: f64,
+}
+
+/// Modes in an environment.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct ConditionsOf {
+    environment: EnvironmentId,
+    modes: Vec<ModeId>,
+}
+
+impl ConditionsOf {
+    /// Those that have a weight in an effect; none of one without weights.
+    fn weighed(effect: &Effect) -> Option<Self> {
+        let environment = effect.weights.first()?.environment.clone();
+        let mut modes: Vec<ModeId> = Vec::new();
+        for weight in &effect.weights {
+            if weight.environment == environment
+                && weight.weight != 0.0
+                && !modes.contains(&weight.mode)
+            {
+                modes.push(weight.mode.clone());
+            }
+        }
+        Some(Self { environment, modes })
+    }
+}
+
+/// A group's people.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct GroupOf {
+    label: LevelId,
+    mean: Option<f64>,
+    sd: Option<f64>,
+    /// Everybody's, from the lowest to the highest: their order does not tell whose they are.
+    values: Vec<f64>,
 }
 
 impl ClaimOf {
-    pub(super) fn of_effect(row: &EffectDifference, study: &Setup) -> Self {
+    pub(super) fn of_effect(
+        row: &EffectDifference,
+        metric: &ComparedMetric,
+        effects: &[Effect],
+        study: &Setup,
+    ) -> Self {
+        let effect = GroupEffect::OfFactors(row.name());
+        let own = metric
+            .person_values
+            .iter()
+            .filter(|own| own.environment == row.environment && own.effect == effect);
+        let levels = row.levels.as_ref().map_or(&[][..], |levels| &levels.0);
+        let is_of_row = |effect: &&Effect| {
+            let key = (&effect.environment, &effect.term, effect.levels.as_slice());
+            key == (&row.environment, &row.effect, levels)
+        };
         Self {
             of: format!("{}{}", before(study, row.environment.as_ref(), ": "), row.name()),
+            environment: row.environment.as_ref().map(ToString::to_string),
             is_of_groups: false,
             value: row.difference,
             error: row.difference_std_error,
             low: row.difference_ci_low,
             high: row.difference_ci_high,
-            who: match row.n {
-                1 => "1\u{a0}person".to_owned(),
-                n => format!("{n}\u{a0}people"),
-            },
+            n: row.n,
+            n_against: None,
             verdict: row.verdict,
             size: row.size,
             p_adjusted: row.p_adjusted,
             jnd: row.jnd,
             deviation: row.deviation(),
             remark: row.remark.as_ref().map(ToString::to_string),
+            people: own
+                .map(|own| PersonOf { participant: own.participant.clone(), value: own.value })
+                .collect(),
+            conditions: effects.iter().find(is_of_row).and_then(ConditionsOf::weighed),
+            groups: Vec::new(),
         }
     }
 
     /// Nothing of what is no claim.
-    pub(super) fn of_groups(row: &GroupDifference, study: &Setup) -> Option<Self> {
+    pub(super) fn of_groups(
+        row: &GroupDifference,
+        metric: &ComparedMetric,
+        study: &Setup,
+    ) -> Option<Self> {
+        let members: BTreeMap<&ParticipantId, &LevelId> =
+            metric.group_members.iter().map(|own| (&own.participant, &own.group)).collect();
+        let group = |level: &LevelId, mean, sd| {
+            let own = metric.person_values.iter().filter(|own| {
+                own.environment == row.environment
+                    && own.effect == row.effect
+                    && members.get(&own.participant) == Some(&level)
+            });
+            let mut values: Vec<f64> = own.map(|own| own.value).collect();
+            values.sort_by(f64::total_cmp);
+            GroupOf { label: level.clone(), mean, sd, values }
+        };
         let environment = before(study, row.environment.as_ref(), ": ");
         Some(Self {
             of: format!("{environment}{} in {}", row.groups, compared_words(study, &row.effect)),
+            environment: row.environment.as_ref().map(ToString::to_string),
             is_of_groups: true,
             value: row.difference,
             error: row.difference_std_error,
             low: row.difference_ci_low,
             high: row.difference_ci_high,
-            who: format!("{}\u{a0}and\u{a0}{}\u{a0}people", row.n_first, row.n_second),
+            n: row.n_first,
+            n_against: Some(row.n_second),
             verdict: row.verdict?,
             size: row.size,
             p_adjusted: row.p_adjusted,
             jnd: row.jnd,
             deviation: row.deviation(),
             remark: row.remark.as_ref().map(ToString::to_string),
+            people: Vec::new(),
+            conditions: None,
+            groups: vec![
+                group(&row.groups.group, row.mean_first, row.sd_first),
+                group(&row.groups.against, row.mean_second, row.sd_second),
+            ],
         })
     }
 }

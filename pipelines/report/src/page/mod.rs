@@ -16,7 +16,7 @@ mod quality;
 mod single;
 mod turned;
 
-pub use contents::{Contents, Estimating, Page};
+pub use contents::{Contents, Estimating, Page, TrialValues};
 pub use course::{Columns, Course, Event, condition_script};
 pub use single::single_file;
 pub use turned::{TURNED, Turn, turned_script};

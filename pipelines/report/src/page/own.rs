@@ -34,11 +34,11 @@ pub(super) fn script(has_claims: bool) -> &'static str {
     if has_claims { &SCRIPT_WITH_CLAIMS } else { &SCRIPT }
 }
 
-/// The parts, and more of them, behind the dashes of modes in widths of a line.
+/// The parts, and more of them before what builds the page, behind the dashes of modes in widths of a line.
 fn behind_dashes(more: &str) -> String {
     let dashes: Vec<&[f64]> = (0..style::DASHES).map(|mode| style::dash(mode).widths()).collect();
     format!(
-        "\"use strict\";\n(() => {{\nconst MODE_COLOURS = {MODE_COLOURS}, WIDTHS = {dashes:?};\n{PARTS}{more}}})();\n"
+        "\"use strict\";\n(() => {{\nconst MODE_COLOURS = {MODE_COLOURS}, WIDTHS = {dashes:?};\n{PARTS}{more}{BUILDS}}})();\n"
     )
 }
 
@@ -62,5 +62,7 @@ const PARTS: &str = concat!(
     include_str!("script/verdicts.js"),
     include_str!("script/answers.js"),
     include_str!("script/sliders.js"),
-    include_str!("script/page.js"),
 );
+
+/// What builds the page of these parts.
+const BUILDS: &str = include_str!("script/page.js");

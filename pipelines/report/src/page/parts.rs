@@ -23,6 +23,7 @@ pub(super) fn all(page: &Page) -> Vec<Part> {
     let Page { summary, .. } = page;
     let asked = page.planned.questions.iter().any(zwidth_study::Question::is_rating);
     let trials = page.contents.is_some();
+    let recorded = has_recordings(page);
     let turned = page.contents.is_some_and(|contents| contents.turned.is_some());
     let part = |id, title, is_there: bool, body: fn(&Page) -> Markup| {
         is_there.then(|| Part { id, title, body: body(page) })
@@ -40,7 +41,7 @@ pub(super) fn all(page: &Page) -> Vec<Part> {
         part("findings", "What else the trials show", is_told(Asked::Else), |page| {
             sentences(page.summary, Asked::Else)
         }),
-        part("trials", "Every trial", trials, trial_browser),
+        part("trials", "Every trial", recorded, trial_browser),
         part("model", "The model, turned by hand", turned, model),
         part("statements", "The thesis’ statements", !summary.statements.is_empty(), statements),
         part("quality", "Quality of the data", true, quality::body),
@@ -53,6 +54,11 @@ pub(super) fn all(page: &Page) -> Vec<Part> {
         part("provenance", "Where this comes from", true, provenance),
     ];
     parts.into_iter().flatten().collect()
+}
+
+/// Whether there are trials to look at.
+fn has_recordings(page: &Page) -> bool {
+    page.contents.is_some_and(super::Contents::has_recordings)
 }
 
 pub(super) fn header(page: &Page) -> Markup {
@@ -102,6 +108,7 @@ fn verdicts(page: &Page) -> Markup {
 
 fn matrix(page: &Page) -> Markup {
     let matrix = &page.summary.matrix;
+    let recorded = has_recordings(page);
     html! {
         div.scroll tabindex="0" role="region" aria-label="Table of the modes compared" {
             table.matrix {
@@ -122,7 +129,7 @@ fn matrix(page: &Page) -> Markup {
                                 td.number data-label=(label) {
                                     @match cell {
                                         // A cell leads to its trials where there is a browser of them.
-                                        Some(cell) if page.contents.is_some() => {
+                                        Some(cell) if recorded => {
                                             a href="#trials" data-environment=(row.environment) data-mode=(mode) { (cell) }
                                         }
                                         Some(cell) => (cell),
@@ -140,7 +147,7 @@ fn matrix(page: &Page) -> Markup {
             summary { "Each difference in words " span.count { (about(page.summary, Asked::Difference).count()) } }
             (sentences(page.summary, Asked::Difference))
         } }
-        p.caption { (matrix.caption) @if page.contents.is_some() { " Each number opens its trials." } }
+        p.caption { (matrix.caption) @if recorded { " Each number opens its trials." } }
     }
 }
 

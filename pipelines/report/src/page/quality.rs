@@ -36,7 +36,8 @@ fn remarks(remarks: &[Remark]) -> Markup {
 
 /// The order of conditions, one row per session.
 fn order(page: &Page) -> Markup {
-    let Some(contents) = page.contents else { return html! {} };
+    let recorded = page.contents.filter(|contents| contents.has_recordings());
+    let Some(contents) = recorded else { return html! {} };
     let mut sessions: BTreeMap<String, Vec<&TrialOf>> = BTreeMap::new();
     for trial in &contents.trials {
         let who = format!("{} {}", trial.participant, trial.session);

@@ -6,10 +6,10 @@ use crate::compared::tests::{
 use crate::{ComparedMetric, Made, Matrix, MatrixRow, Remark, Told};
 use std::collections::BTreeMap;
 use zwidth_results::{
-    EffectDifference, GivenAnswer, GroupDifference, Mean, ModeDifference, Row as _, TrialKey,
-    UnitOfAnalysis, Verdict,
+    EffectDifference, GivenAnswer, GroupDifference, GroupMember, Mean, ModeDifference, PersonValue,
+    Row as _, TrialKey, UnitOfAnalysis, Verdict,
 };
-use zwidth_study::{AnswerValue, Setup, Source};
+use zwidth_study::{AnswerValue, Effect, Setup, Source, Weight};
 use zwidth_tables::{Column, Measured, Table};
 
 /// What nobody should be able to put into a page.
@@ -64,6 +64,10 @@ fn metrics() -> Measured {
     Measured::of(Table::new("metrics", "Metrics", columns).unwrap()).unwrap()
 }
 
+fn recorded(metrics: &Measured) -> TrialValues<'_> {
+    TrialValues { recorded: Some(metrics), scores: &[] }
+}
+
 fn with_answer(planned: &Setup, title: &str, answer: AnswerValue) -> Contents {
     let of = UnitOfAnalysis::TrialsOf("P01".parse().unwrap());
     let metric = metric("theta_max_rad", "rad", "largest angle", of);
@@ -85,6 +89,8 @@ fn with_answer(planned: &Setup, title: &str, answer: AnswerValue) -> Contents {
         has_groups: false,
         perception: zwidth_study::Perception::default(),
         of_plant: Vec::new(),
+        effects: Vec::new(),
+        items: BTreeMap::new(),
     };
     let given = GivenAnswer {
         participant: "P01".parse().unwrap(),
@@ -98,7 +104,7 @@ fn with_answer(planned: &Setup, title: &str, answer: AnswerValue) -> Contents {
         counts: true,
         why_not: None,
     };
-    Contents::of("s", title, planned, &estimating, &metrics(), &[compared], &[given])
+    Contents::of("s", title, planned, &estimating, recorded(&metrics()), &[compared], &[given])
 }
 
 fn page(summary: &Summary) -> String {
@@ -325,6 +331,76 @@ fn the_script_gets_means_and_differences_with_their_intervals_as_the_tables_have
     assert_eq!((&data["level"], &data["families"]), (&0.95.into(), &"metric".into()));
 }
 
+/// A score after trials 4 and 9, of which the first is recorded where `recorded` has it.
+fn with_score(recorded: Option<&Measured>) -> Contents {
+    let metric = metric("score_comfort", "points", "comfort", UnitOfAnalysis::Participants);
+    let length =
+        self::metric("theta_max_rad", "rad", "largest angle", UnitOfAnalysis::Participants);
+    let key = |trial: u32| TrialKey { trial, ..metrics().trials()[0].clone() };
+    let mut columns = TrialKey::columns(&[4, 9].map(key));
+    columns.push(Column::float("score_comfort", "points", "comfort", [Some(2.0), Some(5.0)]));
+    let scores = [Measured::of(Table::new("scores", "Scores", columns).unwrap()).unwrap()];
+    let planned = planned();
+    let questions: Vec<_> = planned.questions.iter().rev().map(|own| own.id.clone()).collect();
+    let estimating = Estimating {
+        level: 0.95,
+        alpha: 0.05,
+        families: zwidth_study::Families::Metric,
+        has_groups: false,
+        perception: zwidth_study::Perception::default(),
+        of_plant: Vec::new(),
+        effects: Vec::new(),
+        items: BTreeMap::from([("score_comfort".to_owned(), questions)]),
+    };
+    let compared = [without_results(&metric), without_results(&length)];
+    let values = TrialValues { recorded, scores: &scores };
+    Contents::of("s", "Scores", &planned, &estimating, values, &compared, &[])
+}
+
+#[test]
+fn a_score_is_a_metric_with_its_questions_and_what_was_not_recorded_has_no_samples() {
+    let metrics = metrics();
+    let both = with_score(Some(&metrics));
+    let data = serde_json::to_value(&both).unwrap();
+    let items: Vec<usize> = (0..planned().questions.len()).rev().collect();
+    assert_eq!(data["metrics"][0]["items"], serde_json::json!(items));
+    assert_eq!(data["metrics"][1]["items"], serde_json::Value::Null);
+    let of = |place: usize| {
+        let trial = &data["trials"][place];
+        [&trial["trial"], &trial["data"], &trial["metrics"]].map(ToString::to_string)
+    };
+    let samples = "\"P01.S01.spring.active\"";
+    // Recorded trials first, in their order; the score of trial 4 stands beside its angle.
+    assert_eq!(of(0), ["4", samples, "[2.0,0.5]"]);
+    assert_eq!(of(1), ["3", samples, "[null,null]"]);
+    assert_eq!(of(2), ["9", "null", "[5.0,null]"]);
+    assert!(both.has_recordings());
+
+    let alone = with_score(None);
+    let summary = summary();
+    let planned = planned();
+    let html = written(&Page {
+        summary: &summary,
+        planned: &planned,
+        study: "s",
+        contents: Some(&alone),
+        origin: None,
+        version: "0.1.0",
+    });
+    assert_eq!(data_of(&html)["trials"].as_array().unwrap().len(), 2);
+    assert_eq!(data_of(&html)["metrics"].as_array().unwrap().len(), 1);
+    for absent in ["id=\"trials\"", "#trials", "Order of conditions", "opens its trials"] {
+        assert!(!html.contains(absent), "{absent}");
+    }
+    assert!(html.contains("id=\"dots\""));
+    // As one file it needs no script of samples.
+    let one = single_file(&html, |path| match path.strip_prefix("figures/") {
+        Some(_) => Ok(b"<svg/>".to_vec()),
+        None => panic!("{path} was read"),
+    });
+    assert!(!one.unwrap().contains("trial-data\" data-key"));
+}
+
 /// An effect that was shown, one that cannot be estimated, and a claim about groups beside a description.
 fn with_claims() -> Contents {
     let metric = metric("force_mean_n", "N", "mean force", UnitOfAnalysis::Participants);
@@ -348,8 +424,51 @@ fn with_claims() -> Contents {
         effect("later − no", None, Verdict::NotTested),
     ];
     let groups = [groups("hybrid − active", Some(Verdict::Undecided)), groups("hybrid", None)];
-    let compared =
-        ComparedMetric { effects: &effects, groups: &groups, ..without_results(&metric) };
+    let value = |effect: &str, participant: &str, value| PersonValue {
+        metric: metric.metric.clone(),
+        unit: metric.unit.clone(),
+        environment: Some("spring".parse().unwrap()),
+        effect: effect.parse().unwrap(),
+        participant: participant.parse().unwrap(),
+        value,
+    };
+    // Another effect, and who has no group, are in none of them.
+    let values = [
+        value("motor: yes − no", "P01", 0.375),
+        value("motor: yes − no", "P02", 0.625),
+        value("brake: yes − no", "P01", 9.0),
+        value("hybrid − active", "P01", 0.5),
+        value("hybrid − active", "P02", 0.25),
+        value("hybrid − active", "P03", 0.125),
+        value("hybrid − active", "P04", 9.0),
+    ];
+    let member = |participant: &str, group: &str| GroupMember {
+        participant: participant.parse().unwrap(),
+        group: group.parse().unwrap(),
+    };
+    let members = [member("P01", "expert"), member("P02", "novice"), member("P03", "expert")];
+    let compared = ComparedMetric {
+        effects: &effects,
+        groups: &groups,
+        group_members: &members,
+        person_values: &values,
+        ..without_results(&metric)
+    };
+    let weight = |mode: &str, weight| Weight {
+        session: None,
+        environment: "spring".parse().unwrap(),
+        mode: mode.parse().unwrap(),
+        weight,
+    };
+    let motor = Effect {
+        term: "motor".parse().unwrap(),
+        levels: vec!["yes − no".parse().unwrap()],
+        environment: Some("spring".parse().unwrap()),
+        weights: vec![weight("hybrid", 1.0), weight("passive", 0.0), weight("active", -1.0)],
+        over: None,
+        is_claimed: true,
+        lacks: None,
+    };
     let mut columns = TrialKey::columns(metrics().trials());
     columns.push(Column::float("force_mean_n", "N", "mean force", [Some(0.5), None]));
     let metrics = Measured::of(Table::new("metrics", "Metrics", columns).unwrap()).unwrap();
@@ -360,8 +479,10 @@ fn with_claims() -> Contents {
         has_groups: true,
         perception: zwidth_study::Perception::default(),
         of_plant: Vec::new(),
+        effects: vec![motor],
+        items: BTreeMap::new(),
     };
-    Contents::of("s", "Claims", &planned(), &estimating, &metrics, &[compared], &[])
+    Contents::of("s", "Claims", &planned(), &estimating, recorded(&metrics), &[compared], &[])
 }
 
 #[test]
@@ -383,18 +504,22 @@ fn effects_and_groups_stand_below_the_matrix_of_modes_and_only_where_they_are_cl
     });
     let data = data_of(&html);
     let claims = serde_json::json!([
-        {"of": "Spring: motor: yes − no", "is_of_groups": false, "value": 0.5, "error": 0.1, "low": 0.25, "high": 0.75,
-         "who": "4\u{a0}people", "verdict": "different", "size": null, "p_adjusted": null, "jnd": null,
-         "deviation": 0.2, "remark": null},
-        {"of": "Spring: motor: later − no", "is_of_groups": false, "value": null, "error": null, "low": null,
-         "high": null, "who": "4\u{a0}people", "verdict": "not tested", "size": null, "p_adjusted": null, "jnd": null,
-         "deviation": null, "remark": null},
-        {"of": "Spring: expert − novice in the difference Hybrid − Active", "is_of_groups": true, "value": 0.25,
-         "error": null, "low": null, "high": null, "who": "5\u{a0}and\u{a0}7\u{a0}people", "verdict": "undecided", "size": null,
-         "p_adjusted": 0.5, "jnd": null, "deviation": 0.5, "remark": null},
+        {"of": "Spring: motor: yes − no", "environment": "spring", "is_of_groups": false, "value": 0.5, "error": 0.1,
+         "low": 0.25, "high": 0.75, "n": 4, "n_against": null, "verdict": "different", "size": null,
+         "p_adjusted": null, "jnd": null, "deviation": 0.2, "remark": null,
+         "people": [{"participant": "P01", "value": 0.375}, {"participant": "P02", "value": 0.625}],
+         "conditions": {"environment": "spring", "modes": ["hybrid", "active"]}},
+        {"of": "Spring: motor: later − no", "environment": "spring", "is_of_groups": false, "value": null,
+         "error": null, "low": null, "high": null, "n": 4, "n_against": null, "verdict": "not tested",
+         "size": null, "p_adjusted": null, "jnd": null, "deviation": null, "remark": null},
+        {"of": "Spring: expert − novice in the difference Hybrid − Active", "environment": "spring",
+         "is_of_groups": true, "value": 0.25, "error": null, "low": null, "high": null, "n": 5, "n_against": 7,
+         "verdict": "undecided", "size": null, "p_adjusted": 0.5, "jnd": null, "deviation": 0.5, "remark": null,
+         "groups": [{"label": "expert", "mean": 1.25, "sd": 0.5, "values": [0.125, 0.5]},
+                    {"label": "novice", "mean": 1.0, "sd": 0.5, "values": [0.25]}]},
     ]);
     assert_eq!(data["metrics"][0]["claims"], claims);
-    assert!(html.contains("<div id=\"claims\"></div>") && html.contains("buildClaims("));
+    assert!(html.contains("<div id=\"claims\"></div>") && html.contains("claimRows("));
     // The page in one file names the same script.
     let one = single_file(&html, |path| match path.strip_prefix("figures/") {
         Some(_) => Ok(b"<svg/>".to_vec()),
@@ -403,6 +528,6 @@ fn effects_and_groups_stand_below_the_matrix_of_modes_and_only_where_they_are_cl
     let policy = |html: &str| html.split("script-src 'sha256-").nth(1).unwrap()[..44].to_owned();
     assert_eq!(policy(&one.unwrap()), policy(&html));
     let without = page(&self::summary());
-    assert!(!without.contains("id=\"claims\"") && !without.contains("buildClaims("));
+    assert!(!without.contains("id=\"claims\"") && !without.contains("claimRows("));
     assert_ne!(policy(&without), policy(&html));
 }

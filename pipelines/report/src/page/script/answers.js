@@ -44,7 +44,25 @@ function answerChart(trials, q, index, asks, metric, width, tell) {
   trials.forEach((trial, i) => {
     const answer = answered(trial, q), place = seen.get(answer) ?? 0;
     seen.set(answer, place + 1);
-    svg.append(point(sx.k * values[i] + sx.c, sy.k * (answer + 0.6 * step * spread(place)) + sy.c, { mode: modeIndex(trial.mode), words: `${trialWords(trial)}: answered ${answer}${asks.labels?.[(answer - asks.lowest) / step] ? ` (${short(asks.labels[(answer - asks.lowest) / step])})` : ""}, ${significant(values[i])} ${metric.unit}`, open: () => openTrial(trial) }, trials.length > 400 ? 2.5 : 5, tell));
+    svg.append(point(sx.k * values[i] + sx.c, sy.k * (answer + 0.6 * step * spread(place)) + sy.c, { mode: modeIndex(trial.mode), words: `${trialWords(trial)}: answered ${answer}${asks.labels?.[(answer - asks.lowest) / step] ? ` (${short(asks.labels[(answer - asks.lowest) / step])})` : ""}, ${significant(values[i])} ${metric.unit}`, open: () => openTrial(trial, index) }, trials.length > 400 ? 2.5 : 5, tell));
   });
   return svg;
+}
+
+const MOST_ANSWERED = 12; // trials whose answers stand side by side
+
+/** The answers that a score is made of, trial by trial. */
+function answersBehind(index, trials) {
+  const { label, items } = study.metrics[index], shown = trials.slice(0, MOST_ANSWERED);
+  const answer = (trial, q) => {
+    const { labels, lowest, step = 1 } = study.questions[q], value = answered(trial, q), word = labels?.[(value - lowest) / step];
+    return Number.isNaN(value) ? "–" : word ? `${value} (${short(word)})` : `${value}`;
+  };
+  const cell = (text) => make("td", {}, text);
+  const columns = shown.map((trial) => make("th", { scope: "col" }, `trial ${trial.trial}: ${short(labelOf(study.environments, trial.environment), 20)}, ${short(labelOf(study.modes, trial.mode), 20)}, repeat ${trial.repeat}`));
+  const lines = items.map((q) => make("tr", {}, make("th", { scope: "row" }, short(study.questions[q].label, 100), study.questions[q].reversed ? make("span", { class: "count" }, " (counts the other way round)") : null), ...shown.map((trial) => cell(answer(trial, q)))));
+  const scored = make("tr", { class: "scored" }, make("th", { scope: "row" }, make("strong", {}, short(label, 100))), ...shown.map((trial) => cell(make("strong", {}, significant(measured(trial, index))))));
+  const people = distinct(trials.map(({ participant, session }) => `${participant} ${session}`)).join(", ");
+  const heading = `Answers of ${short(people, 60)} behind the score${trials.length > MOST_ANSWERED ? `: the first ${MOST_ANSWERED} of ${trials.length} trials` : ""}`;
+  return make("div", { id: "score-answers", tabindex: "-1" }, make("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": heading }, make("table", {}, make("caption", {}, heading), make("thead", {}, make("tr", {}, make("th", { scope: "col" }, "question"), ...columns)), make("tbody", {}, ...lines, scored))));
 }

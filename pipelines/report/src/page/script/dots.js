@@ -10,10 +10,11 @@ const svgText = (text, x, y, extra = {}) => makeSvg("text", { x, y, ...extra }, 
 /** The same place for the same dot on every visit: steps of the golden ratio spread any number of dots evenly. */
 const spread = (i) => ((i * 0.6180339887498949 + 0.5) % 1) - 0.5;
 
-/** A point that says what it is and opens its trials; `tell` shows the words to those who see. */
-function point(x, y, { words, open, mode }, radius, tell) {
+/** A point that says what it is and opens its trials, where it can be known which these are; `tell` shows the words to those who see. */
+function point(x, y, { words, open, mode, shape = mode }, radius, tell) {
   const act = (event) => { event.preventDefault(); open(); };
-  return makeSvg("path", { d: SHAPES[mode % SHAPES.length](radius), transform: `translate(${x.toFixed(2)} ${y.toFixed(2)})`, class: "point", style: `--own: var(--mode-${mode % MODE_COLOURS})`, role: "button", tabindex: "-1", "aria-label": words, onclick: act, onkeydown: (event) => (event.key === "Enter" || event.key === " ") && act(event), onfocus: () => tell(words), onpointerenter: () => tell(words) });
+  const acts = open ? { role: "button", onclick: act, onkeydown: (event) => (event.key === "Enter" || event.key === " ") && act(event) } : { role: "img" };
+  return makeSvg("path", { d: SHAPES[shape % SHAPES.length](radius), transform: `translate(${x.toFixed(2)} ${y.toFixed(2)})`, class: "point", style: `--own: var(${mode === null ? "--quiet" : `--mode-${mode % MODE_COLOURS}`})`, tabindex: "-1", "aria-label": words, ...acts, onfocus: () => tell(words), onpointerenter: () => tell(words) });
 }
 
 /** One stop of the Tab key for all dots of a chart; arrows, Home and End go from dot to dot. */
@@ -57,7 +58,7 @@ function groupChart({ title, width, groups, lines, yRange, zero, tell }) {
   if (path) svg.append(makeSvg("path", { d: path, class: "pairs", opacity: Math.min(0.5, Math.max(0.03, 12 / lines.length)) }));
   groups.forEach((group, g) => {
     const crowd = group.points.length > 200;
-    group.points.forEach((one, i) => svg.append(point(place(g, i), sy.k * one.value + sy.c, { ...one, mode: group.mode }, crowd ? 2 : 4.5, tell)));
+    group.points.forEach((one, i) => svg.append(point(place(g, i), sy.k * one.value + sy.c, { ...one, mode: group.mode, shape: group.mode ?? g }, crowd ? 2 : 4.5, tell)));
     svg.append(svgText(short(group.label, Math.max(6, Math.floor(step / 7))), centre(g), box.bottom + 20, { "text-anchor": "middle", class: "group" }));
     const { mean: middle, low, high } = group.summary;
     if (!Number.isFinite(middle)) return;
@@ -82,7 +83,7 @@ function summaryOf(metric, estimates, environment, of, values) {
 const metricTitle = ({ label, unit }) => `${short(label, 90)}${unit ? ` (${unit})` : ""}`;
 const measured = (trial, index) => (trial.metrics[index] === null || trial.metrics[index] === undefined ? NaN : trial.metrics[index] * study.metrics[index].scale);
 const trialWords = (trial) => `${trial.participant} ${trial.session}, trial ${trial.trial}, ${short(labelOf(study.modes, trial.mode))}, repeat ${trial.repeat}`;
-const openTrial = (trial) => openTrials({ p: trial.participant, s: trial.session, e: trial.environment, m: [trial.mode], r: trial.repeat });
+const openTrial = (trial, index = null) => openTrials({ index, p: trial.participant, s: trial.session, e: trial.environment, m: [trial.mode], r: trial.repeat });
 
 function groupBy(items, keyOf) {
   const groups = new Map();
@@ -100,8 +101,8 @@ function dotGroups(environment, index, many) {
   return study.modes.map((mode, m) => {
     const trials = study.trials.filter((trial) => trial.environment === environment.id && trial.mode === mode.id && Number.isFinite(measured(trial, index)));
     const points = many
-      ? [...groupBy(trials, (trial) => trial.participant)].map(([p, mine]) => ({ value: mean([...groupBy(mine, (trial) => trial.session).values()].map((own) => mean(own.map((trial) => measured(trial, index))))), of: p, words: `${p}, ${short(mode.label)}, mean of ${mine.length} trials`, open: () => openTrials({ p, s: EVERY, e: environment.id, m: [mode.id] }) }))
-      : trials.map((trial) => ({ value: measured(trial, index), of: trial.participant, words: trialWords(trial), open: () => openTrial(trial) }));
+      ? [...groupBy(trials, (trial) => trial.participant)].map(([p, mine]) => ({ value: mean([...groupBy(mine, (trial) => trial.session).values()].map((own) => mean(own.map((trial) => measured(trial, index))))), of: p, words: `${p}, ${short(mode.label)}, mean of ${mine.length} trials`, open: () => openTrials({ index, p, s: EVERY, e: environment.id, m: [mode.id] }) }))
+      : trials.map((trial) => ({ value: measured(trial, index), of: trial.participant, words: trialWords(trial), open: () => openTrial(trial, index) }));
     for (const one of points) one.words += `: ${significant(one.value)} ${metric.unit}`;
     return { label: mode.label, mode: m, points, summary: summaryOf(metric, metric.means, environment.id, mode.id, points.map((one) => one.value)) };
   }).filter((group) => group.points.length);
@@ -117,13 +118,13 @@ function differenceGroups(environment, index, single) {
   // A contrast is drawn the way round in which the tables have it.
   const asked = ([from, to]) => (metric.differences.some((one) => one.of === `${from.id} − ${to.id}`) ? [to, from] : [from, to]);
   return pairs.map(asked).map(([from, to]) => {
-    const ofPeople = () => peoplesDifferences(cells, { mode: to.id, against: from.id }).map(({ participant: p, value }) => ({ value: value * metric.scale, words: `${p}, ${short(to.label)} minus ${short(from.label)}: ${significant(value * metric.scale)} ${metric.unit}`, open: () => openTrials({ p, s: EVERY, e: environment.id, m: [from.id, to.id], r: "all" }) }));
+    const ofPeople = () => peoplesDifferences(cells, { mode: to.id, against: from.id }).map(({ participant: p, value }) => ({ value: value * metric.scale, words: `${p}, ${short(to.label)} minus ${short(from.label)}: ${significant(value * metric.scale)} ${metric.unit}`, open: () => openTrials({ index, p, s: EVERY, e: environment.id, m: [from.id, to.id], r: "all" }) }));
     const points = !single ? ofPeople() : [...units].flatMap(([unit, trials]) => {
       const of = ({ id }) => trials.filter((trial) => trial.mode === id).map((trial) => measured(trial, index));
       if (!of(from).length || !of(to).length) return [];
       const value = mean(of(to)) - mean(of(from));
       const [{ participant: p, session, repeat }] = trials;
-      return [{ value, words: `${unit}, ${short(to.label)} minus ${short(from.label)}: ${significant(value)} ${metric.unit}`, open: () => openTrials({ p, s: session, e: environment.id, m: [from.id, to.id], r: repeat }) }];
+      return [{ value, words: `${unit}, ${short(to.label)} minus ${short(from.label)}: ${significant(value)} ${metric.unit}`, open: () => openTrials({ index, p, s: session, e: environment.id, m: [from.id, to.id], r: repeat }) }];
     });
     const summary = summaryOf(metric, metric.differences, environment.id, `${to.id} − ${from.id}`, points.map((one) => one.value));
     return { label: `${short(to.label, 12)} − ${short(from.label, 12)}`, names: [short(to.label), short(from.label)], mode: study.modes.indexOf(to), points, summary };

@@ -89,11 +89,24 @@ function bringBack(browserHost = byId("browser")) {
   home.append(browserHost);
 }
 
-/** Opens trials in the browser from elsewhere on the page, or there with `host`, and takes the focus to them. */
-function openTrials(patch, host = null) {
-  if (!parts.surface) return;
+/** Opens trials in the browser from elsewhere on the page, or there with `host`, and takes the focus to them; of a score (`index` names the metric) the answers, too. */
+function openTrials({ index = null, ...patch }, host = null) {
+  const from = document.activeElement?.closest("section");
   if (!host && matrix.open?.view) closeRow();
   bringBack();
+  byId("score-answers")?.remove();
+  if (study.metrics[index]?.items) {
+    const wanted = ({ p, s, e, m, r = "all" }) => study.trials.filter((trial) => (p === EVERY || p === trial.participant) && (s === EVERY || s === trial.session) && e === trial.environment && m.includes(trial.mode) && (r === "all" || r === trial.repeat) && Number.isFinite(measured(trial, index)));
+    const answers = answersBehind(index, wanted(patch));
+    if (host) host.append(answers);
+    else if (parts.surface) byId("browser").before(answers);
+    else (from ?? byId("dots")).append(answers);
+    if (!parts.surface) {
+      answers.scrollIntoView({ behavior: calm.matches ? "auto" : "smooth", block: "nearest" });
+      answers.focus({ preventScroll: true });
+    }
+  }
+  if (!parts.surface) return;
   if (host) {
     byId("trials").append(make("p", { class: "elsewhere" }, "The plots are open in the matrix. ", make("button", { type: "button", onclick: () => { const name = lineOf(matrix.open.key)?.querySelector("button"); closeRow(); name?.focus({ preventScroll: true }); } }, "Bring them back")));
     host.append(byId("browser"));

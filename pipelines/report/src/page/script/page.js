@@ -101,7 +101,7 @@ linkCopies();
 followReading();
 if (study.trials.length) {
   if (byId("browser")) startBrowser(byId("browser"));
-  if (byId("verdict-matrix")) buildMatrix(byId("verdict-matrix"));
+  buildVerdicts();
   whenNear(byId("dot-plot"), buildDots);
   whenNear(byId("answer-plot"), buildAnswers);
   whenNear(byId("model-plot"), buildModel);

@@ -1,15 +1,34 @@
-// The matrix of verdicts: every difference over what a person can feel. A dot opens its person's traces, a row its metric; people and trials can be left out.
+// Tables of verdicts: every difference over what a person can feel. A dot opens its person's traces, a row its metric; from the matrix of modes people and trials can be left out.
 
 const ROW = { height: 36, middle: 12, dots: 26, pad: 10 };
-const matrix = { rows: [], open: null, chosen: new Map() };
-const rowKey = (row) => [study.metrics[row.index].name, row.environment, row.of].join("/");
+const matrix = { open: null };
+const BEHIND = byId("browser") ? "traces" : "answers"; // what a dot opens
+/** The tables: what differs by mode; the script's part about effects and groups adds theirs. */
+const verdictTables = [{
+  host: "verdict-matrix",
+  name: "verdicts",
+  title: "differences between modes",
+  label: "Every difference between modes",
+  columns: ["environment, modes", () => (sessionsOf.size === 1 ? "difference of each repeat, mean" : "everybody’s difference, mean and interval"), "difference and verdict"],
+  rows: () => verdictRows().map((row) => ({ ...row, place: placeOf(row), claim: row.of, who: whoWords(row), opens: { e: row.environment, m: [row.mode, row.against] }, left: [...leftOut].join(" ") })),
+  judged: verdictWords,
+  dots: dotsOf,
+  legend: modesLegend,
+  details: modesDetails,
+  hint: `A name opens its metric, a dot the ${BEHIND} behind it.`,
+  isThere: () => study.metrics.some(({ differences }) => differences.length),
+  isExplored: true,
+}];
+const rowKey = (row) => [study.metrics[row.index].name, row.environment, row.claim].join("/");
 const placeOf = (row) => `${labelOf(study.environments, row.environment)}: ${labelOf(study.modes, row.mode)} − ${labelOf(study.modes, row.against)}`;
+const whoWords = (row) => `${row.n}\u00a0${row.isSingle ? "trials" : row.n === 1 ? "person" : "people"}`;
+const openRowLine = () => document.querySelector(".verdicts tr.detail");
 
 /** The dots of a row: people, or of the only one the repeats that both modes have. */
 function dotsOf(row) {
   const { scale: factor, unit } = study.metrics[row.index];
   const words = (who, value) => `${who}: ${withUnit(significant(value * factor), unit)}`;
-  const open = (p, s, r) => ({ p, s, e: row.environment, m: [row.mode, row.against], r });
+  const open = (p, s, r) => ({ index: row.index, p, s, ...row.opens, r });
   if (!row.isSingle) return row.people.map(({ participant: p, value }) => ({ value, words: words(p, value), view: open(p, EVERY, "all") })).sort((a, b) => a.value - b.value);
   const mine = study.trials.filter((trial) => trial.environment === row.environment && counts(trial) && trial.metrics[row.index] !== null);
   const repeats = groupBy(mine, ({ repeat }) => repeat);
@@ -50,25 +69,26 @@ function drawAxis(sx, range, by, width) {
 }
 
 /** One stop of the Tab key for a row's dots: arrows go from dot to dot, Enter or a click opens. */
-function rowPlot(row, width, range) {
+function rowPlot(row, table, width, range) {
   const sx = scale(range, ROW.pad, width - ROW.pad);
+  const box = { class: "chart row", viewBox: `0 0 ${width} ${ROW.height}` };
+  if (!row.dots.length) return makeSvg("svg", { ...box, role: "img", "aria-label": row.value === null ? "no estimate" : valueWords(row) }, ...drawRow(row, sx));
   const chosen = makeSvg("circle", { r: 5.5, class: "chosen", visibility: "hidden" });
-  const svg = makeSvg("svg", { class: "chart row", viewBox: `0 0 ${width} ${ROW.height}`, tabindex: "0", role: "slider", "aria-label": `${row.isSingle ? "Repeats" : "People"} of ${placeOf(row)}`, "aria-valuemin": 1, "aria-valuemax": Math.max(1, row.dots.length), "aria-valuenow": 1, "aria-valuetext": row.dots[0]?.words ?? "none" }, ...drawRow(row, sx), chosen);
+  const svg = makeSvg("svg", { ...box, tabindex: "0", role: "slider", "aria-label": `${row.isSingle ? "Repeats" : "People"} of ${row.place}`, "aria-valuemin": 1, "aria-valuemax": row.dots.length, "aria-valuenow": 1, "aria-valuetext": row.dots[0].words }, ...drawRow(row, sx), chosen);
   let at = 0;
   const choose = (i) => {
     at = Math.max(0, Math.min(row.dots.length - 1, i));
     const dot = row.dots[at];
-    if (!dot) return;
     for (const [name, value] of Object.entries({ cx: dot.x, cy: dot.y, visibility: "visible" })) chosen.setAttribute(name, value);
     svg.setAttribute("aria-valuenow", at + 1);
     svg.setAttribute("aria-valuetext", dot.words);
-    matrix.tip.textContent = `${dot.words}. Enter or a click opens the traces of both modes.`;
+    table.tip.textContent = `${dot.words}. Enter or a click opens the ${BEHIND} of ${row.opens.m.length === 2 ? "both" : "its"} modes.`;
   };
   const nearest = (event) => {
     const box = svg.getBoundingClientRect(), x = ((event.clientX - box.left) * width) / box.width, y = ((event.clientY - box.top) * ROW.height) / box.height;
     return row.dots.reduce((best, dot, i) => (Math.hypot(dot.x - x, dot.y - y) < best.far ? { i, far: Math.hypot(dot.x - x, dot.y - y) } : best), { i: -1, far: 14 }).i;
   };
-  const open = () => row.dots[at] && openRow(row, row.dots[at].view);
+  const open = () => openRow(row, row.dots[at].view);
   svg.addEventListener("pointermove", (event) => { const i = nearest(event); svg.classList.toggle("on-dot", i >= 0); if (i >= 0) choose(i); });
   svg.addEventListener("click", (event) => { const i = nearest(event); if (i >= 0) { choose(i); open(); } });
   svg.addEventListener("focus", () => choose(at));
@@ -80,34 +100,13 @@ function rowPlot(row, width, range) {
   return svg;
 }
 
-const whoWords = (row) => `${row.n} ${row.isSingle ? "trials" : row.n === 1 ? "person" : "people"}`;
-
-function drawMatrix() {
-  // What is open stays as it is, with the traces in it, and so does the focus.
-  const detail = matrix.table.querySelector("tr.detail"), focused = document.activeElement, line = focused?.closest("tr[data-row]");
+/** Draws every table again. What is open stays as it is, with the traces in it, and so does the focus. */
+function drawTables() {
+  const detail = openRowLine(), focused = document.activeElement, line = focused?.closest("tr[data-row]");
   const [key, part] = line ? [line.dataset.row, focused.localName] : [null, null];
   detail?.remove();
-  matrix.rows = verdictRows().map((row) => ({ ...row, dots: null }));
-  for (const row of matrix.rows) row.dots = dotsOf(row);
-  const width = printing ? 300 : Math.max(160, Math.min(520, matrix.table.parentElement.clientWidth * 0.4));
-  matrix.table.style.setProperty("--plot", `${width}px`);
-  const bodies = ["jnd", "sd", "none"].flatMap((by) => {
-    const rows = matrix.rows.filter((row) => row.by === by);
-    if (!rows.length) return [];
-    const range = by === "none" ? null : sharedRange(rows);
-    const bodies = [...groupBy(rows, ({ index }) => index)].map(([index, own]) => {
-      const { label, better, is_primary: isPrimary } = study.metrics[index];
-      const head = make("tr", { class: "metric" }, make("th", { colspan: 3, scope: "rowgroup" }, isPrimary ? make("strong", {}, label) : label, better === "neither" ? "" : ` (${better} is better)`));
-      return make("tbody", { "data-by": by }, head, ...own.map((row) => rowLine(row, width, range)));
-    });
-    if (!range) return bodies;
-    const sx = scale(range, ROW.pad, width - ROW.pad);
-    const axis = make("tr", { class: "axis" }, make("td"), make("td", {}, makeSvg("svg", { class: "chart", viewBox: `0 0 ${width} 42`, "aria-hidden": "true" }, ...drawAxis(sx, range, by, width))), make("td"));
-    bodies.at(-1).append(axis);
-    return bodies;
-  });
-  matrix.table.replaceChildren(matrix.head, ...bodies);
-  writeExplored();
+  for (const table of verdictTables) if (table.element) drawTable(table);
+  if (matrix.explored) writeExplored();
   const place = matrix.open && lineOf(matrix.open.key);
   if (place && detail) {
     place.querySelector("button").setAttribute("aria-expanded", "true");
@@ -120,19 +119,48 @@ function drawMatrix() {
   if (again && again.isConnected && again !== document.activeElement) again.focus({ preventScroll: true });
 }
 
-function rowLine(row, width, range) {
-  const button = make("button", { type: "button", class: "row-name", "aria-expanded": "false", onclick: () => openRow(row) }, placeOf(row));
-  return make("tr", { "data-row": rowKey(row), "data-value": exact(row.value), "data-low": row.low === null ? "" : exact(row.low), "data-high": row.high === null ? "" : exact(row.high), "data-p": row.p_adjusted === null ? "" : exact(row.p_adjusted), "data-n": row.n },
-    make("th", { scope: "row" }, button), make("td", { class: "plot-cell" }, range ? rowPlot(row, width, range) : "nothing to measure it by"), make("td", {}, make("span", { class: "number" }, valueWords(row)), make("span", { class: "judged" }, verdictWords(row), " ", make("span", { class: "count" }, `(${whoWords(row)})`))));
+function drawTable(table) {
+  table.drawn = table.rows();
+  for (const row of table.drawn) row.dots = table.dots(row);
+  const width = printing ? 300 : Math.max(160, Math.min(520, table.element.parentElement.clientWidth * 0.4));
+  table.element.style.setProperty("--plot", `${width}px`);
+  const bodies = ["jnd", "sd", "none"].flatMap((by) => {
+    const rows = table.drawn.filter((row) => row.by === by);
+    if (!rows.length) return [];
+    const range = by === "none" ? null : sharedRange(rows);
+    const bodies = [...groupBy(rows, ({ index }) => index)].map(([index, own]) => {
+      const { label, better, is_primary: isPrimary } = study.metrics[index];
+      const head = make("tr", { class: "metric" }, make("th", { colspan: 3, scope: "rowgroup" }, isPrimary ? make("strong", {}, label) : label, better === "neither" ? "" : ` (${better} is better)`));
+      return make("tbody", { "data-by": by }, head, ...own.map((row) => rowLine(row, table, width, range)));
+    });
+    if (!range) return bodies;
+    const sx = scale(range, ROW.pad, width - ROW.pad);
+    const axis = make("tr", { class: "axis" }, make("td"), make("td", {}, makeSvg("svg", { class: "chart", viewBox: `0 0 ${width} 42`, "aria-hidden": "true" }, ...drawAxis(sx, range, by, width))), make("td"));
+    bodies.at(-1).append(axis);
+    return bodies;
+  });
+  table.element.replaceChildren(table.element.tHead, ...bodies);
+  // A name of several lines makes its row taller than its plot: band and zero line reach over all of it.
+  for (const plot of table.element.querySelectorAll(".chart.row")) {
+    const over = Math.max(6, (plot.closest("tr").getBoundingClientRect().height - ROW.height) / 2 + 1), all = { y: -over, height: ROW.height + 2 * over, y1: -over, y2: ROW.height + over };
+    for (const part of plot.querySelectorAll(".unfelt, .none")) for (const [name, value] of Object.entries(all)) if (part.hasAttribute(name)) part.setAttribute(name, value);
+  }
 }
 
-const lineOf = (key) => [...matrix.table.querySelectorAll("tr[data-row]")].find((line) => line.dataset.row === key);
+function rowLine(row, table, width, range) {
+  const button = make("button", { type: "button", class: "row-name", "aria-expanded": "false", onclick: () => openRow(row) }, row.place);
+  const number = (value) => (value === null ? "" : exact(value));
+  return make("tr", { "data-row": rowKey(row), "data-value": number(row.value), "data-low": number(row.low), "data-high": number(row.high), "data-p": number(row.p_adjusted), "data-n": row.n },
+    make("th", { scope: "row" }, button), make("td", { class: "plot-cell" }, range ? rowPlot(row, table, width, range) : row.value === null ? "" : "nothing to measure it by"), make("td", {}, row.value === null ? "" : make("span", { class: "number" }, valueWords(row)), make("span", { class: "judged" }, table.judged(row), " ", row.value === null ? "" : make("span", { class: "count" }, `(${row.who})`))));
+}
+
+const lineOf = (key) => [...document.querySelectorAll(".verdicts tr[data-row]")].find((line) => line.dataset.row === key);
 
 /** Closes what is open; the browser of trials goes back to its own place. */
 function closeRow() {
   bringBack();
-  matrix.table.querySelector("tr.detail")?.remove();
-  matrix.table.querySelector("[aria-expanded=true]")?.setAttribute("aria-expanded", "false");
+  openRowLine()?.remove();
+  document.querySelector(".verdicts [aria-expanded=true]")?.setAttribute("aria-expanded", "false");
   matrix.open = null;
 }
 
@@ -147,40 +175,51 @@ function openRow(row, view = null) {
 }
 
 function reopen() {
-  const { key, view: traces } = matrix.open, row = matrix.rows.find((one) => rowKey(one) === key), line = lineOf(key);
+  const { key, view: traces } = matrix.open, line = lineOf(key);
   if (!line) { matrix.open = null; return; }
-  matrix.table.querySelector("tr.detail")?.remove();
+  const table = verdictTables.find(({ drawn }) => drawn?.some((row) => rowKey(row) === key)), row = table.drawn.find((row) => rowKey(row) === key);
+  openRowLine()?.remove();
   line.querySelector("button").setAttribute("aria-expanded", "true");
   const cell = make("td", { colspan: 3 });
   line.after(make("tr", { class: "detail" }, cell));
   if (traces) openTrials({ ...traces, beside: null }, cell);
-  else cell.append(...metricDetails(row));
+  else cell.append(...metricDetails(row, table));
 }
 
-/** Means, differences, and the figures of learning, sessions and answers of a row's metric. */
-function metricDetails(row) {
-  const metric = study.metrics[row.index], environment = environmentOf(row.environment), { scale: factor, unit, name } = metric;
-  const tip = make("p", { class: "tip" }, "Point at a dot for its trial; Enter or a click opens it."), tell = (words) => { tip.textContent = words; };
-  const charts = make("div", { class: "charts" });
-  const isAlone = sessionsOf.size === 1;
+/** The charts of a difference between modes: the modes, and everybody's difference. */
+function modesDetails(row) {
+  const environment = environmentOf(row.environment), isAlone = sessionsOf.size === 1;
   const groups = dotGroups(environment, row.index, sessionsOf.size > MANY), differences = differenceGroups(environment, row.index, isAlone);
+  const charts = [{ title: short(environment.label, 30), groups, lines: isAlone ? [] : linesOf(groups), zero: false }];
+  if (differences.length) charts.push({ title: `${short(environment.label, 24)}: differences`, groups: differences, lines: [], zero: true });
+  return charts;
+}
+
+/** The charts of a row, means, and the figures of learning, sessions and answers of its metric. */
+function metricDetails(row, verdictTable) {
+  const metric = study.metrics[row.index], { scale: factor, unit, name } = metric;
+  const shown = verdictTable.details(row), isOpening = shown.some(({ groups }) => groups.some(({ points }) => points.some(({ open }) => open)));
+  const tip = make("p", { class: "tip" }, isOpening ? "Point at a dot for its trial; Enter or a click opens it." : "Point at a dot for its value."), tell = (words) => { tip.textContent = words; };
+  const charts = make("div", { class: "charts" });
   const draw = () => {
-    const width = Math.max(260, Math.min(520, matrix.table.clientWidth / 2 - 30));
-    charts.replaceChildren(groupChart({ title: `${short(environment.label, 30)}${unit ? ` (${unit})` : ""}`, width, groups, lines: isAlone ? [] : linesOf(groups), yRange: rangeOfGroups(groups), tell }));
-    if (differences.length) charts.append(groupChart({ title: `${short(environment.label, 24)}: differences${unit ? ` (${unit})` : ""}`, width, groups: differences, lines: [], yRange: rangeOfGroups(differences, true), zero: true, tell }));
+    const width = Math.max(260, Math.min(520, verdictTable.element.clientWidth / 2 - 30));
+    charts.replaceChildren(...shown.map((chart) => groupChart({ ...chart, title: `${chart.title}${unit ? ` (${unit})` : ""}`, width, yRange: rangeOfGroups(chart.groups, chart.zero), tell })));
     charts.querySelectorAll("svg").forEach(rove);
   };
   draw();
   requestAnimationFrame(() => { onWidth(charts, draw); redraws.delete(draw); }); // once it has a width; paper takes what is on the screen
-  const means = metric.means.filter((one) => one.environment === row.environment);
-  const table = make("table", {}, make("thead", {}, make("tr", {}, ...["mode", "mean", "interval", "SD", "n"].map((text) => make("th", { scope: "col" }, text)))), make("tbody", {}, ...means.map((one) => {
+  const means = row.groups ? row.groups.map(({ label, mean: value, sd, values }) => ({ of: label, value, sd, low: null, n: values.length })) : metric.means.filter((one) => one.environment === row.environment);
+  const hasIntervals = means.some(({ low }) => low !== null), right = (text) => make("td", { class: "number" }, text);
+  const head = [row.groups ? "group" : "mode", "mean", hasIntervals && "interval", "SD", "n"].filter(Boolean);
+  const table = make("table", {}, make("thead", {}, make("tr", {}, ...head.map((text) => make("th", { scope: "col" }, text)))), make("tbody", {}, ...means.map((one) => {
     const text = (value) => (value === null ? "–" : toDigits(value * factor, one.sd === null ? null : one.sd * factor));
-    return make("tr", {}, make("th", { scope: "row" }, labelOf(study.modes, one.of)), make("td", { class: "number" }, withUnit(text(one.value), unit)), make("td", { class: "number" }, one.low === null ? "–" : `${text(one.low)} to ${text(one.high)}`), make("td", { class: "number" }, text(one.sd)), make("td", { class: "number" }, `${one.n}`));
+    const interval = hasIntervals ? right(one.low === null ? "–" : `${text(one.low)} to ${text(one.high)}`) : null;
+    return make("tr", {}, make("th", { scope: "row" }, row.groups ? one.of : labelOf(study.modes, one.of)), right(one.value === null ? "–" : withUnit(text(one.value), unit)), interval, right(text(one.sd)), right(`${one.n}`));
   })));
-  const named = [["compare", "the modes compared"], ["participants", "everybody’s differences"], ["learning", "from repeat to repeat"], ["sessions", "from session to session"]];
+  const named = [["compare", "the modes compared"], ["effects", "effects of factors"], ["participants", "everybody’s differences"], ["groups", "groups compared"], ["learning", "from repeat to repeat"], ["sessions", "from session to session"]];
   const figures = named.map(([stem, words]) => [byId(`figure-${stem}.${name}`), words]).filter(([figure]) => figure).map(([figure, words]) => make("details", { ontoggle: (event) => { if (event.target.open && !event.target.querySelector("img")) { const image = figure.querySelector("img").cloneNode(); image.loading = "eager"; event.target.append(image); show(image); } } }, make("summary", {}, `Figure: ${words}`)));
   const answers = byId("answers-metric") || byId("answer-plot") ? make("button", { type: "button", onclick: () => besideAnswers(row.index) }, "Answers beside this metric") : null;
-  return [charts, tip, make("p", { class: "caption of-all", hidden: !leftOut.size }, "The table and the figures are of all trials."), make("div", { class: "scroll" }, table), ...figures, answers].filter(Boolean);
+  return [charts, tip, make("p", { class: "caption of-all", hidden: !leftOut.size }, "The table and the figures are of all trials."), means.length ? make("div", { class: "scroll" }, table) : null, ...figures, answers].filter(Boolean);
 }
 
 function besideAnswers(index) {
@@ -199,7 +238,7 @@ function excludeLines() {
 }
 
 function writeExplored() {
-  for (const note of [matrix.explored, ...matrix.table.querySelectorAll(".of-all")]) note.hidden = !leftOut.size;
+  for (const note of [matrix.explored, ...document.querySelectorAll(".verdicts .of-all")]) note.hidden = !leftOut.size;
   if (!leftOut.size) return matrix.explored.replaceChildren();
   const people = [...leftOut].filter((key) => !key.includes("/")).length, trials = leftOut.size - people;
   const what = [people ? `${people} ${people === 1 ? "person" : "people"}` : null, trials ? `${trials} ${trials === 1 ? "trial" : "trials"}` : null].filter(Boolean).join(" and ");
@@ -207,7 +246,7 @@ function writeExplored() {
 }
 
 function explore() {
-  drawMatrix();
+  drawTables();
   writeAddress();
 }
 
@@ -238,18 +277,26 @@ function readMatrixAddress() {
   return true;
 }
 
-const matrixCells = () => [["metric", "environment", "contrast", "difference", "low", "high", "unit", "jnd", "verdict", "size", "n", "left out", "origin"], ...matrix.rows.map((row) => { const { label, unit, scale: factor } = study.metrics[row.index], si = (value) => (value === null || value === undefined ? "" : exact(value * factor)); return [label, row.environment, row.of, si(row.value), row.isSingle ? "" : si(row.low), row.isSingle ? "" : si(row.high), unit, si(row.jnd), row.verdict, row.size ?? "", row.n, [...leftOut].join(" "), study.simulated ? "simulated" : "recorded"]; })];
+/** The values of a table, a line for each row. */
+function cellsOfTable({ drawn }) {
+  const areGroups = drawn.some(({ n_against: second }) => second !== undefined && second !== null);
+  const head = ["metric", "environment", "contrast", "difference", "low", "high", "unit", "jnd", "verdict", "size", "n", ...(areGroups ? ["n of the second group"] : []), "left out", "origin"];
+  return [head, ...drawn.map((row) => {
+    const { label, unit, scale: factor } = study.metrics[row.index], shown = (value) => (value === null || value === undefined ? "" : exact(value * factor));
+    return [label, row.environment ?? "", row.claim, shown(row.value), row.isSingle ? "" : shown(row.low), row.isSingle ? "" : shown(row.high), unit, shown(row.jnd), row.verdict, row.size ?? "", row.n, ...(areGroups ? [row.n_against ?? ""] : []), row.left, study.simulated ? "simulated" : "recorded"];
+  })];
+}
 
-/** The matrix as one drawing, light as paper is. */
-function matrixDrawing() {
+/** A table as one drawing, light as paper is. */
+function tableDrawing(table) {
   const names = 330, plot = 420, words = 420, width = names + plot + words;
   const theme = readTheme(true), styles = `text { font: 12px ${FONT}; fill: ${theme.ink}; } .unfelt { fill: ${theme.grid}; } .none, .grid { stroke: ${theme.quiet}; } .people { fill: ${theme.quiet}; } .redrawn { stroke: ${theme.quiet}; stroke-opacity: 0.35; } .whisker { stroke: ${theme.ink}; stroke-width: 2; fill: none; } .estimate { fill: ${theme.ink}; } .head { font-weight: 600; }`;
-  const svg = makeSvg("svg", { xmlns: "http://www.w3.org/2000/svg", width }, makeSvg("style", {}, styles), svgText(`${study.title}: differences between modes`, 6, 18, { class: "head" }));
+  const svg = makeSvg("svg", { xmlns: "http://www.w3.org/2000/svg", width }, makeSvg("style", {}, styles), svgText(`${study.title}: ${table.title}`, 6, 18, { class: "head" }));
   let y = 32;
   const named = [...leftOut].slice(0, 8).join(", ") + (leftOut.size > 8 ? ` and ${leftOut.size - 8} more` : "");
-  for (const line of [study.simulated ? "SYNTHETIC: simulated, not measured." : null, leftOut.size ? `Explored, not the analysis: without ${named}.` : null].filter(Boolean)) { svg.append(svgText(line, 6, y + 4)); y += 16; }
+  for (const line of [study.simulated ? "SYNTHETIC: simulated, not measured." : null, leftOut.size && table.isExplored ? `Explored, not the analysis: without ${named}.` : null].filter(Boolean)) { svg.append(svgText(line, 6, y + 4)); y += 16; }
   for (const by of ["jnd", "sd", "none"]) {
-    const rows = matrix.rows.filter((row) => row.by === by);
+    const rows = table.drawn.filter((row) => row.by === by);
     if (!rows.length) continue;
     const range = by === "none" ? null : sharedRange(rows), sx = range && scale(range, ROW.pad, plot - ROW.pad);
     for (const [index, own] of groupBy(rows, (row) => row.index)) {
@@ -257,7 +304,7 @@ function matrixDrawing() {
       svg.append(svgText(short(label, 90) + (better === "neither" ? "" : ` (${better} is better)`), 6, y + 18, { class: "head" }));
       y += 24;
       for (const row of own) {
-        svg.append(svgText(short(placeOf(row), 52), 14, y + 20), makeSvg("g", { transform: `translate(${names} ${y})` }, ...(sx ? drawRow(row, sx) : [])), svgText(valueWords(row), names + plot + 10, y + 14), svgText(short(`${verdictWords(row)} (${whoWords(row)})`, 64), names + plot + 10, y + 29));
+        svg.append(svgText(short(row.place, 52), 14, y + 20), makeSvg("g", { transform: `translate(${names} ${y})` }, ...(sx ? drawRow(row, sx) : [])), svgText(row.value === null ? "" : valueWords(row), names + plot + 10, y + 14), svgText(short(`${table.judged(row)}${row.value === null ? "" : ` (${row.who})`}`, 64), names + plot + 10, y + 29));
         y += ROW.height;
       }
     }
@@ -269,61 +316,81 @@ function matrixDrawing() {
   return { text: new XMLSerializer().serializeToString(svg), width, height: y };
 }
 
-function saveMatrix(format) {
-  const name = `${study.study}.verdicts`.replace(/[^A-Za-z0-9_.-]/g, "_");
-  if (format === "csv") return download(`${name}.csv`, "text/csv", matrixCells().map((line) => line.map(quoted).join(",")).join("\n") + "\n");
-  const { text, width, height } = matrixDrawing();
+function saveTable(table, format) {
+  const name = `${study.study}.${table.name}`.replace(/[^A-Za-z0-9_.-]/g, "_");
+  if (format === "csv") return download(`${name}.csv`, "text/csv", cellsOfTable(table).map((line) => line.map(quoted).join(",")).join("\n") + "\n");
+  const { text, width, height } = tableDrawing(table);
   if (format === "svg") return download(`${name}.svg`, "image/svg+xml", text);
   const fine = Math.min(2, 16000 / height); // a browser's canvas ends at 16,384 pixels
   const image = new Image(), canvas = make("canvas", { width: Math.floor(fine * width), height: Math.floor(fine * height) });
-  image.addEventListener("load", () => { canvas.getContext("2d").drawImage(image, 0, 0, canvas.width, canvas.height); canvas.toBlob((blob) => (blob ? download(`${name}.png`, "image/png", blob) : tellMatrix("This browser draws no picture of this size: save it as SVG."))); });
+  image.addEventListener("load", () => { canvas.getContext("2d").drawImage(image, 0, 0, canvas.width, canvas.height); canvas.toBlob((blob) => { if (blob) download(`${name}.png`, "image/png", blob); else table.tip.textContent = "This browser draws no picture of this size: save it as SVG."; }); });
   image.src = `data:image/svg+xml;charset=utf-8,${encodeURIComponent(text)}`;
 }
 
-const tellMatrix = (text) => { matrix.tip.textContent = text; };
-
-async function copyMatrix(button) {
-  const text = matrixCells().map((line) => line.join("\t")).join("\n");
+async function copyTable(table, button) {
+  const text = cellsOfTable(table).map((line) => line.join("\t")).join("\n");
   try {
     await navigator.clipboard.writeText(text);
     button.textContent = "Copied";
   } catch {
-    matrix.copied.textContent = text; // no clipboard on a page from disk: selected for the reader
-    matrix.copied.hidden = false;
-    getSelection().selectAllChildren(matrix.copied);
+    table.copied.textContent = text; // no clipboard on a page from disk: selected for the reader
+    table.copied.hidden = false;
+    getSelection().selectAllChildren(table.copied);
     button.textContent = "Selected: press Ctrl+C";
   }
 }
 
-function buildMatrix(host) {
-  if (!study.metrics.some(({ differences }) => differences.length)) return;
-  const col = (text) => make("th", { scope: "col" }, text);
-  matrix.head = make("thead", {}, make("tr", {}, col("environment, modes"), col("everybody’s difference, mean and interval"), col("difference and verdict")));
-  if (sessionsOf.size === 1) matrix.head.rows[0].cells[1].textContent = "difference of each repeat, mean";
-  matrix.table = make("table", { class: "verdicts" });
-  matrix.tip = make("p", { class: "tip" }, "A name opens its metric, a dot the traces behind it.");
+const levelWords = () => `${Number((100 * study.level).toPrecision(6))} %`;
+
+function modesLegend() {
+  const isAlone = sessionsOf.size === 1, all = study.metrics.flatMap(({ differences }) => differences);
+  const family = { metric: "the contrasts of a metric", environment: "the contrasts of a metric in an environment", study: "the contrasts of all primary metrics together, and of each other metric" }[study.families];
+  return [
+    all.some(({ jnd }) => jnd !== null) && "Grey band: within ±1 just noticeable difference (JND), below what is felt.",
+    isAlone ? "Disc: mean difference; dots: repeats." : `Disc and whiskers: mean and ${levelWords()} interval, not adjusted; dots: people. Verdicts are adjusted for ${family}${study.has_groups ? ", differences between groups among them, which sentences and figures below tell" : ""} (Holm).`,
+    isAlone && all.some(({ redrawn }) => redrawn.length) && "Ticks above: the difference in other orders of the trials, had none depended on mode: they decide the verdict.",
+  ];
+}
+
+/** A table in its place, with what can be taken from it. */
+function buildTableOf(table, host) {
+  const columns = table.columns.map((text) => make("th", { scope: "col" }, typeof text === "function" ? text() : text));
+  table.element = make("table", { class: "verdicts" }, make("thead", {}, make("tr", {}, ...columns)));
+  table.tip = make("p", { class: "tip" }, table.hint);
+  table.copied = make("pre", { hidden: true });
+  const save = (format) => make("button", { type: "button", "data-save-matrix": format, "aria-label": `${table.label} as ${format}`, onclick: () => saveTable(table, format) }, format.toUpperCase());
+  const tools = make("div", { class: "tools" }, make("button", { type: "button", class: "copy-values", onclick: (event) => copyTable(table, event.currentTarget) }, "Copy values"), ...["svg", "png", "csv"].map(save));
+  host.replaceChildren(make("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": table.label }, table.element), make("p", { class: "caption" }, table.legend().filter(Boolean).join(" ")), table.tip, tools, table.copied);
+}
+
+/** What people and trials are left out of the differences between modes, and the boxes for it. */
+function buildExploring(host) {
   matrix.explored = make("div", { class: "explored", role: "status", hidden: true });
-  matrix.copied = make("pre", { hidden: true });
   const [pick, select] = field("Trials of", "left-out-of", writePeople);
   Object.assign(matrix, { pick: select, people: make("fieldset", { class: "ticks boxes", id: "left-out-people" }), trials: make("fieldset", { class: "ticks boxes", id: "left-out-trials" }) });
   const explore = make("details", { id: "left-out", ontoggle: () => explore.open && writePeople() }, make("summary", {}, "Leave people or trials out, and see what follows"), matrix.people, pick, matrix.trials);
-  const percent = `${Number((100 * study.level).toPrecision(6))} %`, isAlone = sessionsOf.size === 1;
-  const all = study.metrics.flatMap(({ differences }) => differences);
-  const family = { metric: "the contrasts of a metric", environment: "the contrasts of a metric in an environment", study: "the contrasts of all primary metrics together, and of each other metric" }[study.families];
-  const legend = make("p", { class: "caption" }, [
-    all.some(({ jnd }) => jnd !== null) && "Grey band: within ±1 just noticeable difference (JND), below what is felt.",
-    isAlone ? "Disc: mean difference; dots: repeats." : `Disc and whiskers: mean and ${percent} interval, not adjusted; dots: people. Verdicts are adjusted for ${family}${study.has_groups ? ", differences between groups among them, which sentences and figures below tell" : ""} (Holm).`,
-    isAlone && all.some(({ redrawn }) => redrawn.length) && "Ticks above: the difference in other orders of the trials, had none depended on mode: they decide the verdict.",
-  ].filter(Boolean).join(" "));
-  const save = (format) => make("button", { type: "button", "data-save-matrix": format, "aria-label": `Matrix as ${format}`, onclick: () => saveMatrix(format) }, format.toUpperCase());
-  const tools = make("div", { class: "tools" }, make("button", { type: "button", id: "copy-matrix", onclick: (event) => copyMatrix(event.currentTarget) }, "Copy values"), ...["svg", "png", "csv"].map(save));
-  host.replaceChildren(matrix.explored, make("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": "Every difference between modes" }, matrix.table), legend, matrix.tip, tools, matrix.copied, explore);
+  host.prepend(matrix.explored);
+  host.append(explore);
+  return explore;
+}
+
+function buildVerdicts() {
+  const built = verdictTables.filter(({ host, isThere }) => byId(host) && isThere());
+  if (!built.length) return;
+  let exploring = null;
+  for (const table of built) {
+    const host = byId(table.host);
+    buildTableOf(table, host);
+    if (table.heading) host.prepend(make("h3", {}, table.heading()));
+    if (table.isExplored) exploring = buildExploring(host);
+  }
+  // The figure of all verdicts has these rows, too.
   for (const still of document.querySelectorAll("#verdicts > figure")) still.hidden = true;
   const isNamed = readMatrixAddress();
-  drawMatrix();
-  onWidth(host, drawMatrix);
-  addEventListener("hashchange", () => { if (readMatrixAddress()) { drawMatrix(); writePeople(); } });
-  if (isNamed && leftOut.size) explore.open = true;
+  drawTables();
+  onWidth(byId(built[0].host), drawTables);
+  addEventListener("hashchange", () => { if (readMatrixAddress()) { drawTables(); if (exploring) writePeople(); } });
+  if (isNamed && leftOut.size && exploring) exploring.open = true;
   if (matrix.open) lineOf(matrix.open.key)?.scrollIntoView({ block: "center" });
-  host.dataset.ready = "true";
+  for (const { host } of built) byId(host).dataset.ready = "true";
 }
