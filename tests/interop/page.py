@@ -553,7 +553,8 @@ def effects_groups_and_scores_have_their_people(browser, zwidth, axe, out):
         values = {}
         for row in parquet.read_table(tables / "person_values.parquet").to_pylist():
             values.setdefault((row["metric"], row["environment"], row["effect"]), {})[row["participant"]] = row["value"]
-        means = {(row["metric"], row["environment"], row["effect"]): row["difference"] for row in parquet.read_table(tables / "effects.parquet").to_pylist() if row["difference"] is not None}
+        effect_of = lambda row: " × ".join(row["effect"].split(":")) + f": {row['levels']}"
+        means = {(row["metric"], row["environment"], effect_of(row)): row["difference"] for row in parquet.read_table(tables / "effects.parquet").to_pylist() if row["difference"] is not None}
         for key, mean in means.items():
             # Each group has the same weight.
             own = [[value for who, value in values[key].items() if people[who] == group] for group in ("novice", "expert")]

@@ -389,7 +389,7 @@ fn a_score_is_a_metric_with_its_questions_and_what_was_not_recorded_has_no_sampl
     });
     assert_eq!(data_of(&html)["trials"].as_array().unwrap().len(), 2);
     assert_eq!(data_of(&html)["metrics"].as_array().unwrap().len(), 1);
-    for absent in ["id=\"trials\"", "#trials", "Order of conditions", "opens its trials"] {
+    for absent in ["id=\"trials\"", "href=\"#trials", "Order of conditions", "Each number opens"] {
         assert!(!html.contains(absent), "{absent}");
     }
     assert!(html.contains("id=\"dots\""));

@@ -18,7 +18,7 @@ function claimRows() {
 /** Everybody's effect beside the means that it is made of; of groups a column for each. */
 function claimDetails(row) {
   const { scale: factor, unit } = study.metrics[row.index], environment = row.environment === null ? null : environmentOf(row.environment);
-  const title = environment ? short(environment.label, 24) : "All environments", words = (value) => withUnit(significant(value * factor), unit);
+  const title = environment ? short(environment.label, 24) : "Several environments", words = (value) => withUnit(significant(value * factor), unit);
   if (row.groups) {
     const groups = row.groups.map(({ label, mean: middle, sd, values }) => {
       const [centre, spread] = [middle, sd].map((value) => (value ?? NaN) * factor);

@@ -199,7 +199,7 @@ function modesDetails(row) {
 function metricDetails(row, verdictTable) {
   const metric = study.metrics[row.index], { scale: factor, unit, name } = metric;
   const shown = verdictTable.details(row), isOpening = shown.some(({ groups }) => groups.some(({ points }) => points.some(({ open }) => open)));
-  const tip = make("p", { class: "tip" }, isOpening ? "Point at a dot for its trial; Enter or a click opens it." : "Point at a dot for its value."), tell = (words) => { tip.textContent = words; };
+  const tip = make("p", { class: "tip", hidden: !shown.length }, isOpening ? "Point at a dot for its trial; Enter or a click opens it." : "Point at a dot for its value."), tell = (words) => { tip.textContent = words; };
   const charts = make("div", { class: "charts" });
   const draw = () => {
     const width = Math.max(260, Math.min(520, verdictTable.element.clientWidth / 2 - 30));
