@@ -509,7 +509,6 @@ MORE = """
 [[questions]]
 id = "steady"
 text = "The lever felt steady."
-reversed = true
 [[factors]]
 id = "motor"
 levels = ["no", "yes"]
@@ -622,8 +621,8 @@ def effects_groups_and_scores_have_their_people(browser, zwidth, axe, out):
         asked = [question["id"] for question in visit.study["questions"]]
         wanted = [["–" if (value := trial["answers"][asked.index(item)]) is None else str(value) for trial in trials] for item in ("felt_spring", "felt_wall", "steady")]
         checks.equal("a dot of a score opens the traces, and the answers that it is made of", (page.locator(".detail #surface").count(), [[text.split(" (")[0] for text in line] for line in answers[:-1]]), (1, wanted))
-        means = [(float(felt) + 6 - float(steady)) / 2 for felt, steady in zip(wanted[0], wanted[2])]
-        checks.equal("whose mean, the reversed one turned, is the score", [float(text) for text in answers[-1]], means)
+        means = [(float(felt) + float(steady)) / 2 for felt, steady in zip(wanted[0], wanted[2])]
+        checks.equal("whose mean is the score", [float(text) for text in answers[-1]], means)
         page.locator("#verdict-matrix").screenshot(path=str(out / "score.png"))
         scroll_through(page)
         place = next(i for i, metric in enumerate(visit.study["metrics"]) if metric["name"] == "score_feel")

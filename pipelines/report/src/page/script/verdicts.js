@@ -289,7 +289,7 @@ function cellsOfTable({ drawn }) {
 
 /** A table as one drawing, light as paper is. */
 function tableDrawing(table) {
-  const names = 330, plot = 420, words = 420, width = names + plot + words;
+  const letters = Math.max(52, Math.min(100, ...table.drawn.map(({ place }) => place.length))), names = 18 + 6 * letters, plot = 420, words = 420, width = names + plot + words;
   const theme = readTheme(true), styles = `text { font: 12px ${FONT}; fill: ${theme.ink}; } .unfelt { fill: ${theme.grid}; } .none, .grid { stroke: ${theme.quiet}; } .people { fill: ${theme.quiet}; } .redrawn { stroke: ${theme.quiet}; stroke-opacity: 0.35; } .whisker { stroke: ${theme.ink}; stroke-width: 2; fill: none; } .estimate { fill: ${theme.ink}; } .head { font-weight: 600; }`;
   const svg = makeSvg("svg", { xmlns: "http://www.w3.org/2000/svg", width }, makeSvg("style", {}, styles), svgText(`${study.title}: ${table.title}`, 6, 18, { class: "head" }));
   let y = 32;
@@ -304,7 +304,7 @@ function tableDrawing(table) {
       svg.append(svgText(short(label, 90) + (better === "neither" ? "" : ` (${better} is better)`), 6, y + 18, { class: "head" }));
       y += 24;
       for (const row of own) {
-        svg.append(svgText(short(row.place, 52), 14, y + 20), makeSvg("g", { transform: `translate(${names} ${y})` }, ...(sx ? drawRow(row, sx) : [])), svgText(row.value === null ? "" : valueWords(row), names + plot + 10, y + 14), svgText(short(`${table.judged(row)}${row.value === null ? "" : ` (${row.who})`}`, 64), names + plot + 10, y + 29));
+        svg.append(svgText(short(row.place, letters), 14, y + 20), makeSvg("g", { transform: `translate(${names} ${y})` }, ...(sx ? drawRow(row, sx) : [])), svgText(row.value === null ? "" : valueWords(row), names + plot + 10, y + 14), svgText(short(`${table.judged(row)}${row.value === null ? "" : ` (${row.who})`}`, 64), names + plot + 10, y + 29));
         y += ROW.height;
       }
     }
