@@ -93,13 +93,14 @@ impl Line {
     }
 }
 
-/// How many times somebody's lines make the variance of a weighted sum of their conditions larger: 1 + Σ m²/S over the
-/// variance without lines, in units of that of a trial; m is how far apart the weights have the trials of an environment along
-/// its line, and S that line's sum of squares. None if they have no line in one of the environments, or none of the conditions.
-pub fn inflation<'a>(
+/// How far somebody's lines move a weighted sum of their conditions, by environment: m/√(S v). m is how far apart the weights
+/// have the trials along the line, S that line's sum of squares, and v the variance of the sum without lines, in units of that of
+/// a trial: beside one line alone its variance is 1 + m²/(S v) times as large. None if they have no line in one of the
+/// environments, or none of the conditions.
+pub fn moved<'a>(
     weights: &[WeighedCondition],
     line_in: impl Fn(usize) -> Option<&'a Line>,
-) -> Option<f64> {
+) -> Option<BTreeMap<usize, f64>> {
     let mut without = 0.0;
     // By environment: each has a line of its own.
     let mut moved: BTreeMap<usize, f64> = BTreeMap::new();
@@ -116,11 +117,22 @@ pub fn inflation<'a>(
                 share * (middle - line.middle(*session));
         }
     }
-    let by_lines: f64 = moved
-        .iter()
-        .filter_map(|(environment, moved)| Some(moved * moved / line_in(*environment)?.squares))
-        .sum();
-    (without > 0.0).then(|| 1.0 + by_lines / without)
+    for (environment, moved) in &mut moved {
+        *moved /= (line_in(*environment)?.squares * without).sqrt();
+    }
+    (without > 0.0).then_some(moved)
+}
+
+/// How many times lines make the variance of a weighted sum larger by what people's orders have in common: 1 + Σ m̄², where m̄
+/// is the mean over these people of how far an environment's line moves the sum. Where all have one order it is that
+/// of everybody's own line. Where orders balance each other it is 1, because what a line leaves of practice then has
+/// different signs: it is in people's scatter, by which their mean is tested, and not in the mean (docs/statistics-tried.md).
+pub fn inflation(people: &[BTreeMap<usize, f64>]) -> f64 {
+    let mut sums: BTreeMap<usize, f64> = BTreeMap::new();
+    for (environment, moved) in people.iter().flatten() {
+        *sums.entry(*environment).or_default() += moved;
+    }
+    1.0 + sums.values().map(|sum| (sum / people.len() as f64).powi(2)).sum::<f64>()
 }
 
 fn mean(values: impl ExactSizeIterator<Item = f64>) -> f64 {
@@ -168,16 +180,23 @@ mod tests {
     #[test]
     fn blocks_inflate_by_the_square_of_their_distance_over_the_squares_within() {
         let weights = [difference(1.0, 1), difference(-1.0, 0)];
-        let of = |modes: &[usize]| {
+        let moved_by = |modes: &[usize]| {
             let line = Line::of(&trials(modes, |_, _| 0.0)).unwrap();
-            inflation(&weights, |_| Some(&line)).unwrap()
+            moved(&weights, |_| Some(&line)).unwrap()
         };
+        let of = |modes: &[usize]| inflation(&[moved_by(modes)]);
         // Three trials each, 3 apart; within each block 1 + 0 + 1.
         let expected = 1.0 + 3.0 * 3.0 / 4.0 / (1.0 / 3.0 + 1.0 / 3.0);
         assert!((of(&[0, 0, 0, 1, 1, 1]) - expected).abs() < 1e-12);
         assert!((of(&[0, 1, 1, 0]) - 1.0).abs() < 1e-12, "middles are the same");
         let line = Line::of(&trials(&[0, 0, 1, 1], |_, _| 0.0)).unwrap();
-        assert_eq!(inflation(&weights, |_| None), None);
-        assert_eq!(inflation(&[difference(1.0, 7)], |_| Some(&line)), None);
+        assert_eq!(moved(&weights, |_| None), None);
+        assert_eq!(moved(&[difference(1.0, 7)], |_| Some(&line)), None);
+        // Of two people with opposite orders nothing is left; of three a third of the distance, 1 in the place of 3.
+        let [one, other] = [[0, 0, 0, 1, 1, 1], [1, 1, 1, 0, 0, 0]].map(|modes| moved_by(&modes));
+        assert!((inflation(&[one.clone(), one.clone()]) - expected).abs() < 1e-12);
+        assert!((inflation(&[one.clone(), other.clone()]) - 1.0).abs() < 1e-12);
+        let third = 1.0 + (expected - 1.0) / 9.0;
+        assert!((inflation(&[one.clone(), other, one]) - third).abs() < 1e-12);
     }
 }

@@ -179,7 +179,7 @@ pub(crate) fn rows(
             });
             let weights: Vec<_> = weights.collect();
             let people = differences.iter().map(|one| one.participant);
-            let refused = refused.or_else(|| Refused::ordered(cells, people, &weights));
+            let refused = refused.or_else(|| Refused::ordered(cells, split, people, &weights));
             // A claim rests on the p value of the participants' differences; with one participant, on that of the
             // sharp null, which the design's orders limit.
             let p = match of_people {

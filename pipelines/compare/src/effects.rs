@@ -153,7 +153,7 @@ pub(crate) fn rows<'a>(
         });
         let conditions: Vec<_> = conditions.collect();
         let refused =
-            refused.or_else(|| Refused::ordered(cells, values.keys().copied(), &conditions));
+            refused.or_else(|| Refused::ordered(cells, split, values.keys().copied(), &conditions));
         let environment = effect
             .environment
             .as_ref()

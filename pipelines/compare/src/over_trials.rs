@@ -5,7 +5,7 @@ use crate::measure::Measure;
 use crate::trials::{Trial, Trials};
 use std::collections::{BTreeMap, BTreeSet};
 use zwidth_results::{TrialSlope, UnitOfAnalysis};
-use zwidth_stats::over_trials::{Line, TrialPoint, WeighedCondition, inflation};
+use zwidth_stats::over_trials::{Line, TrialPoint, WeighedCondition, inflation, moved};
 use zwidth_stats::paired;
 use zwidth_study::OverTrials;
 
@@ -53,16 +53,11 @@ impl Lines {
         (nobody.into_iter().map(|[_, environment]| environment).collect(), people.len())
     }
 
-    /// How many times the line makes the variance of a weighted sum of somebody's conditions larger, mean over
-    /// participants.
-    pub(crate) fn inflation(
-        &self,
-        people: impl Iterator<Item = usize>,
-        weights: &[WeighedCondition],
-    ) -> f64 {
-        let of_person = |who| inflation(weights, |environment| self.0.get(&[who, environment]));
-        let each: Vec<f64> = people.filter_map(of_person).collect();
-        each.iter().sum::<f64>() / each.len().max(1) as f64
+    /// How many times the lines make the variance of a weighted sum of conditions larger by what the orders of these
+    /// people have in common.
+    pub(crate) fn inflation(&self, people: &[usize], weights: &[WeighedCondition]) -> f64 {
+        let of_person = |who: &usize| moved(weights, |place| self.0.get(&[*who, place]));
+        inflation(&people.iter().filter_map(of_person).collect::<Vec<_>>())
     }
 }
 
@@ -118,9 +113,9 @@ pub(crate) fn slopes(
 #[cfg(test)]
 mod tests {
     use crate::tests::{Trial, metrics, parameters};
-    use crate::{Comparison, Parameters, compare};
+    use crate::{Comparison, Groups, Parameters, compare};
     use zwidth_results::Verdict;
-    use zwidth_study::OverTrials;
+    use zwidth_study::{GroupsCompared, OverTrials};
 
     /// Six people who become better from trial to trial, with trials in modes in that order.
     fn practised(order: [&'static str; 6]) -> Comparison {
@@ -129,10 +124,15 @@ mod tests {
 
     /// Of whom every second one has the other order.
     fn practised_in(orders: [[&'static str; 6]; 2]) -> Comparison {
-        const CODES: [&str; 6] = ["P01", "P02", "P03", "P04", "P05", "P06"];
+        practised_of([orders; 3].concat(), None)
+    }
+
+    /// People with these orders.
+    fn practised_of(orders: Vec<[&'static str; 6]>, groups: Option<Groups>) -> Comparison {
+        const CODES: [&str; 8] = ["P01", "P02", "P03", "P04", "P05", "P06", "P07", "P08"];
         let mut trials: Vec<Trial> = Vec::new();
-        for (person, who) in CODES.into_iter().enumerate() {
-            for (place, mode) in orders[person % 2].into_iter().enumerate() {
+        for (person, (who, order)) in CODES.into_iter().zip(orders).enumerate() {
+            for (place, mode) in order.into_iter().enumerate() {
                 let (person, place) = (person as f64, place as f64);
                 let noise = 0.02 * (7.0 * person + 3.0 * place).sin();
                 let value = 5.0 - (0.3 + 0.01 * person) * place + noise;
@@ -140,7 +140,7 @@ mod tests {
             }
         }
         let over = Some(OverTrials::Trial);
-        compare(&metrics(&trials), &Parameters { over, ..parameters() }).unwrap()
+        compare(&metrics(&trials), &Parameters { over, groups, ..parameters() }).unwrap()
     }
 
     #[test]
@@ -168,6 +168,36 @@ mod tests {
         );
         assert_eq!((far.verdict, far.p_adjusted), (Verdict::NotTested, None));
         assert!(far.p_value.is_some() && near.remark.is_none() && near.p_adjusted.is_some());
+    }
+
+    #[test]
+    fn orders_that_balance_each_other_leave_no_practice_in_a_difference_unless_they_are_those_of_groups()
+     {
+        let [h, p, a] = ["hybrid", "passive", "active"];
+        let orders = [[a, a, p, p, h, h], [h, h, p, p, a, a]];
+        let found = practised_in(orders);
+        let row = &found.contrasts[0];
+        assert!(row.remark.is_none() && row.p_adjusted.is_some(), "{row:?}");
+        // Every second one is of the other group, and all of a group have one order.
+        let levels = ["odd", "even"].map(|level| level.parse().unwrap()).to_vec();
+        let compared = GroupsCompared {
+            column: "group".parse().unwrap(),
+            contrasts: vec!["even − odd".parse().unwrap()],
+            levels,
+            assigned: false,
+        };
+        let levels_of =
+            (1..=8_usize).map(|who| (format!("P{who:02}").parse().unwrap(), (who + 1) % 2));
+        let groups = Groups { compared, levels_of: levels_of.collect(), blocks: [].into() };
+        let found = practised_of([orders; 4].concat(), Some(groups));
+        let row = &found.contrasts[0];
+        let remark = row.remark.as_ref().unwrap().to_string();
+        assert!(remark.contains("11.7 times larger"), "{remark}");
+        assert!(found.groups.iter().any(|row| {
+            row.remark
+                .as_ref()
+                .is_some_and(|remark| remark.to_string().contains("11.7 times larger"))
+        }));
     }
 
     #[test]

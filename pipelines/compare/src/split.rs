@@ -81,14 +81,21 @@ impl Refused {
         (n < LEAST_FOR_A_CLAIM).then(|| Self::TooFew { n, group: group.to_owned() })
     }
 
-    /// Whether the lines over trials, if there are any, tell practice and a weighted sum of somebody's conditions
-    /// apart.
+    /// Whether the lines over trials, if there are any, tell practice and a weighted sum of conditions apart: of all people,
+    /// and of each group, which could have orders that balance each other over groups alone.
     pub(crate) fn ordered(
         cells: &Cells,
+        split: Option<&Split>,
         people: impl Iterator<Item = usize>,
         weights: &[WeighedCondition],
     ) -> Option<Self> {
-        let inflation = cells.lines.as_ref()?.inflation(people, weights);
+        let lines = cells.lines.as_ref()?;
+        let groups = match split {
+            Some(split) => split.by_level(people.map(|participant| (participant, participant))),
+            None => vec![people.collect()],
+        };
+        let each = groups.iter().filter(|people| !people.is_empty());
+        let inflation = each.map(|people| lines.inflation(people, weights)).fold(0.0, f64::max);
         (inflation > MOST_INFLATED).then_some(Self::Ordered(inflation))
     }
 

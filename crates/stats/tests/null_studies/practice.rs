@@ -5,7 +5,9 @@ use crate::drawn::normal;
 use crate::judged::{Asked, Judged, LEVEL, MOST, Said, judge};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
-use zwidth_stats::over_trials::{Line, MOST_INFLATED, TrialPoint, WeighedCondition, inflation};
+use zwidth_stats::over_trials::{
+    Line, MOST_INFLATED, TrialPoint, WeighedCondition, inflation, moved,
+};
 use zwidth_stats::paired;
 use zwidth_study::order::williams;
 
@@ -22,6 +24,8 @@ enum Order {
     Williams,
     /// All trials of a mode in one block; the first mode changes from person to person.
     RotatedBlocks,
+    /// The same blocks for three of four people, for the others those that begin with the second mode.
+    MostlySameBlocks,
     /// The same blocks for everybody.
     SameBlocks,
 }
@@ -51,6 +55,9 @@ pub(crate) fn kinds() -> Vec<Practised> {
         (Order::Williams, 3, [2, 0]),
         (Order::RotatedBlocks, 2, [1, 0]),
         (Order::RotatedBlocks, 3, [2, 0]),
+        (Order::RotatedBlocks, 4, [2, 0]),
+        (Order::MostlySameBlocks, 3, [1, 0]),
+        (Order::MostlySameBlocks, 3, [2, 0]),
         (Order::SameBlocks, 3, [1, 0]),
         (Order::SameBlocks, 3, [2, 0]),
     ];
@@ -79,6 +86,8 @@ impl Practised {
         let order = match (self.order, self.contrast) {
             (Order::Williams, _) => "Williams rows",
             (Order::RotatedBlocks, _) => "rotated blocks",
+            (Order::MostlySameBlocks, [1, 0]) => "the same blocks for three of four, neighbours",
+            (Order::MostlySameBlocks, _) => "the same blocks for three of four, first and last",
             (Order::SameBlocks, [1, 0]) => "the same blocks for all, neighbours",
             (Order::SameBlocks, _) => "the same blocks for all, first and last",
         };
@@ -87,14 +96,18 @@ impl Practised {
 
     /// The modes of a person's trials, in their order.
     fn modes_of(&self, person: usize) -> Vec<usize> {
-        let first = if self.order == Order::RotatedBlocks { person } else { 0 };
+        let first = match self.order {
+            Order::RotatedBlocks => person,
+            Order::MostlySameBlocks => usize::from(person % 4 == 3),
+            Order::Williams | Order::SameBlocks => 0,
+        };
         match self.order {
             Order::Williams => {
                 let rows = williams(self.modes);
                 let of_repeat = |repeat: usize| rows[(person + repeat) % rows.len()].clone();
                 (0..REPEATS).flat_map(of_repeat).collect()
             }
-            Order::RotatedBlocks | Order::SameBlocks => {
+            Order::RotatedBlocks | Order::MostlySameBlocks | Order::SameBlocks => {
                 (0..self.modes).flat_map(|block| [(block + first) % self.modes; REPEATS]).collect()
             }
         }
@@ -126,8 +139,9 @@ impl Practised {
 pub(crate) fn tests(kind: Practised, studies: usize) -> Vec<Judged> {
     let approximate = Asked::Approximate { most: MOST, coverage: [0.94, 0.985] };
     let balanced = if kind.order == Order::Williams { approximate } else { Asked::Nothing };
-    // A line leaves what it cannot bend to; where everybody had the same order nothing evens it out, and a note says so.
-    let is_left = kind.order == Order::SameBlocks && kind.practice == Practice::DiesAway;
+    // A line leaves what it cannot bend to, which nothing evens out where most people had one order.
+    let has_one = matches!(kind.order, Order::SameBlocks | Order::MostlySameBlocks);
+    let is_left = has_one && kind.practice == Practice::DiesAway;
     let tests = [
         ("claim along own lines", if is_left { Asked::Nothing } else { approximate }),
         ("own lines, claimed or not", Asked::Nothing),
@@ -141,8 +155,8 @@ pub(crate) fn tests(kind: Practised, studies: usize) -> Vec<Judged> {
             .zip(kind.contrast)
             .map(|(weight, mode)| WeighedCondition { session: None, environment: 0, mode, weight });
         let weights: Vec<_> = weights.collect();
-        let each = lines.iter().filter_map(|line| inflation(&weights, |_| Some(line)));
-        let inflated = each.sum::<f64>() / lines.len() as f64;
+        let each = lines.iter().filter_map(|line| moved(&weights, |_| Some(line)));
+        let inflated = inflation(&each.collect::<Vec<_>>());
         let adjusted: Vec<f64> = people
             .iter()
             .zip(&lines)
