@@ -9,7 +9,7 @@ use crate::value::texts;
 use std::fmt;
 use std::str::FromStr;
 use std::sync::Arc;
-use zwidth_study::{EnvironmentId, IdError, LevelContrast, MetricId, Term};
+use zwidth_study::{EnvironmentId, FactorId, IdError, LevelContrast, LevelId, MetricId, Term};
 
 /// How an effect compares the levels of each of its factors.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -40,7 +40,7 @@ impl FromStr for EffectLevels {
     }
 }
 
-texts!(Term, EffectLevels);
+texts!(FactorId, Term, EffectLevels);
 
 /// An effect by its factors and their levels.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -170,13 +170,19 @@ rows! {
         unit: Arc<str>,
         /// what was rendered; null over several environments
         environment: Option<EnvironmentId>,
-        /// of which factor
+        /// over which factor
         effect: Term,
+        /// the other factor within a level of which the curve is; null where the others are averaged
+        factor: Option<FactorId>,
+        /// its level
+        level: Option<LevelId>,
+        /// whose people; null where no groups are compared
+        group: Option<LevelId>,
         /// the dose
         dose: f64,
         /// its unit
         dose_unit: String,
-        /// participants who have every level
+        /// participants who have every dose
         n: usize,
         /// mean over participants
         mean: f64 = UNIT_OF_ROW,

@@ -37,7 +37,7 @@
 //! | [`EffectDifference`] | metric, environment, effect, levels | `compare` | figures, summary |
 //! | [`FactorTest`] | metric, environment, effect | `compare` | summary, printed tables |
 //! | [`DoseModel`] | metric, environment, effect | `compare` | printed tables |
-//! | [`DosePoint`] | metric, environment, effect, dose | `compare` | figures, printed tables |
+//! | [`DosePoint`] | metric, environment, effect, level, group, dose | `compare` | figures, printed tables |
 //! | [`CurveNode`] | curve, environment, effect, groups, branch, angle or time | `compare` | figures |
 //! | [`CurveDifference`] | curve, environment, effect, groups | `compare` | figures, summary, printed tables |
 //! | [`CurveRun`] | curve, environment, effect, branch, angle or time | `compare` | figures, summary, printed tables |

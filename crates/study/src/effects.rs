@@ -36,6 +36,29 @@ struct Crossed<'a> {
     levels: BTreeMap<&'a FactorId, &'a LevelId>,
 }
 
+/// A curve over a dose: the mean of everybody's own line, or parabola, over their means of its levels.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct DoseCurve {
+    /// The dose.
+    pub dose: FactorId,
+    /// The factor, and its level, within which the curve is; the other factors are averaged.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub within: Option<WithinLevel>,
+    /// The environment in which it is; `None` of one over several.
+    pub environment: Option<EnvironmentId>,
+    /// The line or parabola, and what its levels are means of.
+    pub over: OverDose,
+}
+
+/// A level of a factor.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct WithinLevel {
+    /// The factor.
+    pub factor: FactorId,
+    /// Its level.
+    pub level: LevelId,
+}
+
 impl Effect {
     /// Whether each of its weights is of one session; else everybody's sessions are averaged.
     pub fn is_by_session(&self) -> bool {
@@ -47,11 +70,8 @@ impl Study {
     /// The effects that the study compares: of each term, every later level of a factor less the first, the
     /// other factors averaged; in every environment, unless a factor is of environments.
     pub fn effects(&self) -> Vec<Effect> {
-        let over_all = self.factors.iter().any(|factor| factor.of == FactorOf::Environments);
         let mut effects = Vec::new();
-        let everywhere = if over_all { &[][..] } else { &self.environments };
-        let places = everywhere.iter().map(|environment| Some(&environment.id));
-        for place in places.chain(over_all.then_some(None)) {
+        for place in self.places_of_effects() {
             let crossed = self.crossed(place);
             for term in &self.compare.effects {
                 effects.extend(self.effects_of(term, place, &crossed));
@@ -71,6 +91,89 @@ impl Study {
             }
         }));
         effects
+    }
+
+    /// The curves over doses that belong to the effects: of each dose that is an effect one, the other factors averaged as in
+    /// its slope; of each interaction of a dose with one other factor one for every level of that. These are within the
+    /// same conditions of any third factor, those in which each level has every dose, so that their slopes can be compared;
+    /// without such a condition there are none.
+    pub fn dose_curves(&self) -> Vec<DoseCurve> {
+        let mut curves = Vec::new();
+        for place in self.places_of_effects() {
+            let crossed = self.crossed(place);
+            let mut add = |dose: &Factor, within: Option<WithinLevel>| {
+                let over = self.over_dose(dose, within.as_ref(), place, &crossed);
+                curves.extend(over.map(|over| DoseCurve {
+                    dose: dose.id.clone(),
+                    within,
+                    environment: place.cloned(),
+                    over,
+                }));
+            };
+            for term in &self.compare.effects {
+                let of_term =
+                    term.0.iter().filter_map(|id| self.factors.iter().find(|own| own.id == *id));
+                match of_term.collect::<Vec<&Factor>>()[..] {
+                    [dose] => add(dose, None),
+                    [one, other] => {
+                        for (dose, factor) in [(one, other), (other, one)] {
+                            for level in &factor.levels {
+                                let (factor, level) = (factor.id.clone(), level.clone());
+                                add(dose, Some(WithinLevel { factor, level }));
+                            }
+                        }
+                    }
+                    _ => {}
+                }
+            }
+        }
+        curves
+    }
+
+    /// Where effects are: in each environment; over all of them, which `None` stands for, if a factor is of environments.
+    fn places_of_effects(&self) -> Vec<Option<&EnvironmentId>> {
+        match self.factors.iter().any(|factor| factor.of == FactorOf::Environments) {
+            true => vec![None],
+            false => self.environments.iter().map(|environment| Some(&environment.id)).collect(),
+        }
+    }
+
+    /// The line, or parabola, over a dose, with the conditions of each of its levels; `None` of a factor that is no dose, and
+    /// where the study lacks conditions for it.
+    fn over_dose(
+        &self,
+        dose: &Factor,
+        within: Option<&WithinLevel>,
+        place: Option<&EnvironmentId>,
+        crossed: &[Crossed<'_>],
+    ) -> Option<OverDose> {
+        let doses = dose.doses()?;
+        let other =
+            within.and_then(|within| self.factors.iter().find(|factor| factor.id == within.factor));
+        let of_term: Vec<&Factor> = std::iter::once(dose).chain(other).collect();
+        let term = Term(of_term.iter().map(|factor| factor.id.clone()).collect());
+        let others: Vec<&Factor> =
+            self.factors.iter().filter(|factor| !term.0.contains(&factor.id)).collect();
+        // One level alone. As in a trend, the others must be there too.
+        let alone = |factor: &Factor, is_it: &dyn Fn(usize) -> bool| {
+            let weights = (0..factor.levels.len()).map(|place| f64::from(u8::from(is_it(place))));
+            (LevelContrast::Trend(String::new()), weights.collect::<Vec<f64>>())
+        };
+        let mut levels = Vec::new();
+        for level in 0..doses.len() {
+            let of_dose = alone(dose, &|place| place == level);
+            let of_other = other.zip(within).map(|(factor, within)| {
+                alone(factor, &|place| factor.levels[place] == within.level)
+            });
+            let chosen: Vec<_> = std::iter::once(&of_dose).chain(&of_other).collect();
+            let mut mean =
+                self.effect_of(&term, &of_term, &others, &chosen, place, crossed).weights;
+            mean.retain(|weight| weight.weight != 0.0);
+            levels.push(mean);
+        }
+        let trend = self.compare.trend.get(&dose.id).copied().unwrap_or_default();
+        let over = OverDose { trend, doses, unit: dose.unit.clone()?, levels };
+        over.levels.iter().all(|level| !level.is_empty()).then_some(over)
     }
 
     /// The conditions in an environment, or in all, with the levels of their modes and environments.
@@ -158,25 +261,13 @@ impl Study {
         {
             let contrasts: Vec<Vec<(LevelContrast, Vec<f64>)>> = contrasts;
             for chosen in choices(contrasts.iter().map(|all| all.iter().collect())) {
-                let effect_of = |chosen: &[&(LevelContrast, Vec<f64>)]| {
-                    self.effect_of(term, &of_term, &others, chosen, place, crossed)
-                };
-                let effect = effect_of(&chosen);
+                let effect = self.effect_of(term, &of_term, &others, &chosen, place, crossed);
                 let over = match (of_term.as_slice(), chosen.as_slice()) {
-                    ([dose], [(trend @ LevelContrast::Trend(_), weights)]) => {
-                        let level = |place: usize| {
-                            let mut alone = vec![0.0; weights.len()];
-                            alone[place] = 1.0;
-                            let mut mean = effect_of(&[&(trend.clone(), alone)]).weights;
-                            mean.retain(|weight| weight.weight != 0.0);
-                            mean
-                        };
-                        let levels = (0..weights.len()).map(level).collect();
-                        over(dose).map(|over| OverDose { levels, ..over })
+                    ([dose], [(LevelContrast::Trend(_), _)]) => {
+                        self.over_dose(dose, None, place, crossed)
                     }
                     _ => None,
                 };
-                let over = over.filter(|_| !effect.weights.is_empty());
                 effects.push(Effect { is_claimed, over, ..effect });
             }
         }
@@ -399,5 +490,75 @@ mod tests {
         assert_eq!(of(1), crossed);
         // In each of the two environments time, and two later levels with it.
         assert_eq!(effects.len(), 2 * 3);
+    }
+
+    /// A study with a gain of two doses, a motor and a side, without the modes of these ids.
+    fn dosed(lacks: &[&str]) -> Study {
+        let text = text();
+        let (before, rest) = text.split_once("[[modes]]").unwrap();
+        let (_, questions) = rest.split_once("[[questions]]").unwrap();
+        let mut modes = String::new();
+        for (dose, motor, side) in
+            [1, 2].iter().flat_map(|dose| PAIRS.map(|(motor, side)| (dose, motor, side)))
+        {
+            let id = format!("{motor}{dose}{side}");
+            if !lacks.contains(&id.as_str()) {
+                modes += &format!(
+                    "[[modes]]\nid = \"{id}\"\nlabel = \"{id}\"\n\
+                     factors = {{ gain = {dose}, motor = \"{motor}\", side = \"{side}\" }}\n"
+                );
+            }
+        }
+        let factors = "[[factors]]\nid = \"gain\"\nlevels = [1, 2]\nunit = \"1\"\n\
+                       [[factors]]\nid = \"motor\"\nlevels = [\"no\", \"yes\"]\n\
+                       [[factors]]\nid = \"side\"\nlevels = [\"l\", \"r\"]\n";
+        let compare = "[compare]\neffects = [\"gain\", \"gain:motor\"]\n";
+        Study::from_toml(&format!("{before}{modes}{factors}[[questions]]{questions}\n{compare}"))
+            .unwrap()
+    }
+
+    const PAIRS: [(&str, &str); 4] = [("no", "l"), ("no", "r"), ("yes", "l"), ("yes", "r")];
+
+    #[test]
+    fn curves_over_a_dose_are_of_the_conditions_of_its_effect_and_of_its_interaction() {
+        let of = |lacks: &[&str]| -> Vec<(Option<String>, Vec<Vec<(String, f64)>>)> {
+            let study = dosed(lacks);
+            let here = study.dose_curves().into_iter();
+            let here =
+                here.filter(|curve| curve.environment.as_ref() == Some(&study.environments[0].id));
+            let named = here.map(|curve| {
+                let level = curve.within.map(|within| within.level.to_string());
+                let own = |weights: &Vec<Weight>| {
+                    weights.iter().map(|w| (w.mode.to_string(), w.weight)).collect()
+                };
+                (level, curve.over.levels.iter().map(own).collect())
+            });
+            named.collect()
+        };
+        let means = |levels: [&[&str]; 2]| -> Vec<Vec<(String, f64)>> {
+            levels
+                .map(|ids| {
+                    ids.iter().map(|id| ((*id).to_owned(), 1.0 / ids.len() as f64)).collect()
+                })
+                .to_vec()
+        };
+        let within = |level: &str| Some(level.to_owned());
+        let whole = [
+            (
+                None,
+                means([&["no1l", "no1r", "yes1l", "yes1r"], &["no2l", "no2r", "yes2l", "yes2r"]]),
+            ),
+            (within("no"), means([&["no1l", "no1r"], &["no2l", "no2r"]])),
+            (within("yes"), means([&["yes1l", "yes1r"], &["yes2l", "yes2r"]])),
+        ];
+        assert_eq!(of(&[]), whole);
+        // Without one condition the interaction is within the other side, and so are both of its curves.
+        let lacking = [
+            (None, means([&["no1l", "no1r", "yes1l"], &["no2l", "no2r", "yes2l"]])),
+            (within("no"), means([&["no1l"], &["no2l"]])),
+            (within("yes"), means([&["yes1l"], &["yes2l"]])),
+        ];
+        assert_eq!(of(&["yes2r"]), lacking);
+        assert_eq!(of(&["yes2r", "no1l"]).len(), 1, "no side has every dose with and without");
     }
 }

@@ -51,7 +51,7 @@ pub use compare::{
 };
 pub use control::{Control, VelocityFilter};
 pub use counted::counted;
-pub use effects::Effect;
+pub use effects::{DoseCurve, Effect, WithinLevel};
 pub use event::{Event, Given, Moment, SealedTrial};
 pub use factors::{DoseScale, Factor, FactorOf, Levels, Term, Trend, Weight, Weighted};
 pub use figures::{Alignment, Figures, OwnFigures};

@@ -3,12 +3,14 @@
 use crate::Parameters;
 use crate::cells::Cells;
 use crate::measure::Measure;
+use crate::split::Split;
 use crate::weighed::{Placed, averaged, levels_of, of_people, weighed};
+use std::collections::BTreeMap;
 use zwidth_results::{DosePoint, UnitOfAnalysis};
 use zwidth_stats::curve;
 use zwidth_stats::null::Sampling;
 use zwidth_stats::student_t::critical_value;
-use zwidth_study::{Effect, LevelContrast, OverDose};
+use zwidth_study::{Effect, LevelId, OverDose, Term};
 
 /// Points of a curve.
 const POINTS: usize = 61;
@@ -16,18 +18,17 @@ const POINTS: usize = 61;
 /// Flips that are drawn where there are too many participants to count all.
 const SAMPLING: Sampling = Sampling { draws: 9_999, seed: 1 };
 
-/// Everybody's means of all levels of a dose; of who lacks a level a curve would go beyond what they felt.
+/// Everybody's means of all levels of a dose, by participant; of who lacks a level a curve would go beyond what they felt.
 fn means_of_levels(
     over: &OverDose,
-    effect: &Effect,
     cells: &Cells,
     parameters: &Parameters,
-) -> Vec<Vec<f64>> {
+) -> BTreeMap<usize, Vec<f64>> {
     let levels: Vec<Vec<Placed>> = levels_of(over, cells, parameters);
-    let people = averaged(&of_people(cells, effect.is_by_session()), |own| {
+    let are_sessions = over.levels.iter().flatten().any(|weight| weight.session.is_some());
+    averaged(&of_people(cells, are_sessions), |own| {
         levels.iter().map(|level| weighed(level, own)).collect()
-    });
-    people.into_values().collect()
+    })
 }
 
 /// The sum of a person's means of levels with these weights.
@@ -35,50 +36,60 @@ fn at(weights: &[f64], means: &[f64]) -> f64 {
     weights.iter().zip(means).map(|(weight, mean)| weight * mean).sum()
 }
 
-/// The curves of a metric over doses; none of groups, which have no mean curve together, nor of one participant.
+/// The curves of a metric over doses, each by group of people where groups are compared; none of one participant.
 pub(crate) fn curves(
     cells: &Cells,
     unit: &UnitOfAnalysis,
+    split: Option<&Split>,
     measure: &Measure,
     parameters: &Parameters,
 ) -> Vec<DosePoint> {
-    if *unit != UnitOfAnalysis::Participants || parameters.groups.is_some() {
+    if *unit != UnitOfAnalysis::Participants {
         return Vec::new();
     }
     let mut rows = Vec::new();
-    for effect in parameters.effects.iter().filter(|effect| effect.is_claimed) {
-        // One curve of a line and its bend.
-        let is_slope = !effect.levels.iter().any(LevelContrast::is_bend);
-        let Some(over) = effect.over.as_ref().filter(|_| is_slope) else { continue };
-        let people = means_of_levels(over, effect, cells, parameters);
-        let doses: Vec<f64> =
-            (0..POINTS).map(|point| over.along(point as f64 / (POINTS - 1) as f64)).collect();
-        let weights: Vec<Vec<f64>> = doses.iter().map(|dose| over.at(*dose)).collect();
-        let curves: Vec<Vec<f64>> = people
-            .iter()
-            .map(|means| weights.iter().map(|weights| at(weights, means)).collect())
-            .collect();
-        let tested = curve::differences(&curves, &[POINTS], parameters.level, SAMPLING);
-        let pointwise = critical_value(parameters.level, people.len() as f64 - 1.0);
-        let (Ok(tested), Ok(pointwise)) = (tested, pointwise) else { continue };
-        rows.extend(doses.into_iter().zip(&tested.nodes).map(|(dose, node)| {
-            let band = node.ends.filter(|_| tested.band.is_some());
-            DosePoint {
-                metric: measure.parameters.metric.clone(),
-                unit: measure.unit.clone(),
-                environment: effect.environment.clone(),
-                effect: effect.term.clone(),
-                dose,
-                dose_unit: over.unit.clone(),
-                n: people.len(),
-                mean: node.mean,
-                std_error: node.std_error,
-                ci_low: node.mean - pointwise * node.std_error,
-                ci_high: node.mean + pointwise * node.std_error,
-                band_low: band.map(|ends| ends[0]),
-                band_high: band.map(|ends| ends[1]),
+    for curve in &parameters.dose_curves {
+        let people = means_of_levels(&curve.over, cells, parameters);
+        let groups: Vec<(Option<&LevelId>, Vec<Vec<f64>>)> = match split {
+            None => vec![(None, people.into_values().collect())],
+            Some(split) => {
+                let ids = split.groups.compared.levels.iter().map(Some);
+                ids.zip(split.by_level(people.into_iter())).collect()
             }
-        }));
+        };
+        let along = |point| curve.over.along(point as f64 / (POINTS - 1) as f64);
+        let doses: Vec<f64> = (0..POINTS).map(along).collect();
+        let weights: Vec<Vec<f64>> = doses.iter().map(|dose| curve.over.at(*dose)).collect();
+        for (group, people) in groups {
+            let curves: Vec<Vec<f64>> = people
+                .iter()
+                .map(|means| weights.iter().map(|weights| at(weights, means)).collect())
+                .collect();
+            let tested = curve::differences(&curves, &[POINTS], parameters.level, SAMPLING);
+            let pointwise = critical_value(parameters.level, people.len() as f64 - 1.0);
+            let (Ok(tested), Ok(pointwise)) = (tested, pointwise) else { continue };
+            rows.extend(doses.iter().zip(&tested.nodes).map(|(dose, node)| {
+                let band = node.ends.filter(|_| tested.band.is_some());
+                DosePoint {
+                    metric: measure.parameters.metric.clone(),
+                    unit: measure.unit.clone(),
+                    environment: curve.environment.clone(),
+                    effect: Term(vec![curve.dose.clone()]),
+                    factor: curve.within.as_ref().map(|within| within.factor.clone()),
+                    level: curve.within.as_ref().map(|within| within.level.clone()),
+                    group: group.cloned(),
+                    dose: *dose,
+                    dose_unit: curve.over.unit.clone(),
+                    n: people.len(),
+                    mean: node.mean,
+                    std_error: node.std_error,
+                    ci_low: node.mean - pointwise * node.std_error,
+                    ci_high: node.mean + pointwise * node.std_error,
+                    band_low: band.map(|ends| ends[0]),
+                    band_high: band.map(|ends| ends[1]),
+                }
+            }));
+        }
     }
     rows
 }
@@ -92,13 +103,13 @@ pub(crate) fn turns_at(
     parameters: &Parameters,
 ) -> Option<f64> {
     let over = effect.over.as_ref()?;
-    let people = means_of_levels(over, effect, cells, parameters);
+    let people = means_of_levels(over, cells, parameters);
     if people.len() != n {
         return None;
     }
     let mean = |share: f64| {
         let weights = over.at(over.along(share));
-        people.iter().map(|means| at(&weights, means)).sum::<f64>() / people.len() as f64
+        people.values().map(|means| at(&weights, means)).sum::<f64>() / people.len() as f64
     };
     // Three points of a parabola say where it turns.
     let [low, middle, high] = [mean(0.0), mean(0.5), mean(1.0)];
@@ -108,11 +119,13 @@ pub(crate) fn turns_at(
 
 #[cfg(test)]
 mod tests {
-    use crate::compare;
     use crate::effects::tests::{near, u};
     use crate::tests::{measured, parameters};
-    use zwidth_results::{EffectDifference, TrialKey};
-    use zwidth_study::{DoseScale, Factor, FactorId, FactorOf, LevelId, Mode, Source, Term, Trend};
+    use crate::{Groups, compare};
+    use zwidth_results::{DosePoint, EffectDifference, TrialKey};
+    use zwidth_study::{
+        DoseScale, Factor, FactorId, FactorOf, GroupsCompared, LevelId, Mode, Source, Term, Trend,
+    };
 
     /// Eight people at four doses, three repeats. R (`lm` of each participant, `t.test`, `anova.mlm`) and SciPy have
     /// these: effect, standard error, t, p; 7 degrees of freedom.
@@ -161,6 +174,7 @@ mod tests {
         let mut found = |degree, scale| {
             study.compare.trend.insert(dose.clone(), Trend { degree, scale });
             parameters.effects = study.effects();
+            parameters.dose_curves = study.dose_curves();
             compare(&measured(&keys, values.iter().copied()), &parameters).unwrap()
         };
         let linear = found(2, DoseScale::Linear);
@@ -266,6 +280,7 @@ mod tests {
         parameters.modes = study.modes.iter().map(|mode| mode.id.clone()).collect();
         parameters.contrasts = Vec::new();
         parameters.effects = study.effects();
+        parameters.dose_curves = study.dose_curves();
         compare(&measured(&keys, values.into_iter()), &parameters).unwrap()
     }
 
@@ -313,5 +328,139 @@ mod tests {
         let value = |x: f64, own: f64| (1.0 + 0.2 * own) * (x.log2() - 1.5).powi(2);
         let found = of_doses(&[1.0, 2.0, 4.0, 8.0], doubled, &[], value);
         near(found.effects[1].turns_at, 8_f64.sqrt());
+    }
+
+    /// Eight people at three doses × motor, of whom the first three are novices.
+    fn crossed(terms: &[&str], groups: bool, lacks: &[(u64, &str)]) -> crate::Comparison {
+        const DOSES: [u64; 3] = [1, 2, 4];
+        let mut study = zwidth_testing::study();
+        let mode = study.modes[0].clone();
+        let [gain, motor]: [FactorId; 2] = ["gain", "motor"].map(|id| id.parse().unwrap());
+        let level = |text: &str| -> LevelId { text.parse().unwrap() };
+        let numbers: Vec<LevelId> = DOSES.iter().map(|dose| level(&dose.to_string())).collect();
+        study.modes.clear();
+        for (number, dose) in numbers.iter().zip(DOSES) {
+            for with in ["no", "yes"] {
+                study.modes.push(Mode {
+                    id: format!("{with}{dose}").parse().unwrap(),
+                    factors: [(gain.clone(), number.clone()), (motor.clone(), level(with))].into(),
+                    ..mode.clone()
+                });
+            }
+        }
+        study.environments.truncate(1);
+        let of = FactorOf::Modes;
+        study.factors = vec![
+            Factor { id: motor, levels: vec![level("no"), level("yes")], unit: None, of },
+            Factor { id: gain, levels: numbers, unit: Some("1".to_owned()), of },
+        ];
+        study.compare.effects = terms.iter().map(|term| term.parse().unwrap()).collect();
+        let (mut keys, mut values) = (Vec::new(), Vec::new());
+        for person in 1..=8_u64 {
+            for (trial, mode) in (1..).zip(&study.modes) {
+                let (with, dose) = mode.id.as_str().split_at(mode.id.as_str().len() - 1);
+                if lacks.contains(&(person, mode.id.as_str())) {
+                    continue;
+                }
+                let (x, with) = (dose.parse::<u64>().unwrap(), u64::from(with == "yes"));
+                keys.push(TrialKey {
+                    participant: format!("P{person:02}").parse().unwrap(),
+                    session: "S01".parse().unwrap(),
+                    trial,
+                    repeat: 1,
+                    environment: study.environments[0].id.clone(),
+                    mode: mode.id.clone(),
+                    source: Source::Recorded,
+                });
+                let slope = 0.5 + 0.3 * with as f64 + 0.2 * u([person, with, 0, 0]);
+                values.push(Some(slope * x as f64 + u([person, with, x, 1])));
+            }
+        }
+        let mut parameters = parameters();
+        parameters.environments = vec![study.environments[0].id.clone()];
+        parameters.modes = study.modes.iter().map(|mode| mode.id.clone()).collect();
+        parameters.contrasts = Vec::new();
+        parameters.effects = study.effects();
+        parameters.dose_curves = study.dose_curves();
+        parameters.groups = groups.then(|| Groups {
+            compared: GroupsCompared {
+                column: "group".parse().unwrap(),
+                levels: vec![level("novice"), level("expert")],
+                assigned: false,
+                contrasts: Vec::new(),
+            },
+            levels_of: (1..=8_usize)
+                .map(|person| (format!("P{person:02}").parse().unwrap(), usize::from(person > 3)))
+                .collect(),
+            blocks: [].into(),
+        });
+        compare(&measured(&keys, values.into_iter()), &parameters).unwrap()
+    }
+
+    /// The first and the last point of each curve, with its level and its group.
+    fn ends(found: &crate::Comparison) -> Vec<(String, [&DosePoint; 2])> {
+        let curves = found.trend_curves.chunks(super::POINTS).map(|curve| {
+            let [first, last] = [&curve[0], &curve[curve.len() - 1]];
+            let name = [first.level.as_ref(), first.group.as_ref()];
+            assert!(curve.iter().all(|point| [point.level.as_ref(), point.group.as_ref()] == name));
+            let name: Vec<String> = name.into_iter().flatten().map(ToString::to_string).collect();
+            (name.join(" "), [first, last])
+        });
+        curves.collect()
+    }
+
+    #[test]
+    fn the_slopes_of_curves_are_those_of_the_effect_and_of_the_interaction() {
+        let found = crossed(&["gain", "motor:gain"], false, &[]);
+        let [slope, interaction] = &found.effects[..] else { panic!("{:?}", found.effects) };
+        let curves = ends(&found);
+        let names: Vec<&str> = curves.iter().map(|(name, _)| name.as_str()).collect();
+        assert_eq!(names, ["", "no", "yes"]);
+        // From the dose 1 to the dose 4.
+        let rise = |curve: usize| {
+            let [first, last] = curves[curve].1;
+            Some((last.mean - first.mean) / 3.0)
+        };
+        near(rise(0), slope.difference.unwrap());
+        near(rise(2).zip(rise(1)).map(|(yes, no)| yes - no), interaction.difference.unwrap());
+        // R's `lm` of everybody's means of the levels, and `predict` at both ends: mean and standard error.
+        const MEANS: [[[f64; 2]; 2]; 3] = [
+            [[0.645073254, 0.0647556376], [2.50376336, 0.0985863792]],
+            [[0.520759265, 0.0983521139], [1.95251699, 0.126049061]],
+            [[0.769387242, 0.114146363], [3.05500974, 0.128309578]],
+        ];
+        for (curve, [low, high]) in MEANS.into_iter().enumerate() {
+            let [first, last] = curves[curve].1;
+            near(Some(first.mean), low[0]);
+            near(Some(first.std_error), low[1]);
+            near(Some(last.mean), high[0]);
+            near(Some(last.std_error), high[1]);
+        }
+        // Without the interaction no curve of a level is asked for; without the slope none of the mean.
+        let of = |terms| ends(&crossed(terms, false, &[])).len();
+        assert_eq!([of(&["gain", "motor"]), of(&["gain:motor"]), of(&["motor"])], [1, 2, 0]);
+    }
+
+    #[test]
+    fn who_lacks_a_dose_at_one_level_is_in_the_curve_of_the_other_level_alone() {
+        let found = crossed(&["gain", "gain:motor"], false, &[(2, "yes4")]);
+        let numbers: Vec<usize> = ends(&found).iter().map(|(_, [first, _])| first.n).collect();
+        assert_eq!(numbers, [7, 8, 7]);
+    }
+
+    #[test]
+    fn of_groups_each_has_its_curves_and_one_of_few_people_no_band() {
+        let found = crossed(&["gain", "gain:motor"], true, &[]);
+        let curves = ends(&found);
+        let names: Vec<&str> = curves.iter().map(|(name, _)| name.as_str()).collect();
+        assert_eq!(
+            names,
+            ["novice", "expert", "no novice", "no expert", "yes novice", "yes expert"]
+        );
+        // An effect has the same weight for each group.
+        let rise = |curve: usize| (curves[curve].1[1].mean - curves[curve].1[0].mean) / 3.0;
+        near(found.effects[0].difference, (rise(0) + rise(1)) / 2.0);
+        assert_eq!([curves[0].1[0].n, curves[1].1[0].n], [3, 5]);
+        assert!(curves.iter().all(|(_, [first, _])| first.band_low.is_none()));
     }
 }

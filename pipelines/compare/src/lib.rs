@@ -326,7 +326,7 @@ impl<'a> Tested<'a> {
                 .unwrap_or_default(),
             effects: effects::named(effects, cells, unit, split, measure, parameters),
             factor_tests: anova::tests(cells, split, measure, parameters),
-            trend_curves: doses::curves(cells, unit, measure, parameters),
+            trend_curves: doses::curves(cells, unit, split, measure, parameters),
             trend_models: models::of_doses(trials, unit, measure, parameters),
             group_models: by_group.differences,
             group_model_tests: by_group.tests,

@@ -4,8 +4,8 @@ use crate::{Preregistered, SessionOrder};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use zwidth_study::{
-    Better, Contrast, Effect, EffectSize, EnvironmentId, Families, GroupsCompared, MetricId,
-    ModeId, OverTrials, ParticipantId, Perception, PersonColumnId,
+    Better, Contrast, DoseCurve, Effect, EffectSize, EnvironmentId, Families, GroupsCompared,
+    MetricId, ModeId, OverTrials, ParticipantId, Perception, PersonColumnId,
 };
 
 /// The parameters of a comparison.
@@ -41,6 +41,9 @@ pub struct Parameters {
     /// Effects of factors, and weighted contrasts.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub effects: Vec<Effect>,
+    /// Curves over those of the factors that are doses.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub dose_curves: Vec<DoseCurve>,
     /// The orders of the sessions, and how they were drawn.
     pub orders: Vec<SessionOrder>,
 }

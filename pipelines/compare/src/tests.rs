@@ -55,6 +55,7 @@ pub(crate) fn parameters() -> Parameters {
         covariates: Vec::new(),
         over: None,
         effects: Vec::new(),
+        dose_curves: Vec::new(),
         orders: Vec::new(),
     }
 }

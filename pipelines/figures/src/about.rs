@@ -3,7 +3,7 @@
 
 use serde::Serialize;
 use std::ops::Not;
-use zwidth_study::{Coordinate, Factor, Mode, REFERENCE, Study};
+use zwidth_study::{Coordinate, DoseCurve, Factor, Mode, REFERENCE, Study};
 
 /// What figures need to know of a study.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -24,6 +24,9 @@ pub struct About {
     /// What modes and environments have in common.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub factors: Vec<Factor>,
+    /// Curves over those of them that are doses.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub dose_curves: Vec<DoseCurve>,
 }
 
 impl About {
@@ -37,6 +40,7 @@ impl About {
             has_reference: study.channels.iter().any(|channel| channel.id.as_str() == REFERENCE),
             has_several_primary: study.compare.primary.are_several(),
             factors: study.factors.clone(),
+            dose_curves: study.dose_curves(),
         }
     }
 }

@@ -74,7 +74,7 @@ impl Comparison {
         let has_groups = data.study.compare.groups.is_some();
         let has_covariates = !data.study.compare.covariates.is_empty();
         let effects = data.study.effects();
-        let has_doses = effects.iter().any(|effect| effect.over.is_some());
+        let has_doses = !data.study.dose_curves().is_empty();
         let folder = derived(&data.layout, "compare");
         let has_lines = data.study.compare.over.is_some();
         Self {
@@ -293,7 +293,7 @@ pub(crate) fn tables(data: &StudyData) -> Vec<Printed> {
             (of_contrasts, ModeDifference::NAME),
             (of_factors, EffectDifference::NAME),
             (of_factors && several && !data.study.compare.effects.is_empty(), FactorTest::NAME),
-            (comparison.has_doses && several && !of_groups, DosePoint::NAME),
+            (comparison.has_doses && several, DosePoint::NAME),
             (comparison.has_doses && several && !of_groups, DoseModel::NAME),
             (several, Omnibus::NAME),
             (several && of_contrasts, Model::NAME),
@@ -422,7 +422,7 @@ fn make(
     if !stage.effects.is_empty() {
         tables.extend([table_of(results.effects)?, table_of(results.factor_tests)?]);
     }
-    if stage.effects.iter().any(|effect| effect.over.is_some()) {
+    if !stage.dose_curves.is_empty() {
         tables.extend([table_of(results.trend_curves)?, table_of(results.trend_models)?]);
     }
     if has_groups || !stage.effects.is_empty() {

@@ -128,6 +128,7 @@ impl Comparing<OfMetrics> {
             covariates: compare.covariates.iter().map(|column| covariate(data, column)).collect(),
             over: compare.over,
             effects: study.effects(),
+            dose_curves: study.dose_curves(),
             orders: data.sessions.iter().map(|log| order(log, study)).collect(),
         };
         let trials = data.counting().any(|trial| trial.meta.source.is_simulated());
