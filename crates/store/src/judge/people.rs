@@ -93,12 +93,18 @@ pub struct AnotherGroup {
 }
 
 impl PersonChanges {
-    /// Those since a session began. A session that knew nothing of its person has none.
+    /// Those since a session began. What was not known then and stands there by now is noted, not another group. A session
+    /// looked up the columns that its own copy of study.toml names; an imported one none.
     pub fn of(log: &SessionLog, people: &People, study: &Study) -> Self {
         let was = &log.record.person;
         let is = people.row(&log.record.participant);
+        let own = log.study.as_ref().filter(|_| !log.record.source.is_imported());
+        let looked_up = own.map_or(&[][..], |own| &own.people);
         let mut changes = Self::default();
-        for column in study.people.iter().filter(|_| !was.is_empty()) {
+        for column in &study.people {
+            if !looked_up.iter().any(|own| own.id == column.id) {
+                continue;
+            }
             let [was, is] = [was.get(&column.id), is.and_then(|row| row.get(&column.id))];
             if was == is {
                 continue;

@@ -336,6 +336,30 @@ fn another_group_than_at_the_start_is_refused_until_it_is_accepted_and_another_a
 }
 
 #[test]
+fn a_group_that_was_not_known_when_the_session_began_is_noted_and_not_refused() {
+    // Nothing at all was known of the person, or their age alone.
+    for at_the_start in ["", "[P01]\nage_years = 27\n"] {
+        let mut desk = with_people();
+        let file = desk.plan.layout.people(PeopleForm::Toml);
+        edit(&desk.plan.layout.study_toml(), "assigned = true", "assigned = false");
+        desk.plan.study_toml = fs::read(desk.plan.layout.study_toml()).unwrap();
+        let text = String::from_utf8(desk.plan.study_toml.clone()).unwrap();
+        desk.plan.study = Study::from_toml(&text).unwrap();
+        fs::write(&file, at_the_start).unwrap();
+        desk.run(&mut Mock::default(), &Unsynced, &mut quits_after(2)).unwrap();
+        fs::write(&file, "[P01]\ncrew = \"novice\"\nage_years = 27\n").unwrap();
+        desk.run(&mut Mock::default(), &Unsynced, &mut quits_after(1)).unwrap();
+        let was = "crew was not known and is novice";
+        let [note] = notes(&desk).try_into().unwrap();
+        assert!(note.contains(was), "{note}");
+        assert_eq!(note.contains("age_years"), at_the_start.is_empty(), "{note}");
+        assert_eq!(verify(&desk.plan.layout), []);
+        let said = zwidth_store::study_notes(&RealFiles, &desk.plan.layout);
+        assert!(said[0].contains(was), "{said:?}");
+    }
+}
+
+#[test]
 fn a_session_from_before_there_were_copies_goes_on_under_its_very_study_toml_alone() {
     let mut desk = begun();
     // As it was laid down then: no copy, and no first line of the log.
