@@ -118,6 +118,77 @@ pub enum StatsError {
         /// The fewest pairs that reach below it.
         needed: usize,
     },
+    /// More answers of one kind than there were.
+    #[error(
+        "row {index} counts {positive} answers of {trials} trials: give no more answers than there were trials"
+    )]
+    MoreThanTrials {
+        /// Index of the first such row.
+        index: usize,
+        /// Its trials.
+        trials: u64,
+        /// Its positive answers.
+        positive: u64,
+    },
+    /// Bounds between which there is no share of lapses.
+    #[error(
+        "lapses between {least} and {most} are no shares: give two numbers from 0 to below 0.5, the smaller one first"
+    )]
+    Lapse {
+        /// The lower bound.
+        least: f64,
+        /// The upper bound.
+        most: f64,
+    },
+    /// A level that has no logarithm.
+    #[error(
+        "the Weibull sigmoid begins at 0, and there is a level of {level}: take another sigmoid, such as norm"
+    )]
+    BelowZero {
+        /// The lowest level.
+        level: f64,
+    },
+    /// A staircase that cannot be climbed.
+    #[error(
+        "this staircase has no end or leaves its bounds: give answers, steps and reversals above 0, no more reversals to average than there are, and a start between its lowest and highest level, above 0 on a logarithmic scale"
+    )]
+    Staircase,
+    /// Answers beyond the end of a staircase.
+    #[error(
+        "{answers} answers, and the staircase ended after {trials}: give the plan that they were answered by"
+    )]
+    StaircaseEnded {
+        /// Trials until its last reversal.
+        trials: usize,
+        /// Answers that were given.
+        answers: usize,
+    },
+    /// A grid of QUEST+ that has no curves.
+    #[error(
+        "QUEST+ has no curves on this grid: give rising levels, thresholds, scales above 0 and lapses from 0 to below 0.5, and ask which was more, or right or wrong"
+    )]
+    QuestGrid,
+    /// An answer that none of the curves on a grid can give.
+    #[error(
+        "the answer of trial {trial} is impossible for every curve of the grid: allow lapses above 0"
+    )]
+    Impossible {
+        /// The first such trial.
+        trial: usize,
+    },
+    /// A variance that weighs nothing.
+    #[error("variance {index} is {value}: give the squared error of each value, above 0")]
+    Variance {
+        /// Index of the first such variance.
+        index: usize,
+        /// The variance.
+        value: f64,
+    },
+    /// Answers of yes and no that do not tell how often people guess.
+    #[error(
+        "no trial was at level 0, so nothing tells how often yes was a guess: show nothing in some trials, or ask which of two it was"
+    )]
+    NothingShown,
     /// Inputs of a fit that do not belong together.
     #[error(transparent)]
     Numerics(#[from] NumericsError),

@@ -22,6 +22,7 @@ pub mod f_distribution;
 pub mod friedman;
 pub mod groups;
 pub mod hac;
+pub mod heterogeneity;
 pub mod holm;
 pub mod hotelling;
 pub mod incomplete;
