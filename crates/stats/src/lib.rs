@@ -36,6 +36,7 @@ pub mod over_trials;
 pub mod paired;
 pub mod power;
 mod profile;
+pub mod psychometric;
 pub mod recording;
 mod reference;
 pub mod reliability;

@@ -1,0 +1,319 @@
+//! QUEST+: the next level is the one whose answer is expected to tell most.
+//!
+//! Watson (2017), J. Vision 17(3):10. Thresholds, scales and λ lie on a grid, on which every answer multiplies the
+//! posterior (uniform at first) by the share of such answers. The level of least expected entropy follows, which is that
+//! of the largest information between answer and curve,
+//!
+//! h(Σ p ψ) − Σ p h(ψ), h(ψ) = −ψ ln ψ − (1 − ψ) ln(1 − ψ),
+//!
+//! with p the posterior. Levels that tell equally much within 1e-12 are decided for the lowest one. All sums are plain
+//! loops and all logarithms libm's, so the levels of a plan and its answers are the same on any machine.
+
+use super::curve::{Asks, Curve, Sigmoid};
+use crate::error::{StatsError, all_finite};
+
+/// Information, in nats, within which levels are equal.
+const EQUAL: f64 = 1e-12;
+/// Posterior mass on an end of an axis from which the truth may lie beyond it.
+const EDGE: f64 = 0.05;
+
+/// The plan of a session with QUEST+.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Plan {
+    /// What is asked; γ is λ or ½. Yes and no has no γ on this grid.
+    pub asks: Asks,
+    /// The shape of F.
+    pub sigmoid: Sigmoid,
+    /// Levels that can be shown, rising, in the unit of the stimulus.
+    pub levels: Vec<f64>,
+    /// Thresholds, rising, in the unit of the stimulus.
+    pub thresholds: Vec<f64>,
+    /// σ, rising, in the unit of the stimulus; 1/β of Weibull's.
+    pub scales: Vec<f64>,
+    /// λ, rising.
+    pub lapses: Vec<f64>,
+}
+
+/// QUEST+ after some answers.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Track {
+    /// The level of each answered trial.
+    pub levels: Vec<f64>,
+    /// The next level.
+    pub next: f64,
+    /// Posterior mean of the threshold.
+    pub threshold: f64,
+    /// Posterior mean of σ.
+    pub scale: f64,
+    /// Posterior mean of λ.
+    pub lapse: f64,
+    /// Entropy of the posterior, in nats.
+    pub entropy: f64,
+    /// Whether one of the ends of the thresholds or scales has more than a twentieth of the posterior: the truth may lie
+    /// beyond the grid, and the means are then pulled inwards.
+    pub is_at_edge: bool,
+}
+
+/// The levels of a session by its plan and the answers so far: "more" or "right" are true.
+///
+/// # Errors
+/// An empty axis, one that does not rise or is not finite, scales that are not above 0, λ outside [0, ½), thresholds
+/// and levels below 0 for Weibull's sigmoid, yes and no, an answer that no curve of the grid makes possible.
+pub fn track(plan: &Plan, answers: &[bool]) -> Result<Track, StatsError> {
+    check(plan)?;
+    let mut cells = Vec::new();
+    for threshold in &plan.thresholds {
+        for scale in &plan.scales {
+            for lapse in &plan.lapses {
+                cells.push(Cell { threshold: *threshold, scale: *scale, lapse: *lapse });
+            }
+        }
+    }
+    // By level: the share of positive answers in each cell, and its entropy.
+    let shares: Vec<Vec<f64>> = plan
+        .levels
+        .iter()
+        .map(|level| cells.iter().map(|cell| cell.curve(plan).share(*level)).collect())
+        .collect();
+    let entropies: Vec<Vec<f64>> =
+        shares.iter().map(|row| row.iter().map(|share| entropy(*share)).collect()).collect();
+    let mut posterior = vec![1.0 / cells.len() as f64; cells.len()];
+    let mut levels = Vec::with_capacity(answers.len());
+    let mut place = most_telling(&posterior, &shares, &entropies);
+    for (trial, is_positive) in answers.iter().enumerate() {
+        levels.push(plan.levels[place]);
+        for (mass, share) in posterior.iter_mut().zip(&shares[place]) {
+            *mass *= if *is_positive { *share } else { 1.0 - share };
+        }
+        let whole: f64 = posterior.iter().sum();
+        if whole <= 0.0 {
+            return Err(StatsError::Impossible { trial });
+        }
+        posterior.iter_mut().for_each(|mass| *mass /= whole);
+        place = most_telling(&posterior, &shares, &entropies);
+    }
+    let mean = |read: fn(&Cell) -> f64| -> f64 {
+        cells.iter().zip(&posterior).map(|(cell, mass)| mass * read(cell)).sum()
+    };
+    let mass_at = |read: fn(&Cell) -> f64, value: f64| -> f64 {
+        let there = cells.iter().zip(&posterior).filter(|(cell, _)| read(cell) == value);
+        there.map(|(_, mass)| mass).sum()
+    };
+    let is_at_end = |axis: &[f64], read: fn(&Cell) -> f64| match axis {
+        [first, .., last] => mass_at(read, *first) > EDGE || mass_at(read, *last) > EDGE,
+        _ => false, // one value is known, and has no end
+    };
+    Ok(Track {
+        levels,
+        next: plan.levels[place],
+        threshold: mean(|cell| cell.threshold),
+        scale: mean(|cell| cell.scale),
+        lapse: mean(|cell| cell.lapse),
+        entropy: posterior.iter().map(|mass| information(*mass)).sum(),
+        is_at_edge: is_at_end(&plan.thresholds, |cell| cell.threshold)
+            || is_at_end(&plan.scales, |cell| cell.scale),
+    })
+}
+
+struct Cell {
+    threshold: f64,
+    scale: f64,
+    lapse: f64,
+}
+
+impl Cell {
+    fn curve(&self, plan: &Plan) -> Curve {
+        let sigmoid = plan.sigmoid;
+        let location = sigmoid.coordinate(self.threshold) - self.scale * sigmoid.middle();
+        let guess = if plan.asks == Asks::RightOrWrong { 0.5 } else { self.lapse };
+        Curve { sigmoid, location, scale: self.scale, guess, lapse: self.lapse }
+    }
+}
+
+/// −p ln p, 0 at 0.
+fn information(p: f64) -> f64 {
+    if p > 0.0 { -p * libm::log(p) } else { 0.0 }
+}
+
+/// h(ψ) of an answer.
+fn entropy(share: f64) -> f64 {
+    information(share) + information(1.0 - share)
+}
+
+/// The place of the level whose answer tells most, the lowest of equal ones.
+fn most_telling(posterior: &[f64], shares: &[Vec<f64>], entropies: &[Vec<f64>]) -> usize {
+    let mut best = 0;
+    let mut most = f64::NEG_INFINITY;
+    for (place, (shares, entropies)) in shares.iter().zip(entropies).enumerate() {
+        let mut share = 0.0;
+        let mut left = 0.0;
+        for ((mass, own), entropy) in posterior.iter().zip(shares).zip(entropies) {
+            share += mass * own;
+            left += mass * entropy;
+        }
+        let information = entropy(share) - left;
+        if information > most + EQUAL {
+            best = place;
+            most = information;
+        }
+    }
+    best
+}
+
+fn check(plan: &Plan) -> Result<(), StatsError> {
+    for axis in [&plan.levels, &plan.thresholds, &plan.scales, &plan.lapses] {
+        all_finite(axis)?;
+        if axis.is_empty() || axis.windows(2).any(|pair| pair[0] >= pair[1]) {
+            return Err(StatsError::QuestGrid);
+        }
+    }
+    let is_below_zero = |level: &f64| plan.sigmoid == Sigmoid::Weibull && *level < 0.0;
+    let has_negative =
+        plan.levels.iter().chain(&plan.thresholds).any(is_below_zero) || plan.scales[0] <= 0.0;
+    let has_wrong_lapse = plan.lapses.iter().any(|lapse| !(0.0..0.5).contains(lapse));
+    if has_negative || has_wrong_lapse || plan.asks == Asks::YesNo {
+        return Err(StatsError::QuestGrid);
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::psychometric::tests::scattered;
+
+    fn plan() -> Plan {
+        Plan {
+            asks: Asks::WhichWasMore,
+            sigmoid: Sigmoid::Norm,
+            levels: (0..19).map(|i| 210.0 + 10.0 * f64::from(i)).collect(),
+            thresholds: (0..25).map(|i| 240.0 + 5.0 * f64::from(i)).collect(),
+            scales: vec![10.0, 15.0, 20.0, 30.0, 40.0, 60.0, 80.0],
+            lapses: vec![0.02],
+        }
+    }
+
+    /// The package questplus 2023.1 and a version written in NumPy from the paper.
+    #[test]
+    fn forty_trials_are_those_of_questplus() {
+        let levels = [
+            300, 320, 290, 320, 290, 270, 260, 310, 320, 270, 320, 250, 250, 330, 240, 240, 330,
+            240, 340, 240, 340, 240, 330, 240, 330, 240, 330, 340, 240, 340, 350, 350, 240, 350,
+            360, 250, 360, 250, 350, 250,
+        ];
+        let mut answers = Vec::new();
+        for (t, expected) in levels.into_iter().enumerate() {
+            let level = track(&plan(), &answers).unwrap().next;
+            assert_eq!(level, f64::from(expected), "trial {t}");
+            let z = (level - 292.0) / 40.0;
+            let share = 0.02 + 0.96 * 0.5 * libm::erfc(-z * core::f64::consts::FRAC_1_SQRT_2);
+            answers.push(scattered([500, t as u64 + 1, 0, 0]) + 0.5 < share);
+        }
+        let found = track(&plan(), &answers).unwrap();
+        assert!((found.threshold - 300.846638).abs() < 3e-4, "{found:?}");
+        assert!((found.scale - 50.8100880).abs() < 5e-5, "{found:?}");
+        assert!((found.entropy - 3.60291002).abs() < 4e-6, "{found:?}");
+        assert_eq!(found.levels, levels.map(f64::from));
+        assert!((found.lapse - 0.02).abs() < 1e-12);
+        // A share of 0.05 of the posterior lies on σ = 80.
+        assert!(found.is_at_edge);
+    }
+
+    /// By the definition: the entropy of both posteriors that an answer can lead to, weighted by its chance.
+    #[test]
+    fn the_next_level_has_the_least_expected_entropy() {
+        let plan = Plan {
+            asks: Asks::RightOrWrong,
+            sigmoid: Sigmoid::Weibull,
+            levels: (1..15).map(f64::from).collect(),
+            thresholds: vec![2.0, 4.0, 6.0, 8.0, 11.0],
+            scales: vec![0.2, 0.5, 1.0],
+            lapses: vec![0.0, 0.03],
+        };
+        let mut answers = Vec::new();
+        for _ in 0..12 {
+            let shown = track(&plan, &answers).unwrap();
+            let mut cells: Vec<(Curve, f64)> = Vec::new();
+            for threshold in &plan.thresholds {
+                for scale in &plan.scales {
+                    for lapse in &plan.lapses {
+                        let cell = Cell { threshold: *threshold, scale: *scale, lapse: *lapse };
+                        let curve = cell.curve(&plan);
+                        let likelihood =
+                            shown.levels.iter().zip(&answers).map(|(level, is_right)| {
+                                let share = curve.share(*level);
+                                if *is_right { share } else { 1.0 - share }
+                            });
+                        cells.push((curve, likelihood.product()));
+                    }
+                }
+            }
+            let expected = |level: f64| -> f64 {
+                let of = |is_right: bool| {
+                    let masses: Vec<f64> = cells
+                        .iter()
+                        .map(|(curve, mass)| {
+                            let share = curve.share(level);
+                            mass * if is_right { share } else { 1.0 - share }
+                        })
+                        .collect();
+                    let whole: f64 = masses.iter().sum();
+                    whole * masses.iter().map(|mass| information(mass / whole)).sum::<f64>()
+                };
+                of(true) + of(false)
+            };
+            let least = plan.levels.iter().map(|level| expected(*level)).fold(f64::MAX, f64::min);
+            assert!(expected(shown.next) <= least * (1.0 + 1e-10), "{shown:?}");
+            answers.push(answers.len() % 3 != 1);
+        }
+    }
+
+    #[test]
+    fn equal_levels_are_decided_for_the_lowest() {
+        // Around the only threshold everything is symmetrical, and 299 tells as much as 301.
+        let plan =
+            Plan { levels: vec![290.0, 299.0, 301.0, 310.0], thresholds: vec![300.0], ..plan() };
+        let next = track(&plan, &[]).unwrap().next;
+        assert!(next < 300.0, "{next}");
+    }
+
+    #[test]
+    fn a_truth_beyond_the_grid_is_noticed_and_one_within_it_is_not() {
+        let session = |truth: f64| {
+            let mut answers = Vec::new();
+            for t in 0..120_u64 {
+                let level = track(&plan(), &answers).unwrap().next;
+                let z = (level - truth) / 22.0;
+                let share = 0.02 + 0.96 * 0.5 * libm::erfc(-z * core::f64::consts::FRAC_1_SQRT_2);
+                answers.push(scattered([7, t, 3, 0]) + 0.5 < share);
+            }
+            track(&plan(), &answers).unwrap()
+        };
+        assert!(session(400.0).is_at_edge);
+        let within = session(300.0);
+        assert!(!within.is_at_edge && (within.threshold - 300.0).abs() < 12.0, "{within:?}");
+    }
+
+    #[test]
+    fn impossible_grids_and_answers_are_refused() {
+        for broken in [
+            Plan { levels: vec![], ..plan() },
+            Plan { thresholds: vec![2.0, 1.0], ..plan() },
+            Plan { scales: vec![0.0, 1.0], ..plan() },
+            Plan { lapses: vec![0.5], ..plan() },
+            Plan { asks: Asks::YesNo, ..plan() },
+            Plan { sigmoid: Sigmoid::Weibull, levels: vec![-1.0, 1.0], ..plan() },
+        ] {
+            assert_eq!(track(&broken, &[]), Err(StatsError::QuestGrid));
+        }
+        assert!(track(&Plan { levels: vec![f64::NAN], ..plan() }, &[]).is_err());
+        let certain = Plan {
+            levels: vec![0.0],
+            thresholds: vec![100.0],
+            scales: vec![1.0],
+            lapses: vec![0.0],
+            ..plan()
+        };
+        assert_eq!(track(&certain, &[false, true]), Err(StatsError::Impossible { trial: 1 }));
+    }
+}
