@@ -1,9 +1,9 @@
-//! The same numbers by SciPy, statsmodels, pingouin and spm1d, on random data with ties, zeros and
+//! The same numbers by SciPy, statsmodels, pingouin, spm1d and psignifit, on random data with ties, zeros and
 //! constants.
 //!
 //! `ZWIDTH_PYTHON=… cargo test -p zwidth-stats --test exact -- --ignored`, with the Python that has
 //! what `tests/interop/requirements.txt` lists. `ZWIDTH_EXACT_CASES` sets how many data sets are
-//! drawn at least (one round of 144), `ZWIDTH_EXACT_SEED` the seed they are drawn from.
+//! drawn at least (one round of 154), `ZWIDTH_EXACT_SEED` the seed they are drawn from.
 
 // Helpers of tests stand outside of `#[test]` functions, where clippy.toml's exemption does not
 // reach.
@@ -16,7 +16,11 @@ use serde_json::Value;
 use shared::{note, setting};
 use std::process::Command;
 use zwidth_stats::agreement::agreement;
+use zwidth_stats::heterogeneity::two_level;
 use zwidth_stats::null::Sampling;
+use zwidth_stats::psychometric::fit::{LAPSE, Model, Verdict, fit};
+use zwidth_stats::psychometric::grid::{Grid, posterior};
+use zwidth_stats::psychometric::{Asks, LevelAnswers, Sigmoid};
 use zwidth_stats::rm_anova::rm_anova;
 use zwidth_stats::sharp_null::{Statistic, Trials};
 use zwidth_stats::{
@@ -27,8 +31,8 @@ const SAMPLING: Sampling = Sampling { draws: 999, seed: 1 };
 const SCRIPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/interop/stats/exact.py");
 
 #[test]
-#[ignore = "needs Python with SciPy, statsmodels, pingouin, spm1d"]
-fn every_number_is_that_of_scipy_statsmodels_pingouin_and_spm1d() {
+#[ignore = "needs Python with SciPy, statsmodels, pingouin, spm1d, psignifit"]
+fn every_number_is_that_of_scipy_statsmodels_pingouin_spm1d_and_psignifit() {
     let python = setting("ZWIDTH_PYTHON", "python3");
     let sets: usize = setting("ZWIDTH_EXACT_CASES", "1").parse().unwrap();
     let (rounds, seed) = (sets.div_ceil(ROUND), setting("ZWIDTH_EXACT_SEED", "20240601"));
@@ -50,8 +54,9 @@ fn every_number_is_that_of_scipy_statsmodels_pingouin_and_spm1d() {
         checked += cases.len();
     }
     let words = format!(
-        "SciPy, statsmodels, pingouin and spm1d: {checked} data sets for the exact tests, Holm's p values, the \
-         paired t, equivalence, orders, BCa intervals, repeated measures, agreement, whole curves and correlations."
+        "SciPy, statsmodels, pingouin, spm1d and psignifit: {checked} data sets for the exact tests, Holm's p values, \
+         the paired t, equivalence, orders, BCa intervals, repeated measures, agreement, whole curves, correlations, \
+         psychometric functions, their posteriors and weighted means."
     );
     println!("{words}");
     note("r-3", &words);
@@ -63,7 +68,7 @@ const PACKAGES: &str = "what tests/interop/requirements.txt lists";
 type Check = fn(&Value);
 
 /// The kinds of cases, and how many of each a round has.
-const KINDS: [(&str, usize, Check); 9] = [
+const KINDS: [(&str, usize, Check); 12] = [
     ("differences", 61, differences),
     ("paired", 10, paired_t),
     ("friedman", 24, friedmans),
@@ -73,9 +78,12 @@ const KINDS: [(&str, usize, Check); 9] = [
     ("repeated", 12, repeated),
     ("curves", 5, curves),
     ("correlations", 5, correlations),
+    ("psychometric", 3, psychometric_fits),
+    ("posteriors", 1, posteriors),
+    ("weighted", 6, weighted),
 ];
 /// Cases of a round.
-const ROUND: usize = 144;
+const ROUND: usize = 154;
 
 fn differences(case: &Value) {
     let d = numbers(&case["d"]);
@@ -244,6 +252,96 @@ fn correlations(case: &Value) {
     for (end, expected) in found.ends.iter().zip(numbers(&case["ci"])) {
         assert!((end - expected).abs() < 0.005_001, "{end} {expected}: {case}");
     }
+}
+
+/// The answers of a case: its levels, trials and positive answers.
+fn answers(case: &Value) -> Vec<LevelAnswers> {
+    let (trials, positive) = (whole(&case["n"]), whole(&case["k"]));
+    let counts = trials.into_iter().zip(positive);
+    numbers(&case["x"])
+        .into_iter()
+        .zip(counts)
+        .map(|(level, (trials, positive))| LevelAnswers {
+            level,
+            trials: trials as u64,
+            positive: positive as u64,
+        })
+        .collect()
+}
+
+fn sigmoid(case: &Value) -> Sigmoid {
+    match case["sigmoid"].as_str().unwrap() {
+        "norm" => Sigmoid::Norm,
+        "logistic" => Sigmoid::Logistic,
+        _ => Sigmoid::Weibull,
+    }
+}
+
+fn psychometric_fits(case: &Value) {
+    let asks = match case["asks"].as_str().unwrap() {
+        "more" => Asks::WhichWasMore,
+        "right" => Asks::RightOrWrong,
+        _ => Asks::YesNo,
+    };
+    let model = Model { asks, sigmoid: sigmoid(case), lapse: LAPSE, is_constant: false };
+    let found = fit(&answers(case), &model, 0.95).unwrap();
+    assert_eq!(found.verdict, Verdict::Estimated, "{case}");
+    let fitted = found.fitted.unwrap();
+    near(fitted.log_likelihood, &case["log_likelihood"], 1e-8, case);
+    // A simplex ends where the likelihood is flat to half the digits.
+    near(fitted.threshold.estimate, &case["threshold"], 1e-5, case);
+    near(fitted.jnd.estimate, &case["jnd"], 1e-4, case);
+    for (found, expected) in
+        [(fitted.curve.guess, &case["guess"]), (fitted.curve.lapse, &case["lapse"])]
+    {
+        assert!((found - expected.as_f64().unwrap()).abs() < 1e-5, "{found}: {case}");
+    }
+    for (found, expected) in
+        [(fitted.threshold.ci_low, &case["threshold_low"]), (fitted.jnd.ci_high, &case["jnd_high"])]
+    {
+        // What lies beyond where the other search ends is not compared.
+        if !expected.is_null() {
+            near(found.unwrap(), expected, 1e-5, case);
+        }
+    }
+}
+
+fn posteriors(case: &Value) {
+    let is_overdispersed = case["scatters"].as_bool().unwrap();
+    let grid = Grid { asks: Asks::RightOrWrong, sigmoid: sigmoid(case), is_overdispersed };
+    let found = posterior(&answers(case), &grid, 0.95).unwrap();
+    // The width is a multiple of the JND: 3.29 / 0.674 of the normal, 2 ln 19 / ln 3 of the logistic function.
+    let width = if grid.sigmoid == Sigmoid::Norm {
+        3.289_707_253_902_945 / 0.674_489_750_196_081_7
+    } else {
+        2.0 * f64::ln(19.0) / f64::ln(3.0)
+    };
+    let (mode, mean) = (numbers(&case["mode"]), numbers(&case["mean"]));
+    let (threshold, widths) = (numbers(&case["threshold_ci"]), numbers(&case["width_ci"]));
+    let within = |found: f64, expected: f64, room: f64| {
+        assert!((found - expected).abs() < room, "{found} {expected}: {case}");
+    };
+    // psignifit climbs to the mode until 1e-4 are left, and its intervals lie half a cell of its grid too low.
+    let spread = [threshold[1] - threshold[0], widths[1] - widths[0]];
+    within(found.mode.threshold(), mode[0], 0.005 * spread[0]);
+    within(found.mode.jnd() * width, mode[1], 0.005 * spread[1]);
+    within(found.mode.lapse, mode[2], 5e-4);
+    within(found.threshold.mean, mean[0], 0.02 * spread[0]);
+    within(found.jnd.mean * width, mean[1], 0.02 * spread[1]);
+    within(found.lapse.mean, mean[2], 2e-3);
+    within(found.overdispersion, case["eta"].as_f64().unwrap(), 0.01);
+    let ends = [found.threshold.ci_low, found.threshold.ci_high];
+    (0..2).for_each(|i| within(ends[i], threshold[i], 0.05 * spread[0]));
+    let ends = [found.jnd.ci_low, found.jnd.ci_high];
+    (0..2).for_each(|i| within(ends[i] * width, widths[i], 0.05 * spread[1]));
+}
+
+fn weighted(case: &Value) {
+    let found = two_level(&numbers(&case["y"]), &numbers(&case["v"]), 0.95).unwrap();
+    let tau2 = case["tau2"].as_f64().unwrap();
+    assert!((found.between - tau2).abs() < 1e-7 * (1.0 + tau2), "{}: {case}", found.between);
+    near(found.mean.estimate, &case["mean"], 1e-7, case);
+    near(found.mean.std_error, &case["se"], 1e-7, case);
 }
 
 /// Checks a number to a share of its size.

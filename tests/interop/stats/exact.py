@@ -1,4 +1,4 @@
-"""Numbers of SciPy, statsmodels, pingouin and spm1d for crates/stats/tests/exact.rs, as JSON: random data with ties, zeros, constants.
+"""Numbers of SciPy, statsmodels, pingouin, spm1d and psignifit for crates/stats/tests/exact.rs, as JSON: random data with ties, zeros, constants.
 
     python exact.py [ROUNDS [SEED]]
 
@@ -14,11 +14,13 @@ import warnings
 import numpy as np
 import pandas as pd
 import pingouin
+import psignifit
 import spm1d
 from scipy import stats
 from scipy.integrate import simpson
-from scipy.optimize import brentq
-from scipy.special import gammaln, ndtr
+from scipy.optimize import brentq, minimize
+from scipy.special import expit, gammaln, ndtr
+from statsmodels.stats.meta_analysis import combine_effects
 from statsmodels.stats.multitest import multipletests
 from statsmodels.stats.weightstats import ttost_paired
 
@@ -239,6 +241,117 @@ def correlations(rng):
         yield {"x": x, "y": y, "r": found.r, "df": found.dof, "p": found.iloc[2], "ci": [*found.iloc[3]]}
 
 
+# F, and z at F = 1/4, 1/2 and 3/4. Weibull's is taken in ln x.
+SIGMOIDS = {
+    "norm": (ndtr, stats.norm.ppf([0.25, 0.5, 0.75])),
+    "logistic": (expit, stats.logistic.ppf([0.25, 0.5, 0.75])),
+    "weibull": (lambda z: -np.expm1(-np.exp(z)), np.log(-np.log([0.75, 0.5, 0.25]))),
+}
+
+
+def least(x, n, k, asks, sigmoid, fixed=None, near=None):
+    """The smallest -ln L over m, ln sigma, (gamma and) lambda, from many starts or near one, one number of the curve held."""
+    share, (low, middle, high) = SIGMOIDS[sigmoid]
+    u = np.log(x) if sigmoid == "weibull" else x
+    back = np.exp if sigmoid == "weibull" else (lambda value: value)
+
+    def read(m, scale):
+        return back(m + scale * middle), (back(m + scale * high) - back(m + scale * low)) / 2
+
+    def ends(p):
+        return {"more": (p[-1], p[-1]), "right": (0.5, p[-1]), "yes": (p[-2], p[-1])}[asks]
+
+    def shape(p):
+        """m and sigma; what is held decides about one of them."""
+        if fixed is None:
+            return p[0], np.exp(p[1])
+        scale = np.exp(p[0])
+        what, value = fixed
+        if what == "threshold":
+            return (np.log(value) if sigmoid == "weibull" else value) - scale * middle, scale
+        if sigmoid == "weibull":
+            return np.log(value / read(0.0, scale)[1]), scale
+        return p[0], value / read(0.0, 1.0)[1]
+
+    def cost(p):
+        m, scale = shape(p)
+        gamma, lapse = ends(p)
+        psi = np.clip(gamma + (1 - gamma - lapse) * share((u - m) / scale), 1e-300, 1 - 1e-16)
+        return -(k * np.log(psi) + (n - k) * np.log1p(-psi)).sum()
+
+    shown = u[x > 1e-6]
+    span = shown[-1] - shown[0]
+    ends_of_lapses = [(0.0, 0.5)] * (asks == "yes") + [(0.0, 0.06)]
+    bounds = [(shown[0] - span, shown[-1] + span), (-6.0, 4.0)] + ends_of_lapses
+    if near is None:
+        lapses = [[0.1]] * (asks == "yes") + [[0.02]]
+        starts = itertools.product(shown[0] + span * np.array([0.35, 0.65]), np.log(span * np.array([0.1, 0.3])), *lapses)
+    else:
+        starts = [near]
+    if fixed is not None:
+        drop = 1 if fixed[0] == "jnd" and sigmoid != "weibull" else 0
+        starts = [np.delete(start, drop) for start in starts]
+        bounds.pop(drop)
+    rough = min((minimize(cost, start, method="L-BFGS-B", bounds=bounds) for start in starts), key=lambda one: one.fun)
+    best = minimize(cost, rough.x, method="Nelder-Mead", bounds=bounds, options={"xatol": 1e-9, "fatol": 1e-12, "maxiter": 4000})
+    return best.fun, read(*shape(best.x)), ends(best.x), best.x
+
+
+def psychometric(rng):
+    """Maximum likelihood of a curve and its profile intervals, by SciPy from many starts."""
+    every = list(itertools.product(("more", "right", "yes"), SIGMOIDS))
+    for asks, sigmoid in (every[i] for i in rng.permutation(len(every))[:3]):
+        x = np.arange(7.0) + (asks != "yes") * 2
+        truth = 0.5 if asks == "right" else 0.1 if asks == "yes" else 0.02
+        n = np.full(7, rng.integers(40, 90))
+        z = (x - x.mean() - rng.uniform(-0.5, 0.5)) / rng.uniform(1.3, 1.8)
+        k = rng.binomial(n, truth + (0.97 - truth) * ndtr(z))
+        if sigmoid == "weibull" and asks == "yes":
+            x[0] = 1e-9  # F is 0 there as at 0, whose logarithm NumPy warns of
+        value, (threshold, jnd), (gamma, lapse), near = least(x, n, k, asks, sigmoid)
+        half = stats.chi2.ppf(0.95, 1) / 2
+
+        def end(what, estimate, far):
+            over = lambda at: least(x, n, k, asks, sigmoid, (what, at), near)[0] - value - half
+            return brentq(over, estimate, far, xtol=1e-6) if over(far) > 0 else None
+
+        yield {"x": x * (x > 1e-6), "n": n, "k": k, "asks": asks, "sigmoid": sigmoid, "log_likelihood": -value,
+               "threshold": threshold, "jnd": jnd, "guess": gamma, "lapse": lapse,
+               "threshold_low": end("threshold", threshold, 0.3), "jnd_high": end("jnd", jnd, 12)}
+
+
+def posteriors(rng):
+    """psignifit's posterior of right and wrong of two, lambda free; and of scattered answers, eta free."""
+    for sigmoid, scatter in [(("norm", 0.0), ("logistic", 0.0), ("norm", 0.2))[rng.integers(3)]]:
+        x = np.arange(7.0)
+        n = np.full(7, 40)
+        psi = 0.5 + 0.48 * ndtr((x - rng.uniform(2.5, 3.5)) / 1.2)
+        k = rng.binomial(n, psi if scatter == 0 else rng.beta(psi * (scatter ** -2 - 1), (1 - psi) * (scatter ** -2 - 1)))
+        fixed = {} if scatter else {"eta": 0.0}
+        steps = {"threshold": 60, "width": 60} if scatter else {"threshold": 120, "width": 120}
+        found = psignifit.psignifit(np.column_stack([x, k, n]), experiment_type="2AFC", sigmoid=sigmoid,
+                                    fixed_parameters=fixed, grid_steps=steps, verbose=False)
+        mode, mean = found.parameter_estimate_MAP, found.parameter_estimate_mean
+        yield {"x": x, "n": n, "k": k, "sigmoid": sigmoid, "scatters": scatter > 0,
+               "mode": [mode["threshold"], mode["width"], mode["lambda"]], "mean": [mean["threshold"], mean["width"], mean["lambda"]],
+               "eta": mean["eta"], "threshold_ci": found.confidence_intervals["threshold"]["0.95"],
+               "width_ci": found.confidence_intervals["width"]["0.95"]}
+
+
+def weighted(rng):
+    """Two-level means: tau squared by its definition (Paule and Mandel), the rest by statsmodels (Hartung and Knapp).
+
+    statsmodels' own search for tau squared gives 0 where its last step is too far by rounding.
+    """
+    for k, scatter in ((2, 1.0), (3, 0.0), (5, 1.0), (8, 0.3), (12, 2.0), (20, 0.5)):
+        variances = rng.uniform(0.1, 2.0, k)
+        y = 1 + rng.normal(size=k) * np.sqrt(variances + scatter ** 2)
+        over = lambda tau2: combine_effects(y, variances + tau2).q - (k - 1)
+        tau2 = brentq(over, 0, 100, xtol=1e-14) if over(0) > 0 else 0.0
+        found = combine_effects(y, variances + tau2)
+        yield {"y": y, "v": variances, "tau2": tau2, "mean": found.mean_effect_fe, "se": found.sd_eff_w_fe_hksj}
+
+
 def plain(value):
     """Arrays and NumPy's numbers as JSON has them."""
     return value.tolist()
@@ -246,6 +359,6 @@ def plain(value):
 
 rounds, seed = (int(given) for given in (sys.argv[1:] + ["1", "20240601"][len(sys.argv) - 1:])[:2])
 rng = np.random.default_rng(seed)
-kinds = (differences, paired, friedman, holm, orders, bca, repeated, curves, correlations)
+kinds = (differences, paired, friedman, holm, orders, bca, repeated, curves, correlations, psychometric, posteriors, weighted)
 cases = {f.__name__: [case for _ in range(rounds) for case in f(rng)] for f in kinds}
 print(json.dumps(cases, default=plain, allow_nan=False))
