@@ -4,9 +4,9 @@
 //! trials 28 % too large, and their intervals hold the truth in 58 % (Wichmann & Hill 2001, Perception & Psychophysics
 //! 63:1293; `docs/statistics-tried.md` has ours). Intervals hold all thresholds (JNDs) whose profiled log-likelihood is
 //! within ½ φ c of the largest. People's attention changes from block to block, so that answers scatter more than
-//! binomial ones: φ = max(1, X²/(K − 3)) with Pearson's X² of K levels (McCullagh & Nelder 1989, *Generalized Linear
-//! Models*, 4.5), c from χ² with one degree of freedom where φ = 1, else from F(1, K − 3). Only for constant stimuli
-//! at five levels or more: answers of adaptive methods lie too thinly on theirs, and φ = 1.
+//! binomial ones: φ = max(1, X²/(K − 3)) with Pearson's X² of K levels (McCullagh & Nelder 1989, 4.5), c from χ² with
+//! one degree of freedom where φ = 1, else from F(1, K − 3). Only for constant stimuli at five levels or more: answers of
+//! adaptive methods lie too thinly on theirs, and φ = 1.
 
 use super::curve::{Asks, Curve, Sigmoid};
 use super::likelihood::{Best, Held, Likelihood, Shape};

@@ -55,12 +55,13 @@ fn by_level(answers: &[LevelAnswers]) -> Result<Vec<LevelAnswers>, StatsError> {
             return Err(StatsError::MoreThanTrials { index, trials, positive });
         }
         if trials > 0 {
-            sorted.push(*answer);
+            // −0 is 0.
+            sorted.push(LevelAnswers { level: level + 0.0, ..*answer });
         }
     }
     sorted.sort_by(|a, b| a.level.total_cmp(&b.level));
     sorted.dedup_by(|later, first| {
-        let is_same = later.level == first.level;
+        let is_same = later.level.total_cmp(&first.level).is_eq();
         if is_same {
             first.trials += later.trials;
             first.positive += later.positive;

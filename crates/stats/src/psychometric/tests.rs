@@ -140,7 +140,7 @@ fn modes_are_compared_over_people_by_pses_and_ratios_of_jnds() {
     };
     let variances: Vec<f64> = fits.iter().map(|[a, h]| error(a) + error(h)).collect();
     let weighted = two_level(&values, &variances, 0.95).unwrap();
-    assert_eq!(weighted.between, 0.0);
+    near(weighted.between, 0.0, 1e-15);
     near(weighted.mean.estimate, 11.620334, 1e-4);
     near(weighted.mean.std_error, 3.1320177, 3e-5);
     near(weighted.mean.p_value, 0.0075530821, 1e-6);
@@ -197,7 +197,7 @@ fn the_weibull_fit_of_right_and_wrong_is_that_of_r() {
     near(1.0 / found.curve.scale, 2.36399, 3e-5);
     near(found.curve.lapse, 0.0374484, 1e-6);
     near(found.threshold.estimate, 0.0690501, 1e-6);
-    assert_eq!(found.curve.guess, 0.5);
+    near(found.curve.guess, 0.5, 1e-15);
     // The ends of both intervals, by the definition of a profile: the best of many curves on a grid.
     for (profiled, read) in [(found.threshold, 0), (found.jnd, 1)] {
         for end in [profiled.ci_low, profiled.ci_high] {
@@ -370,7 +370,7 @@ fn scattered_answers_have_wider_intervals() {
     let scattered = fitted(&answers, &MORE);
     let binomial = fitted(&answers, &Model { is_constant: false, ..MORE });
     near(scattered.dispersion, scattered.pearson / 4.0, 1e-12);
-    assert!(scattered.dispersion > 1.5 && binomial.dispersion == 1.0);
+    assert!(scattered.dispersion > 1.5 && binomial.dispersion <= 1.0);
     let width = |found: &Fitted| found.threshold.ci_high.unwrap() - found.threshold.ci_low.unwrap();
     assert!(width(&scattered) > 1.7 * width(&binomial));
 }
