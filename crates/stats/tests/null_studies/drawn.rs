@@ -116,7 +116,7 @@ fn logistic(rng: &mut ChaCha8Rng) -> f64 {
 }
 
 /// A number within (0, 1).
-fn uniform(rng: &mut ChaCha8Rng) -> f64 {
+pub(crate) fn uniform(rng: &mut ChaCha8Rng) -> f64 {
     ((rng.next_u64() >> 11) as f64 + 0.5) / 2_f64.powi(53)
 }
 

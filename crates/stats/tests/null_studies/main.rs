@@ -20,6 +20,7 @@ mod metric;
 mod page;
 mod practice;
 mod predicted;
+mod thresholds;
 
 use drawn::{Kind, Measured, differences, kinds};
 use judged::Judged;
@@ -113,6 +114,14 @@ fn lines_over_doses_find_nothing_more_often_than_they_promise() {
     let kinds = doses::kinds().into_iter().map(|kind| (kind.name(), kind)).collect();
     hold(11, "Doses of which a fifth of the cells is missing", kinds, |kind| {
         doses::tests(kind, studies())
+    });
+}
+
+#[test]
+fn intervals_of_thresholds_hold_the_truth_as_often_as_they_promise() {
+    let kinds = thresholds::kinds().into_iter().map(|kind| (kind.name(), kind)).collect();
+    hold(12, "Thresholds: 7 levels, one person", kinds, |kind| {
+        thresholds::tests(kind, studies_of(250))
     });
 }
 
