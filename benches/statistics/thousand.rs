@@ -285,6 +285,7 @@ fn parameters(study: &Study, sat: &[Sat]) -> anyhow::Result<Parameters> {
         covariates: Vec::new(),
         over: None,
         effects: Vec::new(),
+        dose_curves: Vec::new(),
         orders: sat.iter().map(order).collect(),
     })
 }

@@ -98,6 +98,7 @@ fn parameters() -> anyhow::Result<Parameters> {
         covariates: Vec::new(),
         over: None,
         effects: Vec::new(),
+        dose_curves: Vec::new(),
         orders: Vec::new(),
     })
 }
