@@ -5,7 +5,7 @@ use crate::claim::Claim;
 use crate::differences::{Difference, of_everybody};
 use crate::measure::Measure;
 use crate::orders::{NoTest, SharpNull};
-use crate::split::{Refused, Split};
+use crate::split::{Refused, Split, inflations};
 use crate::{CompareError, Parameters};
 use zwidth_results::{ModeDifference, Size, UnitOfAnalysis, Verdict};
 use zwidth_stats::effect;
@@ -39,6 +39,8 @@ pub(crate) struct Row {
     pub(crate) sharp_null: Result<Randomised, NoTest>,
     /// The just noticeable difference, in the metric's unit, where it is known.
     pub(crate) jnd: Option<f64>,
+    /// How many times lines over trials make its variance larger, as [`inflations`] says.
+    pub(crate) inflations: Vec<f64>,
     /// Why no claim is made.
     refused: Option<Refused>,
     /// Whether there is a difference.
@@ -52,11 +54,6 @@ impl Row {
             UnitOfAnalysis::Participants => self.differences.len(),
             UnitOfAnalysis::TrialsOf(_) => self.differences.iter().flat_map(|d| d.trials).sum(),
         }
-    }
-
-    /// Why nothing is claimed, where the order of the modes is why.
-    pub(crate) fn ordered(&self) -> Option<Refused> {
-        self.refused.clone().filter(|why| matches!(why, Refused::Ordered(_)))
     }
 
     /// Why there is no test, or no claim can be made.
@@ -179,7 +176,8 @@ pub(crate) fn rows(
             });
             let weights: Vec<_> = weights.collect();
             let people = differences.iter().map(|one| one.participant);
-            let refused = refused.or_else(|| Refused::ordered(cells, split, people, &weights));
+            let inflations = inflations(cells, split, people, &weights);
+            let refused = refused.or_else(|| Refused::ordered(inflations.iter().copied()));
             // A claim rests on the p value of the participants' differences; with one participant, on that of the
             // sharp null, which the design's orders limit.
             let p = match of_people {
@@ -204,6 +202,7 @@ pub(crate) fn rows(
                 tested,
                 sharp_null: null.clone(),
                 jnd: None,
+                inflations,
                 refused,
                 claim: Claim::new(environment, p, smallest_p, p_not_equivalent),
             };

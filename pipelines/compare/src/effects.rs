@@ -5,7 +5,7 @@ use crate::claim::Claim;
 use crate::contrasts::size;
 use crate::doses::turns_at;
 use crate::measure::Measure;
-use crate::split::{Refused, Split};
+use crate::split::{Refused, Split, inflations};
 use crate::weighed::{averaged, levels_of, of_people, placed, weighed};
 use crate::{CompareError, Parameters};
 use std::collections::BTreeMap;
@@ -35,6 +35,8 @@ pub(crate) struct Row<'a> {
     jnd: Option<f64>,
     /// The effect that is too small to matter, in the metric's unit.
     bound: Option<f64>,
+    /// How many times lines over trials make its variance larger, as [`inflations`] says.
+    pub(crate) inflations: Vec<f64>,
     /// Why no claim is made.
     refused: Option<Refused>,
     /// Whether it is a difference between two values, of which a bound or what is felt speaks.
@@ -48,11 +50,6 @@ impl Row<'_> {
         let Effect { term, levels, .. } = self.effect;
         let levels = (!levels.is_empty()).then(|| EffectLevels(levels.clone()));
         FactorEffect { term: term.clone(), levels }
-    }
-
-    /// Why nothing is claimed, where the order of the modes is why.
-    pub(crate) fn ordered(&self) -> Option<Refused> {
-        self.refused.clone().filter(|why| matches!(why, Refused::Ordered(_)))
     }
 
     /// Why nobody has such an effect.
@@ -152,8 +149,8 @@ pub(crate) fn rows<'a>(
             WeighedCondition { session, environment, mode, weight: *weight }
         });
         let conditions: Vec<_> = conditions.collect();
-        let refused =
-            refused.or_else(|| Refused::ordered(cells, split, values.keys().copied(), &conditions));
+        let inflations = inflations(cells, split, values.keys().copied(), &conditions);
+        let refused = refused.or_else(|| Refused::ordered(inflations.iter().copied()));
         let environment = effect
             .environment
             .as_ref()
@@ -179,6 +176,7 @@ pub(crate) fn rows<'a>(
             values,
             lack_a_level,
             tested,
+            inflations,
             refused,
             is_difference,
             claim: Claim::new(

@@ -40,7 +40,7 @@ pub(crate) struct Row<'a> {
 type Values = BTreeMap<usize, f64>;
 
 /// What is compared between groups in an environment, or over several.
-struct Compared {
+struct Compared<'a> {
     effect: GroupEffect,
     values: Values,
     /// Whether it is claimed: the mean over modes and the differences between modes are; of single modes the one
@@ -51,19 +51,20 @@ struct Compared {
     noticed_from: Option<f64>,
     /// Whether it is a difference between two values, of which a bound or what is felt speaks.
     is_difference: bool,
-    /// Why nothing is claimed of it anywhere.
-    refused: Option<Refused>,
+    /// How many times lines over trials make its variance larger in each group, by the place of the level; empty where
+    /// no order of modes matters.
+    inflations: &'a [f64],
 }
 
 /// What is compared between groups in an environment, with everybody's values; after the last environment, the effects
 /// over several.
-fn compared(
+fn compared<'a>(
     environment: usize,
     cells: &Cells,
-    contrasts: &[contrasts::Row],
-    of_factors: &[effects::Row],
+    contrasts: &'a [contrasts::Row],
+    of_factors: &'a [effects::Row],
     parameters: &Parameters,
-) -> Vec<Compared> {
+) -> Vec<Compared<'a>> {
     let in_modes: Vec<(usize, Values)> = (0..parameters.modes.len())
         .map(|mode| (mode, cells.people_in(environment, mode).collect::<Values>()))
         .filter(|(_, values)| !values.is_empty())
@@ -84,7 +85,7 @@ fn compared(
             is_claimed: true,
             noticed_from: None,
             is_difference: true,
-            refused: None,
+            inflations: &[],
         });
     }
     for row in contrasts.iter().filter(|row| row.claim.environment == environment) {
@@ -97,7 +98,7 @@ fn compared(
             is_claimed: true,
             noticed_from,
             is_difference: true,
-            refused: row.ordered(),
+            inflations: &row.inflations,
         });
     }
     for row in of_factors.iter().filter(|row| row.claim.environment == environment) {
@@ -111,7 +112,7 @@ fn compared(
                 is_claimed: true,
                 noticed_from,
                 is_difference,
-                refused: row.ordered(),
+                inflations: &row.inflations,
             });
         }
     }
@@ -124,7 +125,7 @@ fn compared(
             is_claimed,
             noticed_from: None,
             is_difference: true,
-            refused: None,
+            inflations: &[],
         });
     }
     effects
@@ -144,19 +145,14 @@ pub(crate) fn rows<'a>(
     for environment in 0..=parameters.environments.len() {
         let known = (environment < parameters.environments.len()).then_some(environment);
         for compared in compared(environment, cells, contrasts, of_factors, parameters) {
-            let Compared {
-                effect,
-                values,
-                is_claimed,
-                noticed_from,
-                is_difference,
-                refused: ordered,
-            } = compared;
+            let Compared { effect, values, is_claimed, noticed_from, is_difference, inflations } =
+                compared;
             let values = values.into_iter().map(|(who, value)| (who, (value, split.block(who))));
             let by_level = split.by_level(values);
             for contrast in &split.groups.compared.contrasts {
-                let of_both = [&contrast.group, &contrast.against].map(|id| {
-                    let place = levels.iter().position(|level| level == id);
+                let places = [&contrast.group, &contrast.against]
+                    .map(|id| levels.iter().position(|level| level == id));
+                let of_both = places.map(|place| {
                     let people = place.map(|place| by_level[place].iter().copied());
                     people.into_iter().flatten().unzip::<f64, usize, Vec<_>, Vec<_>>()
                 });
@@ -170,7 +166,9 @@ pub(crate) fn rows<'a>(
                 let tested = groups::difference([a, b], parameters.level);
                 let smallest = [(a.n, &contrast.group), (b.n, &contrast.against)].into_iter().min();
                 let refused = smallest.and_then(|(n, id)| Refused::too_few(n, id.as_str()));
-                let refused = refused.or_else(|| ordered.clone());
+                // What a third group has in common is no matter of these two.
+                let own = places.into_iter().flatten().filter_map(|place| inflations.get(place));
+                let refused = refused.or_else(|| Refused::ordered(own.copied()));
                 let has_p = refused.as_ref().is_none_or(Refused::has_p);
                 let bound = measure.parameters.bound(known).filter(|_| is_difference);
                 let equivalence = tested.as_ref().ok().zip(bound.filter(|_| has_p));

@@ -114,7 +114,7 @@ pub(crate) fn slopes(
 mod tests {
     use crate::tests::{Trial, metrics, parameters};
     use crate::{Comparison, Groups, Parameters, compare};
-    use zwidth_results::Verdict;
+    use zwidth_results::{GroupDifference, GroupEffect, Sentence, Verdict};
     use zwidth_study::{GroupsCompared, OverTrials};
 
     /// Six people who become better from trial to trial, with trials in modes in that order.
@@ -129,7 +129,10 @@ mod tests {
 
     /// People with these orders.
     fn practised_of(orders: Vec<[&'static str; 6]>, groups: Option<Groups>) -> Comparison {
-        const CODES: [&str; 8] = ["P01", "P02", "P03", "P04", "P05", "P06", "P07", "P08"];
+        const CODES: [&str; 20] = [
+            "P01", "P02", "P03", "P04", "P05", "P06", "P07", "P08", "P09", "P10", "P11", "P12",
+            "P13", "P14", "P15", "P16", "P17", "P18", "P19", "P20",
+        ];
         let mut trials: Vec<Trial> = Vec::new();
         for (person, (who, order)) in CODES.into_iter().zip(orders).enumerate() {
             for (place, mode) in order.into_iter().enumerate() {
@@ -141,6 +144,31 @@ mod tests {
         }
         let over = Some(OverTrials::Trial);
         compare(&metrics(&trials), &Parameters { over, groups, ..parameters() }).unwrap()
+    }
+
+    /// Groups of the people from P01 on, by the place of everybody's level.
+    fn groups(levels: &[&str], contrasts: &[&str], of: &[usize]) -> Groups {
+        let compared = GroupsCompared {
+            column: "group".parse().unwrap(),
+            contrasts: contrasts.iter().map(|contrast| contrast.parse().unwrap()).collect(),
+            levels: levels.iter().map(|level| level.parse().unwrap()).collect(),
+            assigned: false,
+        };
+        let code = |who: usize| format!("P{who:02}").parse().unwrap();
+        let levels_of = (1..).map(code).zip(of.iter().copied()).collect();
+        Groups { compared, levels_of, blocks: [].into() }
+    }
+
+    /// The difference between two groups in the first contrast of modes.
+    fn between<'a>(found: &'a Comparison, groups: &str) -> &'a GroupDifference {
+        let effect = GroupEffect::Of(found.contrasts[0].contrast.clone());
+        let is_asked =
+            |row: &&GroupDifference| row.effect == effect && row.groups.to_string() == groups;
+        found.groups.iter().find(is_asked).unwrap()
+    }
+
+    fn is_refused_for_order(remark: Option<&Sentence>) -> bool {
+        remark.is_some_and(|remark| remark.to_string().contains("11.7 times larger"))
     }
 
     #[test]
@@ -179,25 +207,47 @@ mod tests {
         let row = &found.contrasts[0];
         assert!(row.remark.is_none() && row.p_adjusted.is_some(), "{row:?}");
         // Every second one is of the other group, and all of a group have one order.
-        let levels = ["odd", "even"].map(|level| level.parse().unwrap()).to_vec();
-        let compared = GroupsCompared {
-            column: "group".parse().unwrap(),
-            contrasts: vec!["even − odd".parse().unwrap()],
-            levels,
-            assigned: false,
-        };
-        let levels_of =
-            (1..=8_usize).map(|who| (format!("P{who:02}").parse().unwrap(), (who + 1) % 2));
-        let groups = Groups { compared, levels_of: levels_of.collect(), blocks: [].into() };
+        let groups = groups(&["odd", "even"], &["even − odd"], &[0, 1].repeat(4));
         let found = practised_of([orders; 4].concat(), Some(groups));
         let row = &found.contrasts[0];
         let remark = row.remark.as_ref().unwrap().to_string();
         assert!(remark.contains("11.7 times larger"), "{remark}");
-        assert!(found.groups.iter().any(|row| {
-            row.remark
-                .as_ref()
-                .is_some_and(|remark| remark.to_string().contains("11.7 times larger"))
-        }));
+        assert!(is_refused_for_order(between(&found, "even − odd").remark.as_ref()));
+    }
+
+    #[test]
+    fn a_small_third_group_leaves_groups_of_one_order_each_without_a_claim() {
+        let [h, p, a] = ["hybrid", "passive", "active"];
+        let [up, down] = [[a, a, p, p, h, h], [h, h, p, p, a, a]];
+        let orders = [vec![up; 8], vec![down; 8], vec![up; 2]].concat();
+        let of = [vec![0; 8], vec![1; 8], vec![2; 2]].concat();
+        let found = practised_of(
+            orders,
+            Some(groups(&["one", "two", "three"], &["two − one", "three − one"], &of)),
+        );
+        let remark = found.contrasts[0].remark.as_ref().unwrap().to_string();
+        assert!(remark.contains("three has 2 participants"), "{remark}");
+        let row = between(&found, "two − one");
+        assert!(is_refused_for_order(row.remark.as_ref()), "{row:?}");
+        assert_eq!((row.p_adjusted, row.verdict), (None, Some(Verdict::NotTested)));
+    }
+
+    #[test]
+    fn the_one_order_of_a_third_group_refuses_no_difference_between_groups_whose_orders_balance() {
+        let [h, p, a] = ["hybrid", "passive", "active"];
+        let [up, down] = [[a, a, p, p, h, h], [h, h, p, p, a, a]];
+        let orders = [[up, down].repeat(8), vec![up; 4]].concat();
+        let of = [vec![0; 8], vec![1; 8], vec![2; 4]].concat();
+        let found = practised_of(
+            orders,
+            Some(groups(&["one", "two", "three"], &["two − one", "three − one"], &of)),
+        );
+        // The difference between modes is over all groups, so the worst of them counts.
+        assert!(is_refused_for_order(found.contrasts[0].remark.as_ref()));
+        let row = between(&found, "two − one");
+        assert!(row.remark.is_none() && row.p_adjusted.is_some(), "{row:?}");
+        let row = between(&found, "three − one");
+        assert!(is_refused_for_order(row.remark.as_ref()) && row.p_adjusted.is_none(), "{row:?}");
     }
 
     #[test]

@@ -60,6 +60,23 @@ impl<'a> Split<'a> {
     }
 }
 
+/// How many times the lines over trials make the variance of a weighted sum of conditions larger: of each group in the order
+/// of the levels, because orders could balance each other over groups alone; of all people if there are no groups. Empty
+/// without lines.
+pub(crate) fn inflations(
+    cells: &Cells,
+    split: Option<&Split>,
+    people: impl Iterator<Item = usize>,
+    weights: &[WeighedCondition],
+) -> Vec<f64> {
+    let Some(lines) = &cells.lines else { return Vec::new() };
+    let groups = match split {
+        Some(split) => split.by_level(people.map(|participant| (participant, participant))),
+        None => vec![people.collect()],
+    };
+    groups.iter().map(|people| lines.inflation(people, weights)).collect()
+}
+
 /// Why nothing is claimed, though there is an estimate.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Refused {
@@ -81,22 +98,11 @@ impl Refused {
         (n < LEAST_FOR_A_CLAIM).then(|| Self::TooFew { n, group: group.to_owned() })
     }
 
-    /// Whether the lines over trials, if there are any, tell practice and a weighted sum of conditions apart: of all people,
-    /// and of each group, which could have orders that balance each other over groups alone.
-    pub(crate) fn ordered(
-        cells: &Cells,
-        split: Option<&Split>,
-        people: impl Iterator<Item = usize>,
-        weights: &[WeighedCondition],
-    ) -> Option<Self> {
-        let lines = cells.lines.as_ref()?;
-        let groups = match split {
-            Some(split) => split.by_level(people.map(|participant| (participant, participant))),
-            None => vec![people.collect()],
-        };
-        let each = groups.iter().filter(|people| !people.is_empty());
-        let inflation = each.map(|people| lines.inflation(people, weights)).fold(0.0, f64::max);
-        (inflation > MOST_INFLATED).then_some(Self::Ordered(inflation))
+    /// Whether lines over trials tell practice and a weighted sum of conditions apart in each of the groups that are
+    /// compared, of which these are the [`inflations`].
+    pub(crate) fn ordered(inflations: impl Iterator<Item = f64>) -> Option<Self> {
+        let largest = inflations.fold(1.0, f64::max);
+        (largest > MOST_INFLATED).then_some(Self::Ordered(largest))
     }
 
     /// Whether there is a p value all the same.
