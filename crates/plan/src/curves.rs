@@ -1,7 +1,10 @@
 //! Stage `compare`, of whole curves: one job, and a figure for each curve and environment.
 
 use crate::average::{aligned, looped};
-use crate::compare::{STAGE, claims_of_both, groups, has_group_differences, order, took_part};
+use crate::compare::{
+    STAGE, claims_of_both, compares_curves, environments_of_curves, groups, has_group_differences,
+    is_of_one, order,
+};
 use crate::figures::drawing::{Drawing, Figured};
 use crate::shared::conditions::{sessions, trial_sources};
 use crate::shared::handle::{Derived, write_named};
@@ -10,7 +13,7 @@ use crate::shared::trials::{OfTrials, Recordings, files, open_all};
 use crate::tables::printed::Printed;
 use rayon::prelude::*;
 use serde::Serialize;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use zwidth_average::{Alignment, AverageError, Parameters as AverageParameters};
 use zwidth_compare::{CurveParameters, CurveSpread, SessionCurve, compare_curves, curve_spreads};
@@ -43,49 +46,19 @@ struct Comparing {
     simulated: bool,
 }
 
-/// The environments in which several people, or the study's one, have a course of a movement, in several modes unless
-/// groups are compared, or an effect weighs the one over environments or sessions.
-fn environments(data: &StudyData) -> impl Iterator<Item = &Environment> {
-    let has_groups = data.study.compare.groups.is_some();
-    let effects = data.study.effects();
-    let of_one = is_of_one(data);
-    data.study.environments.iter().filter(move |environment| {
-        let own = data.counting().filter(|trial| trial.meta.environment == environment.id);
-        let (people, modes): (BTreeSet<_>, BTreeSet<_>) =
-            own.map(|trial| (&trial.meta.participant, &trial.meta.mode)).unzip();
-        let is_weighed = || {
-            let mut claimed = effects.iter().filter(|effect| effect.is_claimed);
-            claimed.any(|effect| {
-                let mut weights = effect.weights.iter();
-                weights.any(|weight| weight.environment == environment.id)
-            })
-        };
-        let is_compared = match of_one {
-            true => modes.len() > 1,
-            false => people.len() > 1 && (has_groups || modes.len() > 1 || is_weighed()),
-        };
-        environment.scene.pushes_back() && is_compared
-    })
-}
-
-/// Whether one participant took part: trials are compared then, which say nothing of others.
-fn is_of_one(data: &StudyData) -> bool {
-    took_part(data).len() == 1
-}
-
 /// The results, if curves are compared: there is something to compare.
 pub(crate) fn of_study(data: &StudyData) -> Option<OfCurves> {
-    let compare = &data.study.compare;
-    let of_modes = data.study.modes.len() > 1 && !compare.contrasts.is_empty();
-    let of_people = compare.groups.is_some() || !data.study.effects().is_empty();
-    let is_any = of_modes || of_people && !is_of_one(data);
-    let is_compared = is_any && !compare.curves.is_empty() && environments(data).next().is_some();
     let folder = derived(&data.layout, "compare");
-    is_compared.then(|| OfCurves {
+    compares_curves(data).then(|| OfCurves {
         points: Derived::within(&folder),
         tests: Derived::within(&folder),
         runs: Derived::within(&folder),
     })
+}
+
+/// The tests of whole curves, as people read them.
+pub fn compared_curves(data: &StudyData) -> Option<Printed> {
+    of_study(data).map(|own| Printed::without_empty_columns(own.tests.path()))
 }
 
 /// The tables that people read.
@@ -105,7 +78,7 @@ fn means(data: &StudyData) -> Means {
         |over_angle: bool| compare.curves.iter().any(|curve| curve.is_over_angle() == over_angle);
     let mut means = Means::default();
     for session in sessions(data) {
-        for environment in environments(data) {
+        for environment in environments_of_curves(data) {
             for mode in &study.modes {
                 let Some(repeats) = session.repeats(environment, mode) else { continue };
                 means.0.extend(has(true).then(|| looped(&data.layout, &repeats)));
@@ -147,7 +120,7 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
     if !is_of_one(data) {
         return vec![Job::new(STAGE, name, comparing, means(data), results.files(), make)];
     }
-    let is_there = |id: &EnvironmentId| environments(data).any(|own| own.id == *id);
+    let is_there = |id: &EnvironmentId| environments_of_curves(data).any(|own| own.id == *id);
     let own = |trial: &&TrialEntry| {
         is_there(&trial.meta.environment) && data.study.mode(&trial.meta.mode).is_some()
     };
@@ -155,7 +128,7 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
     let of_trials = OfTrials::new(
         ComparingTrials {
             comparing,
-            averages: environments(data)
+            averages: environments_of_curves(data)
                 .map(|own| {
                     (
                         own.id.clone(),
@@ -306,12 +279,13 @@ pub(crate) fn figures(data: &StudyData) -> Vec<Drawing> {
     let has_groups = has_group_differences(data);
     let of_everybody = !data.study.compare.contrasts.is_empty() || !data.study.effects().is_empty();
     let mut drawings = Vec::new();
-    let environments: Vec<&Environment> = environments(data).collect();
+    let environments: Vec<&Environment> = environments_of_curves(data).collect();
     let is_moved = |id: &EnvironmentId| environments.iter().any(|own| own.id == *id);
-    let is_over_several = data.study.effects().iter().any(|effect| {
-        let is_drawn = effect.environment.is_none() && effect.is_claimed;
-        is_drawn && effect.weights.iter().all(|weight| is_moved(&weight.environment))
-    });
+    let is_over_several = !is_of_one(data)
+        && data.study.effects().iter().any(|effect| {
+            let is_drawn = effect.environment.is_none() && effect.is_claimed;
+            is_drawn && effect.weights.iter().all(|weight| is_moved(&weight.environment))
+        });
     let places = environments.iter().copied().map(Some).chain(is_over_several.then_some(None));
     for curve in &data.study.compare.curves {
         for environment in places.clone() {

@@ -35,7 +35,7 @@ pub use compare::{
     By, answers, asked_in_vain, claims, compared, comparison, effects, inflation_by_groups,
     spreads, verdicts,
 };
-pub use curves::spreads_of_curve;
+pub use curves::{compared_curves, spreads_of_curve};
 pub use figures::font::font;
 pub use figures::{captions, chosen_in_vain, describe, on_demand};
 pub use ladder::ladders;

@@ -9,9 +9,11 @@ use crate::paired::ROUNDINGS;
 use crate::sign_flip::smallest_p;
 use crate::student_t::critical_value;
 use crate::tested::at_least;
-use crate::{StatsError, Unestimable};
+use crate::welch::Group;
+use crate::{StatsError, Tested, Unestimable};
 use rand_chacha::rand_core::Rng;
 use rayon::prelude::*;
+use std::collections::{BTreeMap, BTreeSet};
 use zwidth_numerics::moments::Moments;
 
 /// With fewer people all flips of signs together reach no p below 0.05 (of five 2/2⁵), and the band is
@@ -303,21 +305,39 @@ pub fn groups(
 /// One person's trials, each with its curve.
 #[derive(Debug, Clone, Copy)]
 pub struct TrialCurves<'a> {
-    /// Everybody's values, node by node, less what no order changes.
+    /// The values of each trial, node by node.
     pub curves: &'a [Vec<f64>],
     /// The number of nodes of each branch.
     pub lengths: &'a [usize],
     /// The mode of each trial, as a number.
     pub modes: &'a [usize],
+    /// The number of each trial's session.
+    pub sessions: &'a [usize],
+}
+
+impl TrialCurves<'_> {
+    /// The trials of both modes, session by session, of the sessions that have both.
+    pub fn strata(&self, pair: [usize; 2]) -> Vec<[Vec<usize>; 2]> {
+        let mut sessions: BTreeMap<usize, [Vec<usize>; 2]> = BTreeMap::new();
+        for (trial, (mode, session)) in self.modes.iter().zip(self.sessions).enumerate() {
+            if let Some(side) = pair.iter().position(|own| own == mode) {
+                sessions.entry(*session).or_default()[side].push(trial);
+            }
+        }
+        sessions.into_values().filter(|sides| sides.iter().all(|own| !own.is_empty())).collect()
+    }
 }
 
 /// Tests for each pair of modes whether no trial's curve depended on mode: the largest of Welch's |t| over nodes is
 /// compared with those of the orders that `redraw` gives for a seed, each the modes of the trials, as
-/// [`sharp_null`](crate::sharp_null) does with single values. An order is drawn once for all pairs; one that leaves a mode
-/// of the pair fewer than two trials counts as extreme, which can only make p larger.
+/// [`sharp_null`](crate::sharp_null) does with single values, each less the mean of its session, which no order changes. An
+/// order is drawn once for all pairs; one that leaves a mode of the pair fewer than two trials counts as extreme, which can
+/// only make p larger. Nodes have the difference, t and interval of the sessions that have both modes
+/// ([`welch`](crate::welch)).
 ///
 /// # Errors
-/// Curves of different length; a value that is not finite. Of a pair: a mode of fewer than two trials; no node with scatter.
+/// Curves of different length; a value that is not finite. Of a pair: no session with both modes; a mode of fewer than two
+/// trials; no node with scatter.
 pub fn trials(
     trials: TrialCurves,
     pairs: &[[usize; 2]],
@@ -325,14 +345,26 @@ pub fn trials(
     sampling: Sampling,
     redraw: impl Fn(u64) -> Vec<usize> + Sync,
 ) -> Result<Vec<Result<UnpairedCurveTest, Unestimable>>, Unestimable> {
-    let TrialCurves { curves, lengths, modes } = trials;
+    let TrialCurves { curves, lengths, modes, sessions } = trials;
     let number = checked(curves, lengths)?;
     same_length("the list of modes", curves.len(), modes.len())?;
-    // What is left out may not depend on the order.
+    same_length("the list of sessions", curves.len(), sessions.len())?;
+    let mut centred = curves.to_vec();
+    for session in BTreeSet::from_iter(sessions) {
+        let own: Vec<usize> = (0..curves.len()).filter(|at| sessions[*at] == *session).collect();
+        for node in 0..number {
+            let mean = own.iter().map(|at| curves[*at][node]).sum::<f64>() / own.len() as f64;
+            own.iter().for_each(|at| centred[*at][node] -= mean);
+        }
+    }
+    // Beyond rounding, of which centred values are left. What is left out may not depend on the order.
     let scatter: Vec<bool> = (0..number)
-        .map(|node| scatters(&Moments::of(&column(curves, node)), curves.len()))
+        .map(|node| {
+            let [all, own] = [curves, &centred].map(|rows| Moments::of(&column(rows, node)));
+            scatters(&Moments { mean: all.mean, ..own }, curves.len())
+        })
         .collect();
-    let values = standardised(curves.to_vec(), |node| scatter[node]);
+    let values = standardised(centred, |node| scatter[node]);
     let t2 = |order: &[usize], pair: [usize; 2]| -> Option<Vec<f64>> {
         let of =
             |mode: usize| (0..values.len()).filter(move |trial| order.get(*trial) == Some(&mode));
@@ -349,11 +381,23 @@ pub fn trials(
     });
     let drawn: Vec<Vec<f64>> = drawn.collect();
     let tested = pairs.iter().enumerate().map(|(place, pair)| {
-        let own = pair.map(|mode| {
-            let own = curves.iter().zip(modes).filter(|(_, own)| **own == mode);
-            own.map(|(curve, _)| curve.clone()).collect::<Vec<Vec<f64>>>()
-        });
-        at_least("trials of a mode", own[0].len().min(own[1].len()), 2)?;
+        let strata = trials.strata(*pair);
+        at_least("sessions with both modes", strata.len(), 1)?;
+        let of_mode = |side: usize| strata.iter().map(|sides| sides[side].len()).sum::<usize>();
+        at_least("trials of a mode", of_mode(0).min(of_mode(1)), 2)?;
+        let at = |node: usize| {
+            let values =
+                |own: &Vec<usize>| own.iter().map(|at| curves[*at][node]).collect::<Vec<f64>>();
+            let groups: Vec<[Group; 2]> = strata
+                .iter()
+                .map(|sides| sides.each_ref().map(|own| group(&values(own))))
+                .collect();
+            let mean = |side: usize| {
+                groups.iter().map(|own| own[side].mean).sum::<f64>() / groups.len() as f64
+            };
+            let mean = mean(0) - mean(1);
+            Node::of(mean, crate::welch::difference(&groups, level).ok())
+        };
         let observed = t2(modes, *pair).filter(|_| scatter.contains(&true));
         let observed = observed.ok_or(Unestimable::Constant { units: "trials" })?;
         let most = |least: f64| {
@@ -362,7 +406,7 @@ pub fn trials(
         };
         let all = drawn.iter().map(|t2| t2[place]).filter(|t2| t2.is_finite());
         Ok(UnpairedCurveTest {
-            nodes: welch([&own[0], &own[1]], level),
+            nodes: (0..number).map(at).collect(),
             largest: place_of_largest(&observed),
             permuted: Permuted {
                 p_value: most(largest(observed.clone())),
@@ -379,15 +423,21 @@ fn welch(curves: [&[Vec<f64>]; 2], level: f64) -> Vec<Node> {
     let number = curves[0].first().map_or(0, Vec::len);
     let at = |node| {
         let [a, b] = curves.map(|rows| group(&column(rows, node)));
-        let welch = difference([a, b], level).ok();
-        Node {
-            mean: a.mean - b.mean,
-            std_error: welch.as_ref().map_or(0.0, |welch| welch.std_error),
-            statistic: welch.as_ref().map(|welch| welch.statistic),
-            ends: welch.as_ref().map(|welch| [welch.ci_low, welch.ci_high]),
-        }
+        Node::of(a.mean - b.mean, difference([a, b], level).ok())
     };
     (0..number).map(at).collect()
+}
+
+impl Node {
+    /// The node of two means, with their test, where there is one.
+    fn of(mean: f64, tested: Option<Tested>) -> Self {
+        Self {
+            mean,
+            std_error: tested.as_ref().map_or(0.0, |tested| tested.std_error),
+            statistic: tested.as_ref().map(|tested| tested.statistic),
+            ends: tested.map(|tested| [tested.ci_low, tested.ci_high]),
+        }
+    }
 }
 
 /// The same curves about their mean, over their scatter, so that sums of squares keep their digits; 0 at nodes that are not
@@ -655,11 +705,17 @@ mod tests {
             }
             order
         };
-        let own = TrialCurves { curves: &curves, lengths: &[20, 31], modes: &modes };
+        let sessions = &[0; 12];
+        let own = TrialCurves { curves: &curves, lengths: &[20, 31], modes: &modes, sessions };
         let found = trials(own, &[[0, 1], [2, 0], [0, 7]], 0.95, SAMPLING, shuffled).unwrap();
         assert!(found[2].is_err(), "nobody has that mode");
         // Of two modes alone orders and labels are the same.
-        let two = TrialCurves { curves: &curves[..8], lengths: &[51], modes: &modes[..8] };
+        let two = TrialCurves {
+            curves: &curves[..8],
+            lengths: &[51],
+            modes: &modes[..8],
+            sessions: &sessions[..8],
+        };
         let of_two = |seed| shuffled(seed).into_iter().filter(|mode| *mode < 2).collect();
         let drawn = trials(two, &[[0, 1]], 0.95, SAMPLING, of_two).unwrap().remove(0).unwrap();
         let block = [0; 4];
@@ -671,5 +727,34 @@ mod tests {
         assert!((drawn.smallest_p - counted.smallest_p).abs() < 0.005, "{drawn:?} {counted:?}");
         let of = found[0].as_ref().unwrap();
         assert_eq!(of.nodes, welch([&curves[..4], &curves[4..8]], 0.95));
+    }
+
+    /// Three trials of one mode and one of the other in a session, and the other way round in the next, which is 100 higher:
+    /// the difference is that within sessions, and a session with one mode alone is in none.
+    #[test]
+    fn a_session_adds_nothing_to_the_difference_of_its_modes() {
+        let (modes, sessions) = ([0, 0, 0, 1, 0, 1, 1, 1, 0], [0, 0, 0, 0, 1, 1, 1, 1, 2]);
+        let curves: Vec<Vec<f64>> = (0..9)
+            .map(|trial| {
+                let scatter = 0.01 * curve(trial as u64 + 1)[25];
+                vec![100.0 * sessions[trial] as f64 + 2.0 * modes[trial] as f64 + scatter]
+            })
+            .collect();
+        let own =
+            TrialCurves { curves: &curves, lengths: &[1], modes: &modes, sessions: &sessions };
+        let turned = |seed: u64| {
+            let mut order = modes.to_vec();
+            order[..4].rotate_left(seed as usize % 4);
+            order[4..8].rotate_left(seed as usize / 4 % 4);
+            order
+        };
+        let found = trials(own, &[[1, 0]], 0.95, SAMPLING, turned).unwrap().remove(0).unwrap();
+        let node = found.nodes[0];
+        assert!((node.mean - 2.0).abs() < 0.02, "{node:?}");
+        assert!(node.ends.is_some_and(|[low, high]| low < 2.0 && 2.0 < high && high - low < 0.5));
+        // One order in sixteen.
+        assert!((found.permuted.p_value - 1.0 / 16.0).abs() < 0.01, "{:?}", found.permuted);
+        let apart = TrialCurves { modes: &[0, 0, 0, 0, 1, 1, 1, 1, 1], ..own };
+        assert!(trials(apart, &[[1, 0]], 0.95, SAMPLING, turned).unwrap()[0].is_err());
     }
 }

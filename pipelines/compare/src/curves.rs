@@ -842,6 +842,7 @@ pub(crate) mod tests {
             tested.map(|test| (test.role, test.p_adjusted.unwrap() * 256.0)).collect::<Vec<_>>()
         };
         let near = |found: Vec<(Role, f64)>, expected: [(Role, f64); 2]| {
+            assert_eq!(found.len(), expected.len());
             for ((role, p), (expected_role, expected)) in found.iter().zip(expected) {
                 assert!(*role == expected_role && (p - expected).abs() < 1e-9, "{role:?} {p}");
             }

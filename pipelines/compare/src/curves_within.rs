@@ -19,7 +19,7 @@ pub(crate) fn rows(own: &[&SessionCurve], parameters: &CurveParameters) -> Vec<R
     for (family, environment) in environments.iter().enumerate() {
         let here = || own.iter().copied().filter(|one| one.environment == *environment);
         let with: Vec<&SessionCurve> = here().filter(|one| !one.branches.is_empty()).collect();
-        let Some(first) = with.first() else { continue };
+        let Some(first) = here().next() else { continue };
         let shared = Shared::of(&with, parameters.nodes, "every trial");
         let lengths = shared.lengths();
         let nodes = lengths.iter().sum();
@@ -35,7 +35,7 @@ pub(crate) fn rows(own: &[&SessionCurve], parameters: &CurveParameters) -> Vec<R
             .collect();
         let joined = drawn.as_ref().map(|sessions| Joined::of(sessions));
         // Without other orders the trials are described as they are.
-        let (mut values, session, actual) = match &joined {
+        let (values, session, actual) = match &joined {
             Ok(joined) => (joined.values.clone(), joined.session.clone(), joined.actual.clone()),
             Err(_) => {
                 let trials = sessions.values().enumerate().flat_map(|(session, places)| {
@@ -52,25 +52,12 @@ pub(crate) fn rows(own: &[&SessionCurve], parameters: &CurveParameters) -> Vec<R
                 all
             }
         };
-        // What a session adds to all of its trials, in whatever order they come, is no difference of modes.
-        let overall = mean(&values.iter().collect::<Vec<_>>(), nodes);
-        for number in 0..sessions.len() {
-            let is_own = |place: &usize| session[*place] == number;
-            let own: Vec<usize> = (0..values.len()).filter(is_own).collect();
-            let rows: Vec<&Vec<f64>> = own.iter().map(|place| &values[*place]).collect();
-            let of_session = mean(&rows, nodes);
-            for place in own {
-                let levels = overall.iter().zip(&of_session);
-                for (value, (overall, of_session)) in values[place].iter_mut().zip(levels) {
-                    *value += overall - of_session;
-                }
-            }
-        }
         // No trial has a mode that the study lacks.
         let place = |id| modes.iter().position(|mode| mode == id).unwrap_or(usize::MAX);
         let pairs: Vec<[usize; 2]> =
             contrasts.iter().map(|own| [place(&own.mode), place(&own.against)]).collect();
-        let trials = TrialCurves { curves: &values, lengths: &lengths, modes: &actual };
+        let trials =
+            TrialCurves { curves: &values, lengths: &lengths, modes: &actual, sessions: &session };
         let sampling = if joined.is_ok() { SAMPLING } else { Sampling { draws: 0, ..SAMPLING } };
         let tests = curve::trials(trials, &pairs, parameters.level, sampling, |seed| {
             let Ok(joined) = &joined else { return Vec::new() };
@@ -79,11 +66,18 @@ pub(crate) fn rows(own: &[&SessionCurve], parameters: &CurveParameters) -> Vec<R
         });
         let tests = tests.unwrap_or_else(|why| vec![Err(why); pairs.len()]);
         for ((contrast, pair), tested) in contrasts.iter().zip(pairs).zip(tests) {
-            let of_mode = |mode: usize| -> Vec<&Vec<f64>> {
-                let own = values.iter().zip(&actual).filter(|(_, own)| **own == mode);
-                own.map(|(value, _)| value).collect()
+            // The mean over the sessions that have both modes, as of single values.
+            let strata = trials.strata(pair);
+            let side = |side: usize| {
+                let of_session = |sides: &[Vec<usize>; 2]| {
+                    mean(
+                        &sides[side].iter().map(|trial| &values[*trial]).collect::<Vec<_>>(),
+                        nodes,
+                    )
+                };
+                let each = strata.iter().map(of_session).collect::<Vec<_>>();
+                mean(&each.iter().collect::<Vec<_>>(), nodes)
             };
-            let sides = pair.map(of_mode);
             let tested = tested.map_err(|why| why.to_string());
             let mut remarks = shared.left_out.clone();
             let without = here().count() - with.len();
@@ -104,10 +98,10 @@ pub(crate) fn rows(own: &[&SessionCurve], parameters: &CurveParameters) -> Vec<R
                 environment: Some(environment.clone()),
                 groups: None,
                 within: Some(first.participant.clone()),
-                n: sides[0].len() + sides[1].len(),
+                n: strata.iter().flatten().map(Vec::len).sum(),
                 n_second: None,
                 places: shared.nodes().collect(),
-                means: [mean(&sides[0], nodes), mean(&sides[1], nodes)],
+                means: [side(0), side(1)],
                 tested,
                 remarks,
                 claim: Claim::new(family, p.map(|p| p.p_value), p.map(|p| p.smallest_p), None),

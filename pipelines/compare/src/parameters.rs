@@ -131,10 +131,9 @@ impl Noticed {
 }
 
 impl Parameters {
-    /// Whether claims rest on several metrics, or on curves besides.
+    /// Whether claims rest on several metrics.
     pub(crate) fn has_several_primary(&self) -> bool {
-        let metrics = self.metrics.iter().filter(|metric| metric.primary).count();
-        metrics > 1 || self.curve_claims > 0
+        self.metrics.iter().filter(|metric| metric.primary).count() > 1
     }
 
     /// The places of an environment and a mode, where the study has them.

@@ -45,12 +45,9 @@ pub fn together(
         ),
     };
     let family = match parameters.families {
-        Families::Study if parameters.has_several_primary() => match parameters.curve_claims {
-            0 => "the primary metrics one family, each other metric one",
-            _ => {
-                "the primary metrics and curves one family (after Bonferroni between both), each other metric one"
-            }
-        },
+        Families::Study if primary.len() > 1 => {
+            "the primary metrics one family, each other metric one"
+        }
         Families::Metric | Families::Study => "each metric a family",
         Families::Environment => "each environment of a metric a family",
     };
@@ -58,7 +55,12 @@ pub fn together(
         true => format!("{family} of its own, with its differences between groups"),
         false => format!("{family} of its own"),
     };
-    let family = &*format!("p adjusted after Holm, {family}; intervals are not adjusted.");
+    let shares = match (parameters.curve_claims, primary.len()) {
+        (0, _) | (_, 0) => "",
+        (_, 1) => "; the primary metric shares alpha with primary curves (Bonferroni)",
+        _ => "; the primary metrics share alpha with primary curves (Bonferroni)",
+    };
+    let family = &*format!("p adjusted after Holm, {family}{shares}; intervals are not adjusted.");
     let table = table.with_note(of_whom(&first.unit_of_analysis)).with_note(test);
     Ok(table.with_note(claims).with_note(family))
 }
@@ -165,7 +167,7 @@ mod tests {
             let [alone, beside] = [alone, beside].map(|row| row.p_adjusted.unwrap());
             assert!((beside - (4.0 * alone).min(1.0)).abs() < 1e-15, "two claims beside six");
         }
-        assert!(note.contains("primary metrics and curves one family"), "{note}");
+        assert!(note.contains("the primary metric shares alpha with primary curves"), "{note}");
         let is_told = |note: &zwidth_results::MetricNote| {
             note.note.to_string().contains("after Bonferroni for 6 claims on primary curves")
         };

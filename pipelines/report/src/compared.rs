@@ -23,6 +23,8 @@ pub enum Primaries {
     Named,
     /// By several.
     Several,
+    /// By whole curves alone: every metric is exploratory.
+    Curves,
 }
 
 impl Primaries {
@@ -30,6 +32,7 @@ impl Primaries {
     pub fn of(study: &Study) -> Self {
         match &study.compare {
             compare if !compare.is_primary_named => Self::ByDefault,
+            compare if compare.primary.metrics().next().is_none() => Self::Curves,
             compare if compare.primary.are_several() => Self::Several,
             _ => Self::Named,
         }
@@ -143,17 +146,18 @@ pub fn matrix(study: &Setup, metrics: &[ComparedMetric]) -> Matrix {
     matrix
 }
 
-/// The metrics that claims rest on, before the others; without one the first.
+/// The metrics that claims rest on, before the others; without one the first, unless a whole curve is primary.
 pub fn primary_first<'a, 'b>(metrics: &'a [ComparedMetric<'b>]) -> [&'a [ComparedMetric<'b>]; 2] {
     let primary = metrics.iter().take_while(|metric| metric.metric.role == Role::Primary).count();
-    <[_; 2]>::from(metrics.split_at(primary.max(1).min(metrics.len())))
+    let least = usize::from(metrics.first().is_some_and(|one| one.primary != Primaries::Curves));
+    <[_; 2]>::from(metrics.split_at(primary.max(least)))
 }
 
 /// What the contrasts of primary metrics say: first the answers, then every contrast in a sentence with
 /// effect, interval, n and unit. For each other metric, one sentence with its differences.
 pub fn contrasts(study: &Setup, metrics: &[ComparedMetric]) -> Vec<Finding> {
     let [primary, others] = primary_first(metrics);
-    let Some(first) = primary.first() else { return Vec::new() };
+    let Some(first) = primary.first() else { return others_in_brief(study, others).collect() };
     if primary.iter().all(|metric| metric.contrasts.is_empty()) {
         let mut modes: Vec<&ModeId> = first.means.iter().map(|mean| &mean.mode).collect();
         modes.dedup();
@@ -174,18 +178,22 @@ pub fn contrasts(study: &Setup, metrics: &[ComparedMetric]) -> Vec<Finding> {
         findings
             .extend(rows.map(|row| finding(metric, difference(study, metric, row, Some(&words)))));
     }
-    for metric in others.iter().filter(|metric| !metric.contrasts.is_empty()) {
-        let rows = metric.contrasts.iter();
-        let briefs: Vec<String> = rows.map(|row| difference(study, metric, row, None)).collect();
-        let words = metric.words(study.coordinate);
-        let text = format!("Exploratory, {words}: {}.", briefs.join("; "));
-        findings.push(finding(metric, text));
-    }
+    findings.extend(others_in_brief(study, others));
     findings
 }
 
 fn finding(metric: &ComparedMetric, text: String) -> Finding {
     Finding::new(text, Shown::Compared(metric.metric.metric.to_string()))
+}
+
+/// For each exploratory metric one sentence with its differences.
+fn others_in_brief(study: &Setup, others: &[ComparedMetric]) -> impl Iterator<Item = Finding> {
+    others.iter().filter(|metric| !metric.contrasts.is_empty()).map(|metric| {
+        let rows = metric.contrasts.iter();
+        let briefs: Vec<String> = rows.map(|row| difference(study, metric, row, None)).collect();
+        let words = metric.words(study.coordinate);
+        finding(metric, format!("Exploratory, {words}: {}.", briefs.join("; ")))
+    })
 }
 
 /// The most differences that the answer names.
@@ -203,7 +211,7 @@ fn answer(study: &Setup, metric: &ComparedMetric) -> String {
     let role = match (metric.metric.role, metric.primary) {
         (Role::Primary, Primaries::Named) => "the primary metric",
         (Role::Primary, Primaries::ByDefault) => "the primary metric by default",
-        (Role::Primary, Primaries::Several) => "a primary metric",
+        (Role::Primary, Primaries::Several | Primaries::Curves) => "a primary metric",
         (Role::Exploratory, Primaries::Several) => "exploratory: not a primary metric",
         (Role::Exploratory, _) => "exploratory: not the primary metric",
     };

@@ -1,6 +1,6 @@
 //! What the comparison of whole curves says, in sentences.
 
-use crate::compared::environment_label;
+use crate::compared::{Primaries, environment_label};
 use crate::findings::Finding;
 use crate::gallery::Shown;
 use crate::people::capital;
@@ -39,7 +39,12 @@ pub fn curve_differences(
 }
 
 /// What each primary curve says, in one sentence of all its comparisons of everybody.
-pub fn curve_answers(study: &Setup, tests: &[CurveDifference]) -> Vec<Finding> {
+pub fn curve_answers(
+    study: &Setup,
+    tests: &[CurveDifference],
+    primaries: Primaries,
+) -> Vec<Finding> {
+    let the = if primaries == Primaries::Several { "a" } else { "the" };
     let primary = tests
         .iter()
         .filter(|test| test.role == Role::Primary && test.groups.is_none())
@@ -55,14 +60,17 @@ pub fn curve_answers(study: &Setup, tests: &[CurveDifference]) -> Vec<Finding> {
                     on_way(test.branch)
                 ),
                 Some(Verdict::Undecided) => format!("was not shown to differ{p}"),
-                _ => "was not tested".to_owned(),
+                _ => match &test.remark {
+                    Some(why) => format!("was not tested ({why})"),
+                    None => "was not tested".to_owned(),
+                },
             };
             format!("{}, {} {verdict}", in_environment(study, test), effect(study, test))
         });
         let within = own[0].within.as_ref().map_or(String::new(), |who| format!("Within {who}: "));
         let label = capital(&curve_label(own[0].curve, study.coordinate));
         let parts = parts.collect::<Vec<_>>().join("; ");
-        let text = format!("{within}{label} (a primary measure): {parts}.");
+        let text = format!("{within}{label} ({the} primary measure): {parts}.");
         let shown = Shown::Curves {
             curve: own[0].curve,
             environment: own[0].environment.clone(),

@@ -159,6 +159,46 @@ fn claims_of_metric(study: &Study, metric: &str) -> Vec<usize> {
     in_each.chain([over_several.count() * (1 + of_groups)]).collect()
 }
 
+/// The environments in which several people, or the study's one, have a course of a movement, in several modes unless
+/// groups are compared, or an effect weighs the one over environments or sessions.
+pub(crate) fn environments_of_curves(data: &StudyData) -> impl Iterator<Item = &Environment> {
+    let has_groups = data.study.compare.groups.is_some();
+    let effects = data.study.effects();
+    let of_one = is_of_one(data);
+    data.study.environments.iter().filter(move |environment| {
+        let own = data.counting().filter(|trial| trial.meta.environment == environment.id);
+        let (people, modes): (BTreeSet<_>, BTreeSet<_>) =
+            own.map(|trial| (&trial.meta.participant, &trial.meta.mode)).unzip();
+        let is_weighed = || {
+            let mut claimed = effects.iter().filter(|effect| effect.is_claimed);
+            claimed.any(|effect| {
+                let mut weights = effect.weights.iter();
+                weights.any(|weight| weight.environment == environment.id)
+            })
+        };
+        let is_compared = match of_one {
+            true => modes.len() > 1,
+            false => people.len() > 1 && (has_groups || modes.len() > 1 || is_weighed()),
+        };
+        environment.scene.pushes_back() && is_compared
+    })
+}
+
+/// Whether one participant has trials: these are compared then, and say nothing of others.
+pub(crate) fn is_of_one(data: &StudyData) -> bool {
+    let mut people = data.counting().map(|trial| &trial.meta.participant);
+    people.next().is_some_and(|first| people.all(|own| own == first))
+}
+
+/// Whether there are curves to compare.
+pub(crate) fn compares_curves(data: &StudyData) -> bool {
+    let compare = &data.study.compare;
+    let of_modes = data.study.modes.len() > 1 && !compare.contrasts.is_empty();
+    let of_people = compare.groups.is_some() || !data.study.effects().is_empty();
+    let is_any = of_modes || of_people && !is_of_one(data);
+    is_any && !compare.curves.is_empty() && environments_of_curves(data).next().is_some()
+}
+
 /// Remarks on metrics in study.toml that do not exist, and on bounds that have no effect.
 pub fn asked_in_vain(study: &Study) -> Vec<String> {
     let mut remarks: Vec<String> = zwidth_metrics::taken(study)
@@ -189,6 +229,15 @@ pub fn asked_in_vain(study: &Study) -> Vec<String> {
     if are_unknown {
         let names: Vec<String> = zwidth_metrics::names(study).collect();
         remarks.push(format!("[compare] of study.toml: the metrics are {}", names.join(", ")));
+    }
+    if study.compare.primary.curves().next().is_some()
+        && claims_of_curve(study).into_iter().sum::<usize>() == 0
+    {
+        remarks.push(
+            "[compare] primary of study.toml: a whole curve makes no claim here. It takes an environment with \
+             something to move against, and two modes or an effect of factors; differences between groups are described"
+                .to_owned(),
+        );
     }
     for (metric, bound) in &study.compare.bounds {
         let is_commanded = study

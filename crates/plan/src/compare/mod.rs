@@ -4,7 +4,10 @@ mod asked;
 mod parameters;
 
 pub use asked::{asked_in_vain, claims, compared, inflation_by_groups};
-pub(crate) use asked::{claims_of_both, has_group_differences, took_part};
+pub(crate) use asked::{
+    claims_of_both, compares_curves, environments_of_curves, has_group_differences, is_of_one,
+    took_part,
+};
 pub(crate) use parameters::{ScoreColumn, groups, order};
 
 use crate::figures::drawing::{Drawing, Figured};

@@ -1,6 +1,6 @@
 //! What a comparison depends on besides tables.
 
-use super::asked::{claims_of_both, compared, took_part};
+use super::asked::{claims_of_both, compared, compares_curves, took_part};
 use crate::page::preregistered::preregistered;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
@@ -80,6 +80,9 @@ impl Comparing<OfMetrics> {
     pub(crate) fn of(data: &StudyData) -> Result<Self, IdError> {
         let (study, compare) = (&data.study, &data.study.compare);
         let compared = compared(data);
+        let curves = compares_curves(data).then_some(&compare.curves).into_iter().flatten();
+        let measured: Vec<String> =
+            compared.iter().cloned().chain(curves.map(|curve| curve.as_str().to_owned())).collect();
         let mut metrics = Vec::new();
         for metric in &compared {
             let mut bounds = compare.bounds.iter();
@@ -98,7 +101,7 @@ impl Comparing<OfMetrics> {
                 primary,
                 better: chosen.map_or_else(|| zwidth_metrics::better(study, metric), |(_, b)| *b),
                 // A plan is a promise on primary metrics alone.
-                preregistered: if primary { preregistered(data, &compared) } else { None },
+                preregistered: if primary { preregistered(data, &measured) } else { None },
                 bounds: bounds.collect(),
                 // What cannot be felt is not noticed from any difference on.
                 noticed: is_felt(study, metric).then(|| Noticed {

@@ -7,7 +7,7 @@ use std::io::ErrorKind;
 use std::path::PathBuf;
 use zwidth_compare::Preregistered;
 use zwidth_store::{Layout, StoreError, StudyData, hex_blake3, read_regular};
-use zwidth_study::{Affects, Kind, Study, StudyChange, study_changes};
+use zwidth_study::{Affects, Curve, Kind, Study, StudyChange, study_changes};
 
 /// Where a study keeps the plan that was deposited before its data were taken.
 pub fn plan_file(layout: &Layout) -> PathBuf {
@@ -141,7 +141,7 @@ fn checked(bytes: &[u8], study: &str) -> Result<Value, String> {
 }
 
 /// What the study's plan says of study, data and analysis; `None` without a plan. `compared` are the
-/// metrics that are.
+/// metrics and curves that are.
 pub(crate) fn preregistered(data: &StudyData, compared: &[String]) -> Option<Preregistered> {
     let Plan { blake3, content } = match read_plan(&data.layout)? {
         Ok(plan) => plan,
@@ -172,10 +172,12 @@ pub(crate) fn preregistered(data: &StudyData, compared: &[String]) -> Option<Pre
         ));
     }
     if data.counting().next().is_some() {
-        let lacking = primary.metrics().filter(|metric| !compared.contains(&metric.to_string()));
-        deviations.extend(lacking.map(|metric| {
+        let lacking = primary.names().iter().filter(|name| !compared.contains(&name.to_string()));
+        deviations.extend(lacking.map(|name| {
             let the = if primary.are_several() { "a" } else { "the" };
-            format!("{the} primary metric, {metric}, could not be compared")
+            let is_curve = Curve::from_word(name.as_str()).is_some();
+            let what = if is_curve { "curve" } else { "metric" };
+            format!("{the} primary {what}, {name}, could not be compared")
         }));
     }
     // Fewer participants than planned may still come.

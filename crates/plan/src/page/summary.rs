@@ -245,11 +245,12 @@ pub(crate) fn gather(page: &Page, files: &Files, making: &Making) -> Result<Gath
     {
         let (primary, others) =
             tests.into_iter().partition::<Vec<_>, _>(|test| test.role == Role::Primary);
-        primary_curves = curve_answers(&page.planned, &primary);
+        primary_curves = curve_answers(&page.planned, &primary, page.primary);
         primary_curves.extend(curve_differences(&page.planned, &primary, &runs, page.alpha));
         other_curves = curve_differences(&page.planned, &others, &runs, page.alpha);
     }
-    sentences.extend(primary_curves);
+    let first = if primary.is_empty() { 0 } else { sentences.len() };
+    sentences.splice(first..first, primary_curves);
     for metric in others {
         sentences.extend(zwidth_report::explored_effects(&page.planned, metric));
         sentences.extend(zwidth_report::explored_groups(&page.planned, metric));

@@ -192,7 +192,9 @@ pub(crate) fn tests_of_one(kind: TrialsOfOne, studies: usize) -> Vec<Judged> {
                 own.map(|value| value + kind.practice * number as f64).collect()
             })
             .collect();
-        let own = TrialCurves { curves: &trials, lengths: &[NODES], modes: &modes };
+        let sessions = vec![0; trials.len()];
+        let own =
+            TrialCurves { curves: &trials, lengths: &[NODES], modes: &modes, sessions: &sessions };
         let sampling = Sampling { draws: DRAWS, seed: study };
         let found = curve::trials(own, &[[0, 1]], LEVEL, sampling, redraw).unwrap();
         let p = found[0].as_ref().unwrap().permuted.p_value;

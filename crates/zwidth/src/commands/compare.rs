@@ -57,7 +57,7 @@ pub(crate) struct CompareArgs {
     /// What is compared [default: the modes; by the answers in a study without a metric]
     #[arg(long, value_enum)]
     pub(crate) by: Option<By>,
-    /// The metric's column in the table of metrics [default: the primary one]
+    /// The metric's column in the table of metrics [default: the first primary one, and whole curves that are primary]
     #[arg(long, value_name = "METRIC")]
     pub(crate) metric: Option<String>,
 }
@@ -82,7 +82,11 @@ pub(crate) fn compare(root: &Path, command: &CompareArgs, screen: &Screen) -> an
         );
     }
     let mut exit = make(&data, screen)?;
-    let printed = plan::comparison(&data, by.into(), &metric);
+    let is_all = command.by.is_none() && command.metric.is_none();
+    let mut printed = plan::comparison(&data, by.into(), &metric);
+    if is_all && data.study.compare.primary.curves().next().is_some() {
+        printed.extend(plan::compared_curves(&data));
+    }
     let tables = printed.iter().map(plan::Printed::read).collect::<Result<Vec<_>, _>>()?;
     if tables.iter().all(|table| table.height() == 0) {
         let why = match by {
@@ -108,7 +112,7 @@ pub(crate) fn compare(root: &Path, command: &CompareArgs, screen: &Screen) -> an
     }
     let wording = Wording::of(&data.study);
     let width = screen.width();
-    if command.by.is_none() && command.metric.is_none() && by == By::Mode {
+    if is_all && by == By::Mode {
         let rows = plan::verdicts(&data).map_err(|e| anyhow!("{e}"))?;
         if !rows.is_empty() {
             let lines = verdict_lines(&rows, width.unwrap_or(WIDTH));

@@ -208,8 +208,12 @@ pub fn curves_compared(
             curve_label(shown.curve, about.coordinate),
         ))),
         description: format!(
-            "{} in {place_label}: means and differences with {level} bands.",
+            "{} in {place_label}: means and differences with {}.",
             curve_label(shown.curve, about.coordinate),
+            match within.is_some() || of_groups {
+                true => format!("pointwise {level} intervals"),
+                false => format!("{level} bands"),
+            },
         ),
         panels: or_note(panels),
         footnotes: verdicts.iter().chain([&note]).map(|note| plain(note)).collect(),

@@ -299,6 +299,11 @@ fn claims(study: &Study, recorded: &Recorded, cited: &mut Cited) -> String {
         plain(compare.alpha),
         plain(100.0 * compare.level)
     );
+    let are_both = compare.primary.metrics().next().and(compare.primary.curves().next()).is_some();
+    if are_both && compare.families == Families::Study {
+        text += " Whole curves that are primary were a family of their own, and both families had their share of the level \
+                 (Bonferroni).";
+    }
     if !compare.bounds.is_empty() {
         let bounds = compare.bounds.iter().map(|(metric, bound)| {
             let amount = match bound {
@@ -339,12 +344,6 @@ fn curves(study: &Study, recorded: &Recorded, cited: &mut Cited) -> String {
         }
         Families::Metric | Families::Study => "all comparisons of a curve",
     };
-    let bonferroni = match is_joined && compare.primary.metrics().next().is_some() {
-        true => {
-            " (those of primary curves and primary measures, besides, by Bonferroni's, each kind taking its share)"
-        }
-        false => "",
-    };
     let role = if primary.is_empty() {
         "; they are exploratory".to_owned()
     } else if primary.len() == compare.curves.len() {
@@ -361,7 +360,7 @@ fn curves(study: &Study, recorded: &Recorded, cited: &mut Cited) -> String {
             "Whole curves ({}) of trials were compared at {} nodes{each} that all trials of an environment reach. The largest \
              |t| of Welch over all nodes was compared with those in other orders that the design could have drawn {}: the \
              hypothesis is that no trial's curve depended on mode. p values were adjusted by Holm's method over \
-             {family}{bonferroni}{role}. Intervals are pointwise and describe the trials.",
+             {family}{role}. Intervals are pointwise and describe the trials.",
             curves.join("; "),
             compare.curve_nodes,
             cited.cite("edgington"),
@@ -373,7 +372,7 @@ fn curves(study: &Study, recorded: &Recorded, cited: &mut Cited) -> String {
          curves {}: of all of them up to 14 participants, else of 9,999; with fewer than six no difference was \
          claimed, and intervals are pointwise. Where the median skewness over nodes exceeded 0.7 the larger p of this and of the largest mean \
          difference, not divided by its standard error, counted. p values were adjusted by Holm's method over \
-         {family}{bonferroni}{role}. Bands cover the whole curve: their width is from flips of the differences from their mean. Runs of |t| \
+         {family}{role}. Bands cover the whole curve: their width is from flips of the differences from their mean. Runs of |t| \
          above its pointwise critical value were tested by their sum of |t| {}, not adjusted; they say that there is a \
          difference somewhere in them {}.{groups}",
         curves.join("; "),
