@@ -458,14 +458,19 @@ def what_is_left_out_is_estimated_as_by_the_program(browser, zwidth, exclusions)
     with tempfile.TemporaryDirectory() as root:
         base = Path(root) / "base"
         checks.run(zwidth, "--root", base, "new", "left")
-        # Two primary metrics are one family; every other metric is one of its own.
+        # Two primary metrics are one family, which shares alpha with the claims on a curve; every other metric is one of its own.
         with (base / "raw" / "left" / "study.toml").open("a") as study:
-            study.write('\n[compare]\nprimary = ["wall_past_max_rad", "duration_s"]\n')
+            study.write('\n[compare]\nprimary = ["wall_past_max_rad", "duration_s", "force_over_angle"]\n')
         checks.run(zwidth, "--root", base, "twin", "left", "--participants", 4, "--sessions", 1)
         checks.run(zwidth, "--root", base, "run", "left")
         visit = Visit(browser, base / "reports" / "left").ready()
         page = visit.page
         page.wait_for_selector("#verdict-matrix[data-ready]")
+        # A curve is compared in each environment, as durations are.
+        curve_claims = next(len(metric["differences"]) for metric in visit.study["metrics"] if metric["name"] == "duration_s")
+        checks.equal("the page knows the claims on curves", visit.study["curve_claims"], curve_claims)
+        legend = page.locator("#verdict-matrix p.caption").text_content()
+        checks.check("and its legend names them", f"Bonferroni for {curve_claims} claims on primary curves" in legend, legend)
         trials = [(t["participant"], t["session"], t["trial"]) for t in visit.study["trials"]]
         compared, wrong = 0, []
         for case in range(exclusions):

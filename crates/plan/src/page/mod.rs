@@ -31,7 +31,7 @@ use zwidth_study::{Environment, EnvironmentId, ModeId};
 use zwidth_tables::Table;
 
 /// Its version is raised when the page would be written differently from the same data.
-const STAGE: Stage = Stage { name: "page", version: 28 };
+const STAGE: Stage = Stage { name: "page", version: 29 };
 
 /// The job that makes the page itself.
 pub const JOB: &str = "page";
@@ -82,6 +82,7 @@ pub(crate) fn jobs(data: &StudyData, findings: &Findings, figures: &[Drawing]) -
             level: settings.level,
             alpha: settings.alpha,
             families: settings.families,
+            curve_claims: compare::claims_of_both(&data.study)[0],
             has_groups: settings.groups.is_some() && people::participants(data) > 1,
             perception: data.study.perception.clone(),
             of_plant: compare::compared(data)

@@ -53,7 +53,8 @@ pub struct Contents {
     level: f64,
     alpha: f64,
     families: Families,
-    /// Whether groups of people are compared: who is of which is not on the page.
+    curve_claims: usize,
+    /// Whether groups of people are compared: no code stands with a group on the page.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     has_groups: bool,
     single_file: bool,
@@ -116,6 +117,8 @@ pub struct Estimating {
     pub alpha: f64,
     /// Which contrasts are adjusted together.
     pub families: Families,
+    /// How many claims on primary curves share alpha with those on primary metrics (Bonferroni).
+    pub curve_claims: usize,
     /// Whether groups of people are compared.
     pub has_groups: bool,
     /// What is just noticed.
@@ -315,6 +318,7 @@ impl Contents {
             level: estimating.level,
             alpha: estimating.alpha,
             families: estimating.families,
+            curve_claims: estimating.curve_claims,
             has_groups: estimating.has_groups,
             single_file: false,
         }

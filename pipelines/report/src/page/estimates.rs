@@ -11,6 +11,9 @@ use zwidth_results::{
 };
 use zwidth_study::{Better, Effect, EnvironmentId, LevelId, ModeId, ParticipantId, Setup};
 
+/// The fewest people of a group whose own values the page shows.
+const SMALLEST_GROUP_WITH_VALUES: usize = 3;
+
 /// A mean in one condition, in the metric's unit.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(super) struct MeanOf {
@@ -146,7 +149,7 @@ pub(super) struct ClaimOf {
     /// The conditions of an effect; of one over several environments those of the first.
     #[serde(skip_serializing_if = "Option::is_none")]
     conditions: Option<ConditionsOf>,
-    /// The two groups. Who is of which is not on the page.
+    /// The two groups, without codes. Who has the page's trials can tell by the numbers who is of which.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     groups: Vec<GroupOf>,
 }
@@ -188,7 +191,7 @@ struct GroupOf {
     label: LevelId,
     mean: Option<f64>,
     sd: Option<f64>,
-    /// Everybody's, from the lowest to the highest: their order does not tell whose they are.
+    /// Everybody's, from the lowest to the highest; empty of fewer than [`SMALLEST_GROUP_WITH_VALUES`] people.
     values: Vec<f64>,
 }
 
@@ -249,6 +252,9 @@ impl ClaimOf {
             });
             let mut values: Vec<f64> = own.map(|own| own.value).collect();
             values.sort_by(f64::total_cmp);
+            if values.len() < SMALLEST_GROUP_WITH_VALUES {
+                values.clear();
+            }
             GroupOf { label: level.clone(), mean, sd, values }
         };
         let environment = before(study, row.environment.as_ref(), ": ");

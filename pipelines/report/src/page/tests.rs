@@ -9,7 +9,7 @@ use zwidth_results::{
     EffectDifference, GivenAnswer, GroupDifference, GroupMember, Mean, ModeDifference, PersonValue,
     Row as _, TrialKey, UnitOfAnalysis, Verdict,
 };
-use zwidth_study::{AnswerValue, Effect, Setup, Source, Weight};
+use zwidth_study::{AnswerValue, Effect, Families, Setup, Source, Weight};
 use zwidth_tables::{Column, Measured, Table};
 
 /// What nobody should be able to put into a page.
@@ -68,6 +68,20 @@ fn recorded(metrics: &Measured) -> TrialValues<'_> {
     TrialValues { recorded: Some(metrics), scores: &[] }
 }
 
+fn estimating() -> Estimating {
+    Estimating {
+        level: 0.95,
+        alpha: 0.05,
+        families: Families::Metric,
+        curve_claims: 0,
+        has_groups: false,
+        perception: zwidth_study::Perception::default(),
+        of_plant: Vec::new(),
+        effects: Vec::new(),
+        items: BTreeMap::new(),
+    }
+}
+
 fn with_answer(planned: &Setup, title: &str, answer: AnswerValue) -> Contents {
     let of = UnitOfAnalysis::TrialsOf("P01".parse().unwrap());
     let metric = metric("theta_max_rad", "rad", "largest angle", of);
@@ -82,16 +96,6 @@ fn with_answer(planned: &Setup, title: &str, answer: AnswerValue) -> Contents {
     };
     let compared =
         ComparedMetric { means: &[active], contrasts: &[contrast], ..without_results(&metric) };
-    let estimating = Estimating {
-        level: 0.95,
-        alpha: 0.05,
-        families: zwidth_study::Families::Metric,
-        has_groups: false,
-        perception: zwidth_study::Perception::default(),
-        of_plant: Vec::new(),
-        effects: Vec::new(),
-        items: BTreeMap::new(),
-    };
     let given = GivenAnswer {
         participant: "P01".parse().unwrap(),
         session: "S01".parse().unwrap(),
@@ -104,7 +108,7 @@ fn with_answer(planned: &Setup, title: &str, answer: AnswerValue) -> Contents {
         counts: true,
         why_not: None,
     };
-    Contents::of("s", title, planned, &estimating, recorded(&metrics()), &[compared], &[given])
+    Contents::of("s", title, planned, &estimating(), recorded(&metrics()), &[compared], &[given])
 }
 
 fn page(summary: &Summary) -> String {
@@ -331,6 +335,16 @@ fn the_script_gets_means_and_differences_with_their_intervals_as_the_tables_have
     assert_eq!((&data["level"], &data["families"]), (&0.95.into(), &"metric".into()));
 }
 
+#[test]
+fn the_script_knows_how_many_claims_on_curves_share_alpha_with_primary_metrics() {
+    let with_curves = serde_json::to_value(with_score(None)).unwrap();
+    assert_eq!(
+        (&with_curves["families"], &with_curves["curve_claims"]),
+        (&"study".into(), &6.into())
+    );
+    assert_eq!(data_of(&page(&summary()))["curve_claims"], 0);
+}
+
 /// A score after trials 4 and 9, of which the first is recorded where `recorded` has it.
 fn with_score(recorded: Option<&Measured>) -> Contents {
     let metric = metric("score_comfort", "points", "comfort", UnitOfAnalysis::Participants);
@@ -343,14 +357,10 @@ fn with_score(recorded: Option<&Measured>) -> Contents {
     let planned = planned();
     let questions: Vec<_> = planned.questions.iter().rev().map(|own| own.id.clone()).collect();
     let estimating = Estimating {
-        level: 0.95,
-        alpha: 0.05,
-        families: zwidth_study::Families::Metric,
-        has_groups: false,
-        perception: zwidth_study::Perception::default(),
-        of_plant: Vec::new(),
-        effects: Vec::new(),
+        families: Families::Study,
+        curve_claims: 6,
         items: BTreeMap::from([("score_comfort".to_owned(), questions)]),
+        ..estimating()
     };
     let compared = [without_results(&metric), without_results(&length)];
     let values = TrialValues { recorded, scores: &scores };
@@ -432,7 +442,7 @@ fn with_claims() -> Contents {
         participant: participant.parse().unwrap(),
         value,
     };
-    // Another effect, and who has no group, are in none of them.
+    // Another effect, and who has no group, are in none of them. One novice is too few for values of their own.
     let values = [
         value("motor: yes − no", "P01", 0.375),
         value("motor: yes − no", "P02", 0.625),
@@ -441,12 +451,14 @@ fn with_claims() -> Contents {
         value("hybrid − active", "P02", 0.25),
         value("hybrid − active", "P03", 0.125),
         value("hybrid − active", "P04", 9.0),
+        value("hybrid − active", "P05", 0.25),
     ];
     let member = |participant: &str, group: &str| GroupMember {
         participant: participant.parse().unwrap(),
         group: group.parse().unwrap(),
     };
-    let members = [member("P01", "expert"), member("P02", "novice"), member("P03", "expert")];
+    let members = [("P01", "expert"), ("P02", "novice"), ("P03", "expert"), ("P05", "expert")]
+        .map(|(participant, group)| member(participant, group));
     let compared = ComparedMetric {
         effects: &effects,
         groups: &groups,
@@ -472,16 +484,7 @@ fn with_claims() -> Contents {
     let mut columns = TrialKey::columns(metrics().trials());
     columns.push(Column::float("force_mean_n", "N", "mean force", [Some(0.5), None]));
     let metrics = Measured::of(Table::new("metrics", "Metrics", columns).unwrap()).unwrap();
-    let estimating = Estimating {
-        level: 0.95,
-        alpha: 0.05,
-        families: zwidth_study::Families::Metric,
-        has_groups: true,
-        perception: zwidth_study::Perception::default(),
-        of_plant: Vec::new(),
-        effects: vec![motor],
-        items: BTreeMap::new(),
-    };
+    let estimating = Estimating { has_groups: true, effects: vec![motor], ..estimating() };
     Contents::of("s", "Claims", &planned(), &estimating, recorded(&metrics), &[compared], &[])
 }
 
@@ -515,8 +518,8 @@ fn effects_and_groups_stand_below_the_matrix_of_modes_and_only_where_they_are_cl
         {"of": "Spring: expert − novice in the difference Hybrid − Active", "environment": "spring",
          "is_of_groups": true, "value": 0.25, "error": null, "low": null, "high": null, "n": 5, "n_against": 7,
          "verdict": "undecided", "size": null, "p_adjusted": 0.5, "jnd": null, "deviation": 0.5, "remark": null,
-         "groups": [{"label": "expert", "mean": 1.25, "sd": 0.5, "values": [0.125, 0.5]},
-                    {"label": "novice", "mean": 1.0, "sd": 0.5, "values": [0.25]}]},
+         "groups": [{"label": "expert", "mean": 1.25, "sd": 0.5, "values": [0.125, 0.25, 0.5]},
+                    {"label": "novice", "mean": 1.0, "sd": 0.5, "values": []}]},
     ]);
     assert_eq!(data["metrics"][0]["claims"], claims);
     assert!(html.contains("<div id=\"claims\"></div>") && html.contains("claimRows("));

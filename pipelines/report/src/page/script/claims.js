@@ -41,7 +41,8 @@ function claimsLegend() {
   return [
     rows.some(({ by }) => by === "jnd") && "Grey band: within ±1 just noticeable difference (JND), below what is felt.",
     rows.some(({ by }) => by === "sd") && `Standard deviations are those of ${scatter}.`,
-    `Disc and whiskers: mean and ${levelWords()} interval, not adjusted${rows.some(({ people }) => people.length) ? "; dots: people" : ""}. Verdicts are adjusted for ${family}${study.metrics.some(({ differences }) => differences.length) ? ", differences between modes among them" : ""} (Holm).`,
+    `Disc and whiskers: mean and ${levelWords()} interval, not adjusted${rows.some(({ people }) => people.length) ? "; dots: people" : ""}. Verdicts are adjusted for ${family}${study.metrics.some(({ differences }) => differences.length) ? ", differences between modes among them" : ""} (${adjustmentWords()}).`,
+    rows.some(({ groups }) => groups?.some(({ values }) => !values.length)) && "Of a group of fewer than three people no dots are shown.",
   ];
 }
 

@@ -121,10 +121,10 @@ function estimatedAgain(index, difference, cells, isSingle) {
   return again;
 }
 
-/** Verdicts of one family of claims. One person's rest on the orders that the design could have drawn, which the program alone redraws. */
-function judge(family, isSingle) {
-  const claims = family.filter(({ p }) => p !== null);
-  holm(claims.map(({ p }) => p)).forEach((p, i) => { claims[i].p_adjusted = p; });
+/** Verdicts of one family of claims, which shares alpha with as many claims `elsewhere` (Bonferroni). One person's rest on the orders that the design could have drawn, which the program alone redraws. */
+function judge(family, isSingle, elsewhere) {
+  const claims = family.filter(({ p }) => p !== null), share = (claims.length + elsewhere) / claims.length;
+  holm(claims.map(({ p }) => p)).forEach((p, i) => { claims[i].p_adjusted = Math.min(1, p * share); });
   for (const row of family) {
     const isEquivalent = row.p_not_equivalent !== null && row.p_not_equivalent < study.alpha;
     const isDifferent = row.p_adjusted !== null && row.p_adjusted < study.alpha;
@@ -147,7 +147,7 @@ function deviationIn(cells, mode, isSingle) {
 /** Every difference of the study with everybody's own, what it is measured by and what is said of it; those without a known just noticeable difference last. */
 function verdictRows() {
   const isSingle = new Set(study.trials.filter(counts).map(({ participant }) => participant)).size === 1;
-  // Groups have the same weight, and who is of which is not on the page: such differences stay as the program has them.
+  // Groups have the same weight, and no code stands with a group on the page: such differences stay as the program has them.
   const isAgain = leftOut.size && !study.has_groups;
   const rows = study.metrics.flatMap((metric, index) => {
     const all = study.environments.flatMap(({ id }) => {
@@ -167,7 +167,7 @@ function verdictRows() {
   if (isAgain) {
     const isClaim = ({ index }) => study.families === "study" && study.metrics[index].is_primary;
     const familyOf = (row) => (isClaim(row) ? "primary" : study.families === "environment" ? `${row.index} ${row.environment}` : String(row.index));
-    for (const family of groupBy(rows, familyOf).values()) judge(family, isSingle);
+    for (const [name, family] of groupBy(rows, familyOf)) judge(family, isSingle, name === "primary" ? study.curve_claims : 0);
   }
   for (const row of rows) Object.assign(row, row.jnd !== null ? { by: "jnd", one: row.jnd } : { by: "sd", one: row.sav });
   // Where nothing varies, or nothing was repeated, there is no measure.

@@ -198,8 +198,8 @@ function modesDetails(row) {
 /** The charts of a row, means, and the figures of learning, sessions and answers of its metric. */
 function metricDetails(row, verdictTable) {
   const metric = study.metrics[row.index], { scale: factor, unit, name } = metric;
-  const shown = verdictTable.details(row), isOpening = shown.some(({ groups }) => groups.some(({ points }) => points.some(({ open }) => open)));
-  const tip = make("p", { class: "tip", hidden: !shown.length }, isOpening ? "Point at a dot for its trial; Enter or a click opens it." : "Point at a dot for its value."), tell = (words) => { tip.textContent = words; };
+  const shown = verdictTable.details(row), points = shown.flatMap(({ groups }) => groups.flatMap((group) => group.points));
+  const tip = make("p", { class: "tip", hidden: !points.length }, points.some(({ open }) => open) ? "Point at a dot for its trial; Enter or a click opens it." : "Point at a dot for its value."), tell = (words) => { tip.textContent = words; };
   const charts = make("div", { class: "charts" });
   const draw = () => {
     const width = Math.max(260, Math.min(520, verdictTable.element.clientWidth / 2 - 30));
@@ -208,7 +208,7 @@ function metricDetails(row, verdictTable) {
   };
   draw();
   requestAnimationFrame(() => { onWidth(charts, draw); redraws.delete(draw); }); // once it has a width; paper takes what is on the screen
-  const means = row.groups ? row.groups.map(({ label, mean: value, sd, values }) => ({ of: label, value, sd, low: null, n: values.length })) : metric.means.filter((one) => one.environment === row.environment);
+  const means = row.groups ? row.groups.map(({ label, mean: value, sd }, i) => ({ of: label, value, sd, low: null, n: [row.n, row.n_against][i] })) : metric.means.filter((one) => one.environment === row.environment);
   const hasIntervals = means.some(({ low }) => low !== null), right = (text) => make("td", { class: "number" }, text);
   const head = [row.groups ? "group" : "mode", "mean", hasIntervals && "interval", "SD", "n"].filter(Boolean);
   const table = make("table", {}, make("thead", {}, make("tr", {}, ...head.map((text) => make("th", { scope: "col" }, text)))), make("tbody", {}, ...means.map((one) => {
@@ -242,7 +242,7 @@ function writeExplored() {
   if (!leftOut.size) return matrix.explored.replaceChildren();
   const people = [...leftOut].filter((key) => !key.includes("/")).length, trials = leftOut.size - people;
   const what = [people ? `${people} ${people === 1 ? "person" : "people"}` : null, trials ? `${trials} ${trials === 1 ? "trial" : "trials"}` : null].filter(Boolean).join(" and ");
-  matrix.explored.replaceChildren(make("p", {}, make("strong", {}, "Explored, not the analysis."), ` Without ${what}.${study.has_groups ? " Only the dots are: differences and groups stay as analysed, because the page does not say who is of which group." : ""} Everything below the rows is as analysed. These lines, each with its reason, would make it so:`), make("pre", {}, excludeLines().join("\n")), make("button", { type: "button", onclick: () => { leftOut.clear(); explore(); writePeople(); byId("left-out").firstElementChild.focus(); } }, "Take all back in"));
+  matrix.explored.replaceChildren(make("p", {}, make("strong", {}, "Explored, not the analysis."), ` Without ${what}.${study.has_groups ? " Only the dots are: differences and groups stay as analysed, because the page has values by group without anybody’s code." : ""} Everything below the rows is as analysed. These lines, each with its reason, would make it so:`), make("pre", {}, excludeLines().join("\n")), make("button", { type: "button", onclick: () => { leftOut.clear(); explore(); writePeople(); byId("left-out").firstElementChild.focus(); } }, "Take all back in"));
 }
 
 function explore() {
@@ -342,12 +342,18 @@ async function copyTable(table, button) {
 
 const levelWords = () => `${Number((100 * study.level).toPrecision(6))} %`;
 
+/** What p values are adjusted by. */
+function adjustmentWords() {
+  const { curve_claims: claims } = study;
+  return claims ? `Holm, and for primary metrics Bonferroni for ${claims} ${claims === 1 ? "claim" : "claims"} on primary curves` : "Holm";
+}
+
 function modesLegend() {
   const isAlone = sessionsOf.size === 1, all = study.metrics.flatMap(({ differences }) => differences);
   const family = { metric: "the contrasts of a metric", environment: "the contrasts of a metric in an environment", study: "the contrasts of all primary metrics together, and of each other metric" }[study.families];
   return [
     all.some(({ jnd }) => jnd !== null) && "Grey band: within ±1 just noticeable difference (JND), below what is felt.",
-    isAlone ? "Disc: mean difference; dots: repeats." : `Disc and whiskers: mean and ${levelWords()} interval, not adjusted; dots: people. Verdicts are adjusted for ${family}${study.has_groups ? ", differences between groups among them, which sentences and figures below tell" : ""} (Holm).`,
+    isAlone ? "Disc: mean difference; dots: repeats." : `Disc and whiskers: mean and ${levelWords()} interval, not adjusted; dots: people. Verdicts are adjusted for ${family}${study.has_groups ? ", differences between groups among them, which the table below has" : ""} (${adjustmentWords()}).`,
     isAlone && all.some(({ redrawn }) => redrawn.length) && "Ticks above: the difference in other orders of the trials, had none depended on mode: they decide the verdict.",
   ];
 }
