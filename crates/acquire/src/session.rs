@@ -220,7 +220,7 @@ fn draw_session(
     let mut opening: Vec<String> = remarks;
     let mut lacking = plan.study.people.clone();
     lacking.retain(|column| !record.person.contains_key(&column.id) && column.is_drawn());
-    let earlier = if lacking.is_empty() { Vec::new() } else { earlier_records(plan, files)? };
+    let earlier = if lacking.is_empty() { Vec::new() } else { own_records(plan, files)? };
     for column in &lacking {
         let Some((level, block)) = column.drawn(participant_number, seed) else { continue };
         // What chance gave once it gave for all sessions.
@@ -259,8 +259,8 @@ fn draw_session(
     Ok(Session { record, laid_down: false, seal, blinded, modes, recorded, events, opening })
 }
 
-/// The records of the participant's sessions before this one.
-fn earlier_records(plan: &Plan, files: &dyn Files) -> Result<Vec<SessionRecord>, AcquireError> {
+/// The records of the participant's sessions; of one that is set up those before it.
+fn own_records(plan: &Plan, files: &dyn Files) -> Result<Vec<SessionRecord>, AcquireError> {
     let own = format!("{}_", plan.participant);
     let is_own =
         |path: &Path| path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(&own));
@@ -271,7 +271,8 @@ fn earlier_records(plan: &Plan, files: &dyn Files) -> Result<Vec<SessionRecord>,
 }
 
 /// What the participants' file says of the person now and did not when the session began: another group, where groups are
-/// compared, has to be accepted. A file that cannot be read is none of this session's concern: `verify` tells it.
+/// compared, has to be accepted; one where none was known is kept in the log. A file that cannot be read is none of this
+/// session's concern: `verify` tells it.
 fn person_changed(
     plan: &Plan,
     log: &SessionLog,
@@ -282,8 +283,10 @@ fn person_changed(
         return Ok(Vec::new());
     };
     let Ok(people) = read_people(files, &plan.layout, &study) else { return Ok(Vec::new()) };
-    let people = people.with_drawn(&study.people, [&log.record].into_iter());
-    let PersonChanges { group, rest } = PersonChanges::of(log, &people, &study);
+    // What chance gave in another session holds for this one too, unless a record there is damaged: `verify` tells that.
+    let records = own_records(plan, files).unwrap_or_else(|_| vec![log.record.clone()]);
+    let people = people.with_drawn(&study.people, records.iter());
+    let PersonChanges { group, filled_in, rest } = PersonChanges::of(log, &people, &study);
     if let Some(group) = group.as_ref().filter(|_| !plan.accept_study_change) {
         return Err(AcquireError::refused(
             format!("{}: {}, by the participants' file", log.path.display(), group.words),
@@ -294,7 +297,9 @@ fn person_changed(
     let note = Event::Note { trial: None, text };
     // Noted once, however often the session is gone on with.
     let note = (!rest.is_empty() && !log.events.contains(&note)).then_some(note);
-    Ok(group.map(|group| group.accepted).into_iter().chain(note).collect())
+    // A group that was not known is kept with the session, so that nobody can change it unseen from here on.
+    let groups = group.into_iter().chain(filled_in).map(|group| group.accepted);
+    Ok(groups.chain(note).collect())
 }
 
 fn resume_session(

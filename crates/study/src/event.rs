@@ -93,7 +93,8 @@ pub enum Event {
         /// BLAKE3 of that `study.toml`, hexadecimal.
         study_blake3: String,
     },
-    /// Another group of the person than the session began with was accepted.
+    /// Another group of the person than the session began with was accepted; where it began with none, the first is what the
+    /// participants' file said later, and others are compared with that.
     PersonAccepted {
         /// The column of people whose groups are compared.
         column: PersonColumnId,

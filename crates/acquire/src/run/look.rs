@@ -129,7 +129,12 @@ pub(super) fn event(event: &Event) -> String {
         Event::Marker { trial, moment, .. } => format!("trial {trial}: marker {}", moment.as_str()),
         Event::Unsealed { .. } => "unsealed".to_owned(),
         Event::StudyAccepted { .. } => "the changed study.toml was accepted".to_owned(),
-        Event::PersonAccepted { column, .. } => format!("another {column} was accepted"),
+        Event::PersonAccepted { column, level: Some(level) } => {
+            format!("accepted that {column} is {level} now")
+        }
+        Event::PersonAccepted { column, level: None } => {
+            format!("accepted that {column} is not known now")
+        }
     }
 }
 

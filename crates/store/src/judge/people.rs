@@ -78,14 +78,17 @@ pub(crate) fn people_findings(
 #[derive(Debug, Default)]
 pub struct PersonChanges {
     /// Another group, where groups are compared and nobody accepted it.
-    pub group: Option<AnotherGroup>,
+    pub group: Option<ChangedGroup>,
+    /// A group where none was known when the session began, and its log has none yet: from that event on another is another
+    /// group.
+    pub filled_in: Option<ChangedGroup>,
     /// What else changed, in words.
     pub rest: Vec<String>,
 }
 
-/// Another group of a person than a session began with.
+/// The group of a person where a session began with another, or with none.
 #[derive(Debug)]
-pub struct AnotherGroup {
+pub struct ChangedGroup {
     /// The event that accepts it.
     pub accepted: Event,
     /// What changed, in words.
@@ -93,8 +96,9 @@ pub struct AnotherGroup {
 }
 
 impl PersonChanges {
-    /// Those since a session began. What was not known then and stands there by now is noted, not another group. A session
-    /// looked up the columns that its own copy of study.toml names; an imported one none.
+    /// Those since a session began. What was not known then and stands there by now is noted, not another group; a group is
+    /// compared with the one that the log says was filled in. A session looked up the columns that its own copy of study.toml
+    /// names; an imported one none.
     pub fn of(log: &SessionLog, people: &People, study: &Study) -> Self {
         let was = &log.record.person;
         let is = people.row(&log.record.participant);
@@ -105,11 +109,19 @@ impl PersonChanges {
             if !looked_up.iter().any(|own| own.id == column.id) {
                 continue;
             }
-            let [was, is] = [was.get(&column.id), is.and_then(|row| row.get(&column.id))];
-            if was == is {
+            let [began, is] = [was.get(&column.id), is.and_then(|row| row.get(&column.id))];
+            let filled_in = log.events.iter().find_map(|event| match event {
+                Event::PersonAccepted { column: own, level: Some(level) } if *own == column.id => {
+                    Some(PersonValue::Level(level.clone()))
+                }
+                _ => None,
+            });
+            let was = began.or(filled_in.as_ref());
+            if began == is && was == is {
                 continue;
             }
-            let [before, now] = [was, is]
+            // What was filled in and stayed is still said to be new.
+            let [before, now] = [if was == is { began } else { was }, is]
                 .map(|value| value.map_or_else(|| "not known".to_owned(), ToString::to_string));
             let words = format!("{} was {before} and is {now}", column.id);
             let is_compared =
@@ -119,9 +131,17 @@ impl PersonChanges {
                 _ => None,
             };
             let event = Event::PersonAccepted { column: column.id.clone(), level };
-            match is_compared && was.is_some() && !log.events.contains(&event) {
-                true => changes.group = Some(AnotherGroup { accepted: event, words }),
-                false => changes.rest.push(words),
+            let is_accepted = log.events.contains(&event);
+            match was {
+                Some(_) if is_compared && was != is && !is_accepted => {
+                    changes.group = Some(ChangedGroup { accepted: event, words });
+                }
+                None if is_compared => {
+                    changes.filled_in =
+                        Some(ChangedGroup { accepted: event, words: words.clone() });
+                    changes.rest.push(words);
+                }
+                _ => changes.rest.push(words),
             }
         }
         changes
@@ -157,7 +177,7 @@ pub(crate) fn group_warning(
     people: &People,
     study: &Study,
 ) -> Option<StoreError> {
-    let AnotherGroup { words, .. } = PersonChanges::of(log, people, study).group?;
+    let ChangedGroup { words, .. } = PersonChanges::of(log, people, study).group?;
     let SessionRecord { participant, session, .. } = &log.record;
     let what = format!("{words}, by the participants' file, since {participant} {session} began");
     let accept = format!(

@@ -10,8 +10,8 @@ use std::path::Path;
 use zwidth_study::{Event, ParticipantId, SessionId, SessionRecord};
 
 /// Accepts the present `study.toml`, and the group that the participants' file says now, for every session to which a
-/// change of them matters, or for `only` one; returns what was accepted, in words, one text per session. The caller holds the
-/// study's lock.
+/// change of them matters or that began without a group, or for `only` one; returns what was accepted, in words. The caller
+/// holds the study's lock.
 ///
 /// # Errors
 /// A `study.toml` or the requested session that cannot be read; a write that failed.
@@ -56,10 +56,13 @@ pub fn accept_study(
                 "{participant} {session}: the changed study.toml is accepted: {changes}"
             ));
         }
-        if let Some(group) = PersonChanges::of(log, &people, &study).group {
-            let words = group.words;
-            accepted.push(format!("{participant} {session}: another group is accepted: {words}"));
-            own.push(group.accepted);
+        let PersonChanges { group, filled_in, .. } = PersonChanges::of(log, &people, &study);
+        for (what, group) in [("another group", group), ("the group", filled_in)] {
+            if let Some(group) = group {
+                let words = group.words;
+                accepted.push(format!("{participant} {session}: {what} is accepted: {words}"));
+                own.push(group.accepted);
+            }
         }
         if !own.is_empty() {
             events.push((&log.events_path, own));

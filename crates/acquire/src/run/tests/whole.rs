@@ -335,16 +335,30 @@ fn another_group_than_at_the_start_is_refused_until_it_is_accepted_and_another_a
     assert_eq!(verify(&desk.plan.layout).len(), 1, "who has no group is told");
 }
 
+/// Of whom the file alone says the group.
+fn with_people_not_drawn() -> Desk {
+    let mut desk = with_people();
+    edit(&desk.plan.layout.study_toml(), "assigned = true", "assigned = false");
+    desk.plan.study_toml = fs::read(desk.plan.layout.study_toml()).unwrap();
+    let text = String::from_utf8(desk.plan.study_toml.clone()).unwrap();
+    desk.plan.study = Study::from_toml(&text).unwrap();
+    desk
+}
+
 #[test]
-fn a_group_that_was_not_known_when_the_session_began_is_noted_and_not_refused() {
+fn a_group_that_was_not_known_when_the_session_began_is_noted_and_kept_and_another_is_refused() {
+    let accepted = |desk: &Desk| -> Vec<Event> {
+        let is_accepted = |event: &Event| matches!(event, Event::PersonAccepted { .. });
+        read_events(&of(desk).log).unwrap().into_iter().filter(is_accepted).collect()
+    };
+    let [novice, expert] = ["novice", "expert"].map(|level| Event::PersonAccepted {
+        column: "crew".parse().unwrap(),
+        level: Some(level.parse().unwrap()),
+    });
     // Nothing at all was known of the person, or their age alone.
     for at_the_start in ["", "[P01]\nage_years = 27\n"] {
-        let mut desk = with_people();
+        let mut desk = with_people_not_drawn();
         let file = desk.plan.layout.people(PeopleForm::Toml);
-        edit(&desk.plan.layout.study_toml(), "assigned = true", "assigned = false");
-        desk.plan.study_toml = fs::read(desk.plan.layout.study_toml()).unwrap();
-        let text = String::from_utf8(desk.plan.study_toml.clone()).unwrap();
-        desk.plan.study = Study::from_toml(&text).unwrap();
         fs::write(&file, at_the_start).unwrap();
         desk.run(&mut Mock::default(), &Unsynced, &mut quits_after(2)).unwrap();
         fs::write(&file, "[P01]\ncrew = \"novice\"\nage_years = 27\n").unwrap();
@@ -356,7 +370,44 @@ fn a_group_that_was_not_known_when_the_session_began_is_noted_and_not_refused() 
         assert_eq!(verify(&desk.plan.layout), []);
         let said = zwidth_store::study_notes(&RealFiles, &desk.plan.layout);
         assert!(said[0].contains(was), "{said:?}");
+        assert_eq!(accepted(&desk), std::slice::from_ref(&novice));
+        fs::write(&file, "[P01]\ncrew = \"expert\"\nage_years = 27\n").unwrap();
+        let error =
+            desk.run(&mut Mock::default(), &RealFiles, &mut diligent()).unwrap_err().to_string();
+        for words in ["crew was novice and is expert", "--accept-study-change"] {
+            assert!(error.contains(words), "{error}");
+        }
+        let [finding] = verify(&desk.plan.layout).try_into().unwrap();
+        assert!(finding.what.contains("crew was novice and is expert"), "{finding}");
+        desk.plan.accept_study_change = true;
+        desk.run(&mut Mock::default(), &Unsynced, &mut diligent()).unwrap();
+        assert_eq!(accepted(&desk), [novice.clone(), expert.clone()]);
+        assert_eq!(verify(&desk.plan.layout), []);
     }
+}
+
+#[test]
+fn a_group_filled_in_after_the_last_trial_is_kept_once_it_is_accepted() {
+    let desk = with_people_not_drawn();
+    let file = desk.plan.layout.people(PeopleForm::Toml);
+    assert_eq!(desk.run(&mut Mock::default(), &Unsynced, &mut diligent()).unwrap().done, TRIALS);
+    // Nothing saw the first.
+    for level in ["expert", "novice"] {
+        fs::write(&file, format!("[P01]\ncrew = \"{level}\"\nage_years = 27\n")).unwrap();
+        assert_eq!(verify(&desk.plan.layout), []);
+    }
+    let accept = || zwidth_store::accept_study(&RealFiles, &desk.plan.layout, UTC, None).unwrap();
+    assert_eq!(accept(), ["P01 S01: the group is accepted: crew was not known and is novice"]);
+    assert_eq!(accept(), Vec::<String>::new());
+    assert_eq!(verify(&desk.plan.layout), []);
+    // Another, and none.
+    fs::write(&file, "[P01]\ncrew = \"expert\"\nage_years = 27\n").unwrap();
+    let [finding] = verify(&desk.plan.layout).try_into().unwrap();
+    assert!(finding.what.contains("crew was novice and is expert"), "{finding}");
+    fs::write(&file, "[P01]\nage_years = 27\n").unwrap();
+    let findings = verify(&desk.plan.layout);
+    let words = "crew was novice and is not known";
+    assert!(findings.iter().any(|finding| finding.what.contains(words)), "{findings:?}");
 }
 
 #[test]
