@@ -148,9 +148,9 @@ pub enum StatsError {
         /// The lowest level.
         level: f64,
     },
-    /// A staircase that cannot be climbed.
+    /// A plan of a staircase that cannot work.
     #[error(
-        "this staircase has no end or leaves its bounds: give answers, steps and reversals above 0, no more reversals to average than there are, and a start between its lowest and highest level, above 0 on a logarithmic scale"
+        "this staircase has no end or leaves its bounds: give answers, steps, reversals and trials above 0, no more reversals to average than there are, and a start between its lowest and highest level, all three multiples of 0.000001 and above 0 on a logarithmic scale"
     )]
     Staircase,
     /// Answers beyond the end of a staircase.
@@ -158,16 +158,28 @@ pub enum StatsError {
         "{answers} answers, and the staircase ended after {trials}: give the plan that they were answered by"
     )]
     StaircaseEnded {
-        /// Trials until its last reversal.
+        /// Trials until its end.
         trials: usize,
         /// Answers that were given.
         answers: usize,
     },
     /// A grid of QUEST+ that has no curves.
     #[error(
-        "QUEST+ has no curves on this grid: give rising levels, thresholds, scales above 0 and lapses from 0 to below 0.5, and ask which was more, or right or wrong"
+        "QUEST+ has no curves on this grid: give rising levels, thresholds (above 0 for Weibull's sigmoid), scales above 0 and lapses from 0 to below 0.5, and ask which was more, or right or wrong"
     )]
     QuestGrid,
+    /// A grid of QUEST+ that is too large.
+    #[error(
+        "this grid of QUEST+ has {cells} curves at {levels} levels, more than {most} shares together: give fewer levels, thresholds, scales or lapses"
+    )]
+    QuestSize {
+        /// Curves.
+        cells: usize,
+        /// Levels.
+        levels: usize,
+        /// The most shares: curves times levels.
+        most: usize,
+    },
     /// An answer that none of the curves on a grid can give.
     #[error(
         "the answer of trial {trial} is impossible for every curve of the grid: allow lapses above 0"

@@ -1,7 +1,8 @@
 //! The mean of people whose values are known with different errors: the two-level model.
 //!
-//! Person i has the value yᵢ with the known variance vᵢ (of a PSE: half the length of its interval over 1.96, squared),
-//! and people's true values scatter with the variance τ². The mean weighs people by wᵢ = 1/(vᵢ + τ²).
+//! Person i has the value yᵢ with the known variance vᵢ, and people's true values scatter with the variance τ². The mean
+//! weighs people by wᵢ = 1/(vᵢ + τ²). Of a PSE or a ln JND vᵢ is the square of the error that `psychometric::fit` gives:
+//! half the length of the interval over the critical value that made it, which is 1.96 only where φ = 1.
 //!
 //! * τ² after Paule & Mandel (1982), J. Res. NBS 87:377: that of Σ wᵢ (yᵢ − ȳ_w)² = k − 1, or 0.
 //! * The error after Hartung & Knapp (2001), Stat. Med. 20:3875: variance q/Σ wᵢ, q = Σ wᵢ (yᵢ − ȳ_w)²/(k − 1), and t with

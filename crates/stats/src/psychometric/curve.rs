@@ -5,7 +5,7 @@ use core::f64::consts::{FRAC_1_SQRT_2, LN_2, PI};
 use crate::logistic::softplus_and_share;
 
 /// The standard normal quantile of ¾ (Abramowitz & Stegun 1964, table 26.1).
-const NORMAL_QUARTILE: f64 = 0.674_489_750_196_081_7;
+pub(super) const NORMAL_QUARTILE: f64 = 0.674_489_750_196_081_7;
 /// ln 3, the logistic quantile of ¾.
 const LOGISTIC_QUARTILE: f64 = 1.098_612_288_668_109_8;
 /// ln(4/3) / ln 2: Weibull levels at F = ¼ and F = ½ are in this ratio to the power of the scale.
@@ -34,6 +34,16 @@ pub(super) struct Shares {
     pub(super) above: f64,
     /// dF/dz.
     pub(super) density: f64,
+}
+
+impl Shares {
+    /// ψ and 1 − ψ, each with its own digits.
+    pub(super) fn answers(self, guess: f64, lapse: f64) -> [f64; 2] {
+        [
+            guess * self.above + (1.0 - lapse) * self.below,
+            lapse * self.below + (1.0 - guess) * self.above,
+        ]
+    }
 }
 
 impl Sigmoid {
@@ -74,8 +84,8 @@ impl Sigmoid {
         if self == Self::Weibull { WEIBULL_HALF } else { 0.0 }
     }
 
-    /// The JND of scale 1 where the threshold is at coordinate 0, over which `scale` it is; for Weibull's sigmoid it is
-    /// a share of the threshold. Also its slope by the scale.
+    /// The JND of a curve with this scale, and its derivative by the scale. Weibull's JND is proportional to the
+    /// threshold, and given as a share of it.
     pub(super) fn jnd_and_slope(self, scale: f64) -> (f64, f64) {
         match self {
             Self::Norm => (NORMAL_QUARTILE * scale, NORMAL_QUARTILE),
@@ -121,8 +131,13 @@ pub struct Curve {
 impl Curve {
     /// ψ: the share of positive answers at a level.
     pub fn share(&self, level: f64) -> f64 {
+        self.shares(level)[0]
+    }
+
+    /// ψ and 1 − ψ at a level, each with its own digits.
+    pub(super) fn shares(&self, level: f64) -> [f64; 2] {
         let z = (self.sigmoid.coordinate(level) - self.location) / self.scale;
-        self.guess + (1.0 - self.guess - self.lapse) * self.sigmoid.shares(z).below
+        self.sigmoid.shares(z).answers(self.guess, self.lapse)
     }
 
     /// The level at F = ½ (the PSE of "which was more"), in the unit of the stimulus.
@@ -188,6 +203,15 @@ mod tests {
         let weibull = curve(Sigmoid::Weibull, libm::log(0.08), 0.5);
         assert!((weibull.share(0.06) - share(0.430_217_175_269_077)).abs() < 1e-14);
         assert!((weibull.share(0.0) - 0.1).abs() < 1e-16);
+    }
+
+    #[test]
+    fn both_shares_keep_their_digits() {
+        let curve = Curve { guess: 0.5, ..curve(Sigmoid::Norm) };
+        let [share, rest] = curve.shares(0.4 + 0.3 * 9.0);
+        assert!((share - 1.0).abs() < 1e-15);
+        // SciPy: half of `norm.sf(9)`.
+        assert!((rest / 5.642_942_029_769_211e-20 - 1.0).abs() < 1e-12, "{rest}");
     }
 
     #[test]

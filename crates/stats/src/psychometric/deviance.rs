@@ -7,6 +7,7 @@
 use super::LevelAnswers;
 use super::curve::Curve;
 use super::fit::{Model, misfit};
+use super::likelihood::Maximum;
 use crate::bootstrap::{normal, uniform};
 use crate::error::StatsError;
 use crate::null::{SAME, Sampling, sampled_p};
@@ -40,7 +41,7 @@ pub fn p_value(
             .collect();
         let likelihood = model.likelihood(&drawn);
         // A curve makes any of its own answers possible.
-        likelihood.maximum().is_some_and(|(shape, best)| {
+        likelihood.maximum().is_some_and(|Maximum { shape, best }| {
             misfit(&drawn, &likelihood.curve(shape, best)).0 >= observed * (1.0 - SAME)
         })
     }))

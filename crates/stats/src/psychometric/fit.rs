@@ -4,13 +4,14 @@
 //! trials 28 % too large, and their intervals hold the truth in 58 % (Wichmann & Hill 2001, Perception & Psychophysics
 //! 63:1293; `docs/statistics-tried.md` has ours). Intervals hold all thresholds (JNDs) whose profiled log-likelihood is
 //! within ½ φ c of the largest. People's attention changes from block to block, so that answers scatter more than
-//! binomial ones: φ = max(1, X²/(K − 3)) with Pearson's X² of K levels (McCullagh & Nelder 1989, 4.5), c from χ² with
-//! one degree of freedom where φ = 1, else from F(1, K − 3). Only for constant stimuli at five levels or more: answers of
+//! binomial ones: φ = max(1, X²/(K − P)) with Pearson's X² of K levels and P free parameters (McCullagh & Nelder 1989, 4.5):
+//! threshold, JND, λ where it is not fixed, γ of yes and no. c is from χ² with one degree of freedom where φ = 1, else from
+//! F(1, K − P). Only for constant stimuli at five levels or more: answers of
 //! adaptive methods lie too thinly on theirs, and φ = 1.
 
 use super::curve::{Asks, Curve, Sigmoid};
-use super::likelihood::{Best, Held, Likelihood, Shape};
-use super::{LevelAnswers, by_level, smallest_step};
+use super::likelihood::{Held, Likelihood, Maximum, log_share};
+use super::{LevelAnswers, by_level};
 use crate::error::{StatsError, check_level};
 use crate::profile;
 use crate::reference::normal_critical;
@@ -24,8 +25,6 @@ pub const FEWEST_LEVELS: usize = 3;
 pub const FEWEST_ANSWERS: u64 = 30;
 /// The fewest levels that tell how much more than binomially answers scatter.
 const LEVELS_FOR_SCATTER: usize = 5;
-/// Parameters of a curve: threshold, JND and λ.
-const PARAMETERS: usize = 3;
 /// A slope is there where the log-likelihood of a curve exceeds that of one share for all levels by half of this: the
 /// 95 % point of χ² with one degree of freedom.
 const SLOPE: f64 = 3.841_458_82;
@@ -53,13 +52,15 @@ pub enum Verdict {
     Estimated,
     /// The threshold lies beyond the levels.
     Outside(Side),
-    /// The curve rises from F = ¼ to F = ¾ within the smallest step between levels, so that they do not tell how steep
-    /// it is: the JND is below this step.
+    /// The curve rises from F = ¼ to F = ¾ within less than the gap between levels that holds its threshold, so that they
+    /// do not tell how steep it is: the JND is below half of this gap. A JND below the gap itself would be a stricter
+    /// limit, and leave out people whose answers tell their JND: 21 N/m with an interval from 13 to 32, at levels 30 N/m
+    /// apart.
     Steep,
     /// The share falls with the level.
     Falling,
     /// The share does not change with the level beyond chance, or so slowly that the JND is above ten times the range
-    /// of the levels.
+    /// of the levels. Also who says yes to most of nothing, so that no threshold is left to find.
     Flat,
     /// Fewer than three levels, or than 30 answers.
     TooFew,
@@ -79,7 +80,7 @@ pub enum Side {
 pub struct Profiled {
     /// The estimate.
     pub estimate: f64,
-    /// The lower end; `None` where the likelihood does not fall that far.
+    /// The lower end; `None` where the likelihood does not fall that far, so that the interval has no lower end.
     pub ci_low: Option<f64>,
     /// The upper end, or `None`.
     pub ci_high: Option<f64>,
@@ -94,6 +95,11 @@ pub struct Fitted {
     pub threshold: Profiled,
     /// The JND, in the unit of the stimulus.
     pub jnd: Profiled,
+    /// The standard error of the threshold, in the unit of the stimulus, φ included: half the length of its interval over
+    /// the critical value that made it. `None` without both ends.
+    pub threshold_error: Option<f64>,
+    /// The standard error of ln JND, likewise.
+    pub ln_jnd_error: Option<f64>,
     /// The log-likelihood, without binomial coefficients.
     pub log_likelihood: f64,
     /// Twice its distance from the largest that any shares have.
@@ -143,6 +149,12 @@ impl Model {
         Likelihood { answers, asks, sigmoid, lapse, falls: false }
     }
 
+    /// How many numbers of a curve are free.
+    fn parameters(&self) -> usize {
+        let [least, most] = self.lapse;
+        2 + usize::from(least < most) + usize::from(self.asks == Asks::YesNo)
+    }
+
     /// The shares at F = ½ that γ and λ allow.
     fn half_shares(&self) -> [f64; 2] {
         let [least, most] = self.lapse;
@@ -170,10 +182,12 @@ impl Model {
 ///
 /// 1. `TooFew`;
 /// 2. `Falling` if a falling curve describes the answers better than one share for all levels, and than a rising one;
-/// 3. if no rising curve does: `Outside` if that share differs from the one at F = ½, else `Flat`;
+/// 3. if no rising curve does: `Outside` if that share differs from the one at F = ½, else `Flat`; of yes and no `Flat`
+///    too if the share is above it, because who says yes to nothing has no threshold below it;
 /// 4. `Flat` if the JND is above ten times the range of the levels, or has no end;
-/// 5. `Outside` if the threshold is beyond the levels;
-/// 6. `Steep` if 2 JND are less than the smallest step;
+/// 5. `Outside` if the threshold is beyond the levels (below those of yes and no: `Flat`);
+/// 6. `Steep` if 2 JND are less than the gap between the levels on either side of the threshold, or than the larger one
+///    of both gaps where it lies on a level;
 /// 7. `Estimated`.
 ///
 /// # Errors
@@ -194,24 +208,28 @@ pub fn fit(answers: &[LevelAnswers], model: &Model, confidence: f64) -> Result<F
     let share = positive as f64 / trials as f64;
     let [lowest_share, highest_share] = model.all_shares();
     let level_share = share.clamp(lowest_share, highest_share);
-    let constant = constant_log_likelihood(positive, trials, level_share);
+    let all = LevelAnswers { level: 0.0, trials, positive };
+    let constant = log_share(&all, level_share, 1.0 - level_share);
     let maximum = rising.maximum();
-    let rises = maximum.map_or(f64::NEG_INFINITY, |(_, best)| best.log_likelihood);
-    let falls = falling.maximum().map_or(f64::NEG_INFINITY, |(_, best)| best.log_likelihood);
+    let rises = maximum.map_or(f64::NEG_INFINITY, |found| found.best.log_likelihood);
+    let falls = falling.maximum().map_or(f64::NEG_INFINITY, |found| found.best.log_likelihood);
     if falls > rises && 2.0 * (falls - constant) > SLOPE {
         return without(Verdict::Falling);
     }
-    let Some((shape, best)) = maximum.filter(|_| 2.0 * (rises - constant) > SLOPE) else {
+    let below =
+        if model.asks == Asks::YesNo { Verdict::Flat } else { Verdict::Outside(Side::Below) };
+    let Some(maximum) = maximum.filter(|_| 2.0 * (rises - constant) > SLOPE) else {
         let [low, high] = model.half_shares();
-        let half = constant_log_likelihood(positive, trials, share.clamp(low, high));
+        let half_share = share.clamp(low, high);
+        let half = log_share(&all, half_share, 1.0 - half_share);
         let differs = 2.0 * (constant - half) > SLOPE;
         return without(match (differs, share > high) {
             (false, _) => Verdict::Flat,
-            (true, true) => Verdict::Outside(Side::Below),
+            (true, true) => below,
             (true, false) => Verdict::Outside(Side::Above),
         });
     };
-    let curve = rising.curve(shape, best);
+    let curve = rising.curve(maximum.shape, maximum.best);
     let threshold = curve.threshold();
     let jnd = curve.jnd();
     let lowest = levels[0];
@@ -222,35 +240,28 @@ pub fn fit(answers: &[LevelAnswers], model: &Model, confidence: f64) -> Result<F
         return without(Verdict::Flat);
     }
     if threshold < lowest {
-        return without(Verdict::Outside(Side::Below));
+        return without(below);
     }
     if threshold > highest {
         return without(Verdict::Outside(Side::Above));
     }
-    if 2.0 * jnd < smallest_step(&levels) {
+    if 2.0 * jnd < gap_around(threshold, &levels) {
         return without(Verdict::Steep);
     }
-    let fitted = intervals(&rising, model.is_constant, Maximum { shape, best }, confidence)?;
+    let fitted = intervals(&rising, model, maximum, confidence)?;
     Ok(Fit { verdict: Verdict::Estimated, levels: levels.len(), trials, fitted: Some(fitted) })
 }
 
-/// k ln p + (n − k) ln(1 − p) of one share for all.
-fn constant_log_likelihood(positive: u64, trials: u64, share: f64) -> f64 {
-    let rest = trials - positive;
-    let yes = if positive > 0 { positive as f64 * libm::log(share) } else { 0.0 };
-    yes + if rest > 0 { rest as f64 * libm::log1p(-share) } else { 0.0 }
-}
-
-/// The shape of the largest likelihood, with its γ and λ.
-struct Maximum {
-    shape: Shape,
-    best: Best,
+/// The distance of the neighbouring levels that hold the threshold, the larger one where it lies on a level.
+fn gap_around(threshold: f64, levels: &[f64]) -> f64 {
+    let holding = levels.windows(2).filter(|pair| pair[0] <= threshold && threshold <= pair[1]);
+    holding.map(|pair| pair[1] - pair[0]).fold(0.0, f64::max)
 }
 
 /// The curve with its profile intervals and how well it describes the answers.
 fn intervals(
     likelihood: &Likelihood,
-    is_constant: bool,
+    model: &Model,
     maximum: Maximum,
     confidence: f64,
 ) -> Result<Fitted, StatsError> {
@@ -258,13 +269,15 @@ fn intervals(
     let curve = likelihood.curve(shape, best);
     let (deviance, pearson) = misfit(likelihood.answers, &curve);
     let levels = likelihood.answers.len();
+    let left = levels as f64 - model.parameters() as f64;
     let mut dispersion = 1.0_f64;
-    if is_constant && levels >= LEVELS_FOR_SCATTER {
-        dispersion = dispersion.max(pearson / (levels - PARAMETERS) as f64);
+    // More levels than parameters: there are four at most.
+    if model.is_constant && levels >= LEVELS_FOR_SCATTER {
+        dispersion = dispersion.max(pearson / left);
     }
     let critical = if dispersion > 1.0 {
-        // The root of F(1, K − 3) is t.
-        critical_value(confidence, (levels - PARAMETERS) as f64)?
+        // The root of F(1, K − P) is t.
+        critical_value(confidence, left)?
     } else {
         normal_critical(confidence)?
     };
@@ -275,11 +288,10 @@ fn intervals(
     // Roughly a standard error: of the threshold in its coordinate, and of ln JND.
     let unit = 2.0 / likelihood.trials().sqrt();
     let scale = libm::exp(shape.ln_scale);
-    let coordinates = likelihood.answers.iter();
-    let coordinates = coordinates.map(|answer| likelihood.sigmoid.coordinate(answer.level));
-    let finite = coordinates.filter(|coordinate| coordinate.is_finite());
-    let farthest =
-        finite.fold(scale, |most, coordinate| most.max((coordinate - shape.threshold).abs()));
+    let farthest = likelihood
+        .coordinates()
+        .into_iter()
+        .fold(scale, |most, coordinate| most.max((coordinate - shape.threshold).abs()));
     // No profile has an error, so neither has an end.
     let end = |fall: &dyn Fn(f64) -> f64, farthest: f64| {
         profile::end(|distance| Ok(fall(distance)), critical, farthest).unwrap_or(None)
@@ -303,26 +315,38 @@ fn intervals(
         },
         Profiled { estimate: curve.jnd(), ci_low: jnd_end(-1.0), ci_high: jnd_end(1.0) },
     ];
-    let log_likelihood = best.log_likelihood;
-    Ok(Fitted { curve, threshold, jnd, log_likelihood, deviance, pearson, dispersion })
+    let error = |profiled: Profiled, read: fn(f64) -> f64| {
+        Some((read(profiled.ci_high?) - read(profiled.ci_low?)) / 2.0 / critical)
+    };
+    Ok(Fitted {
+        curve,
+        threshold,
+        jnd,
+        threshold_error: error(threshold, |end| end),
+        ln_jnd_error: error(jnd, libm::log),
+        log_likelihood: best.log_likelihood,
+        deviance,
+        pearson,
+        dispersion,
+    })
 }
 
 /// The deviance 2 Σ (k ln(k/nψ) + (n − k) ln((n − k)/n(1 − ψ))) and Pearson's Σ (k − nψ)²/(nψ(1 − ψ)).
 pub(super) fn misfit(answers: &[LevelAnswers], curve: &Curve) -> (f64, f64) {
     let (mut deviance, mut pearson) = (0.0, 0.0);
     for answer in answers {
-        let share = curve.share(answer.level);
+        let [share, rest] = curve.shares(answer.level);
         let n = answer.trials as f64;
         let parts = [
             (answer.positive as f64, n * share),
-            ((answer.trials - answer.positive) as f64, n * (1.0 - share)),
+            ((answer.trials - answer.positive) as f64, n * rest),
         ];
         for (count, expected) in parts {
             if count > 0.0 {
                 deviance += 2.0 * count * libm::log(count / expected);
             }
         }
-        let variance = n * share * (1.0 - share);
+        let variance = n * share * rest;
         // A share of 0 or 1 is that of all answers there.
         if variance > 0.0 {
             pearson += (answer.positive as f64 - n * share).powi(2) / variance;

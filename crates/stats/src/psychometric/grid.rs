@@ -10,7 +10,8 @@
 //! * η, if answers may scatter more than binomial ones: Beta(1, 10); the share at a level is itself a Beta variable of
 //!   variance η² ψ (1 − ψ).
 //!
-//! The grid is laid twice: over all that the priors allow, then over what has mass. Means and ends of intervals are those
+//! The grid is laid over all that the priors allow, then over what has mass, until it holds all of it on enough places of
+//! each axis: many trials leave mass to a small part of what the priors allow. Means and ends of intervals are those
 //! of the marginal posteriors (psignifit's ends lie half a cell lower). Weibull's sigmoid is taken in ln x, as psignifit
 //! asks for it: its widths and ranges are those of ln x.
 
@@ -30,9 +31,14 @@ const RARITY: f64 = 10.0;
 const MOST_LAPSES: f64 = 0.5;
 /// η² below which answers count as binomial.
 const NO_SCATTER: f64 = 1e-9;
-/// Cells with less than this share of the highest are left out of the second grid.
+/// Cells with less than this share of the highest are left out of the next grid.
 const NO_MASS: f64 = 1e-6;
-/// The mode is found to this share of the second grid's cells.
+/// A grid is laid again while less than one in so many places of an axis has mass: cells as wide as half a standard
+/// deviation then, of the finest grid.
+const FEW: usize = 4;
+/// More grids than a posterior needs: each is at least twice as fine as the one before, or lies half beside it.
+const MOST_GRIDS: usize = 60;
+/// The mode is found to this share of the last grid's cells.
 const MODE: f64 = 1e-6;
 /// More moves than a mode needs to be found from the highest cell.
 const MOST_MOVES: usize = 1000;
@@ -122,9 +128,17 @@ pub fn posterior(
     let coarse = [30, 40, 10, 10, 15];
     let coarse: [usize; AXES] = core::array::from_fn(|i| if fine[i] == 1 { 1 } else { coarse[i] });
     let first = problem.laid(core::array::from_fn(|i| axis(bounds[i], coarse[i])));
-    let second = problem.laid(core::array::from_fn(|i| axis(first.range_with_mass(i), fine[i])));
-    let masses = second.masses();
-    let points = || (0..masses.len()).map(|cell| second.point(cell));
+    let mut ranges = first.ranges_with_mass(&bounds);
+    let mut last = problem.laid(core::array::from_fn(|i| axis(ranges[i], fine[i])));
+    for _ in 0..MOST_GRIDS {
+        if last.holds_the_mass(&bounds) {
+            break;
+        }
+        ranges = last.ranges_with_mass(&bounds);
+        last = problem.laid(core::array::from_fn(|i| axis(ranges[i], fine[i])));
+    }
+    let masses = last.masses();
+    let points = || (0..masses.len()).map(|cell| last.point(cell));
     let marginal_of = |read: &dyn Fn(&[f64; AXES]) -> f64| {
         let values = points().zip(&masses).map(|(point, mass)| [read(&point), *mass]);
         marginal(values.collect(), confidence)
@@ -133,7 +147,7 @@ pub fn posterior(
         core::array::from_fn(|i| points().zip(&masses).map(|(point, mass)| point[i] * mass).sum());
     Ok(Posterior {
         mean: problem.curve(&means),
-        mode: problem.curve(&problem.mode(&second)),
+        mode: problem.curve(&problem.mode(&last)),
         threshold: marginal_of(&|point| grid.sigmoid.level(point[0])),
         jnd: marginal_of(&|point| problem.curve(point).jnd()),
         lapse: marginal_of(&|point| point[2]),
@@ -214,16 +228,42 @@ impl Laid {
         cells.fold((0, f64::NEG_INFINITY), |best, cell| if cell.1 > best.1 { cell } else { best })
     }
 
-    /// The part of an axis outside of which nothing has mass, and a cell more on either side.
-    fn range_with_mass(&self, axis: usize) -> [f64; 2] {
+    /// The first and the last place with mass along each axis.
+    fn places_with_mass(&self) -> [[usize; 2]; AXES] {
         let least = self.highest().1 + libm::log(NO_MASS);
-        let with_mass = (0..self.logs.len()).filter(|cell| self.logs[*cell] >= least);
-        let places = with_mass.map(|cell| self.places(cell)[axis]);
-        let [first, last] =
-            places.fold([usize::MAX, 0], |[first, last], i| [first.min(i), last.max(i)]);
-        let values = &self.axes[axis];
-        let last = (last + 1).min(values.len() - 1);
-        [values[first.saturating_sub(1).min(last)], values[last]]
+        let mut ends = [[usize::MAX, 0]; AXES];
+        for cell in (0..self.logs.len()).filter(|cell| self.logs[*cell] >= least) {
+            for ([first, last], place) in ends.iter_mut().zip(self.places(cell)) {
+                *first = (*first).min(place);
+                *last = (*last).max(place);
+            }
+        }
+        ends
+    }
+
+    /// Whether no end of an axis has mass, but where the prior ends, and enough of its places have.
+    fn holds_the_mass(&self, bounds: &[[f64; 2]; AXES]) -> bool {
+        let mut axes = self.axes.iter().zip(self.places_with_mass()).zip(bounds);
+        axes.all(|((values, [first, last]), [from, to])| {
+            let end = values.len() - 1;
+            let is_inside = (first > 0 || values[0] <= *from) && (last < end || values[end] >= *to);
+            end == 0 || is_inside && FEW * (last + 1 - first) >= values.len()
+        })
+    }
+
+    /// Of each axis the part outside of which nothing has mass, and a cell more on either side; half of the axis more
+    /// where its end has mass. Within the bounds.
+    fn ranges_with_mass(&self, bounds: &[[f64; 2]; AXES]) -> [[f64; 2]; AXES] {
+        let places = self.places_with_mass();
+        core::array::from_fn(|i| {
+            let [first, last] = places[i];
+            let values = &self.axes[i];
+            let end = values.len() - 1;
+            let half = (values[end] - values[0]) / 2.0;
+            let from = if first > 0 { values[first - 1] } else { values[0] - half };
+            let to = if last < end { values[last + 1] } else { values[end] + half };
+            [from.max(bounds[i][0]), to.min(bounds[i][1])]
+        })
     }
 
     /// Shares of the posterior by the trapezoidal rule: cells at an end count half.
@@ -290,8 +330,7 @@ impl Problem<'_> {
         let variance = scatter * scatter;
         let counts = 1.0 / variance - 1.0;
         for (answer, shares) in self.answers.iter().zip(shares) {
-            let share = guess * shares.above + (1.0 - lapse) * shares.below;
-            let rest = lapse * shares.below + (1.0 - guess) * shares.above;
+            let [share, rest] = shares.answers(guess, lapse);
             for (count, chance) in
                 [(answer.positive, share), (answer.trials - answer.positive, rest)]
             {
@@ -388,6 +427,7 @@ fn beta(x: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::psychometric::fit::Model;
     use crate::psychometric::tests::{MORE, fitted, person};
 
     const MORE_GRID: Grid =
@@ -447,6 +487,31 @@ mod tests {
             found.threshold.ci_high - found.threshold.ci_low
         };
         assert!(width(true) > 1.3 * width(false));
+    }
+
+    /// Of very many trials the posterior is the likelihood, and both intervals are those of a normal distribution.
+    #[test]
+    fn millions_of_trials_have_the_interval_of_the_likelihood() {
+        for trials in [10_000, 1_000_000] {
+            let answers: Vec<LevelAnswers> = [0.03, 0.08, 0.22, 0.5, 0.77, 0.92, 0.97]
+                .into_iter()
+                .zip(0..)
+                .map(|(share, place)| LevelAnswers {
+                    level: f64::from(place),
+                    trials,
+                    positive: (share * trials as f64).round() as u64,
+                })
+                .collect();
+            let found = posterior(&answers, &MORE_GRID, 0.95).unwrap();
+            let likely = fitted(&answers, &Model { is_constant: false, ..MORE });
+            for (found, likely) in [(found.threshold, likely.threshold), (found.jnd, likely.jnd)] {
+                let [low, high] = [likely.ci_low.unwrap(), likely.ci_high.unwrap()];
+                let room = 0.03 * (high - low);
+                near(found.mean, likely.estimate, room);
+                near(found.ci_low, low, room);
+                near(found.ci_high, high, room);
+            }
+        }
     }
 
     #[test]

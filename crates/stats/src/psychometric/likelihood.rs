@@ -50,6 +50,13 @@ pub(super) struct Best {
     pub(super) lapse: f64,
 }
 
+/// The shape of the largest likelihood, with its γ and λ.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Maximum {
+    pub(super) shape: Shape,
+    pub(super) best: Best,
+}
+
 /// What a profile holds.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Held {
@@ -60,7 +67,7 @@ pub(super) enum Held {
 }
 
 /// k ln ψ + (n − k) ln(1 − ψ), where an answer that nobody gave costs nothing. −∞ of an impossible answer.
-fn log_share(answer: &LevelAnswers, share: f64, rest: f64) -> f64 {
+pub(super) fn log_share(answer: &LevelAnswers, share: f64, rest: f64) -> f64 {
     let (k, n) = (answer.positive as f64, answer.trials as f64);
     let yes = if answer.positive > 0 { k * libm::log(share) } else { 0.0 };
     let no = if answer.positive < answer.trials { (n - k) * libm::log(rest) } else { 0.0 };
@@ -74,7 +81,7 @@ impl Likelihood<'_> {
     }
 
     /// Levels, as the sigmoid takes them, that are finite (ln 0 is not).
-    fn coordinates(&self) -> Vec<f64> {
+    pub(super) fn coordinates(&self) -> Vec<f64> {
         let all = self.answers.iter().map(|answer| self.sigmoid.coordinate(answer.level));
         all.filter(|coordinate| coordinate.is_finite()).collect()
     }
@@ -108,8 +115,7 @@ impl Likelihood<'_> {
         let [guess, lapse] = self.best_ends(&shares);
         let mut best = Best { log_likelihood: 0.0, slopes: [0.0; 2], guess, lapse };
         for ((answer, shares), z) in self.answers.iter().zip(&shares).zip(&z) {
-            let share = guess * shares.above + (1.0 - lapse) * shares.below;
-            let rest = lapse * shares.below + (1.0 - guess) * shares.above;
+            let [share, rest] = shares.answers(guess, lapse);
             best.log_likelihood += log_share(answer, share, rest);
             // At a level of 0 z is −∞ and does not move.
             if shares.density != 0.0 {
@@ -127,8 +133,7 @@ impl Likelihood<'_> {
         // The slope of the log-likelihood along a direction of (γ, λ).
         let slope = |ends: [f64; 2], along: [f64; 2]| -> f64 {
             let pulls = self.answers.iter().zip(shares).map(|(answer, shares)| {
-                let share = ends[0] * shares.above + (1.0 - ends[1]) * shares.below;
-                let rest = ends[1] * shares.below + (1.0 - ends[0]) * shares.above;
+                let [share, rest] = shares.answers(ends[0], ends[1]);
                 let moves = along[0] * shares.above - along[1] * shares.below;
                 if moves == 0.0 { 0.0 } else { pull(answer, share, rest) * moves }
             });
@@ -153,7 +158,7 @@ impl Likelihood<'_> {
     }
 
     /// The shape of the largest likelihood; `None` where no curve makes the answers possible.
-    pub(super) fn maximum(&self) -> Option<(Shape, Best)> {
+    pub(super) fn maximum(&self) -> Option<Maximum> {
         let axes = self.axes();
         let mut starts = Vec::with_capacity(STARTS * STARTS);
         for threshold in &axes.thresholds {
@@ -170,7 +175,7 @@ impl Likelihood<'_> {
             (best.log_likelihood, vec![best.slopes[0] * axes.range, best.slopes[1]])
         })?;
         let shape = shape(&minimum.point);
-        Some((shape, self.at(shape)))
+        Some(Maximum { shape, best: self.at(shape) })
     }
 
     /// The largest log-likelihood of shapes that have what is held; −∞ where there is none. `near` is a shape that the

@@ -15,8 +15,9 @@
 //! there are none; [`deviance`] says whether the curve describes the answers; [`grid`] is psignifit's posterior beside it.
 //! People are compared by their thresholds and ln JNDs ([`paired`](crate::paired)), or with weights
 //! ([`heterogeneity`](crate::heterogeneity)).
-//! [`staircase`] and [`quest`] choose the next level from the answers before it.
+//! [`staircase`] and [`quest`] choose the next level from the answers before it; [`adjustment`] takes levels that people set.
 
+pub mod adjustment;
 mod curve;
 pub mod deviance;
 pub mod fit;
@@ -32,13 +33,16 @@ use crate::error::StatsError;
 /// The answers at one level of the stimulus.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LevelAnswers {
-    /// The level, in the unit of the stimulus.
+    /// The level, in the unit of the stimulus; levels less than 5e-7 apart are one.
     pub level: f64,
     /// Trials that were answered.
     pub trials: u64,
     /// Of these, "more", "right" or "yes".
     pub positive: u64,
 }
+
+/// Records hold levels as whole numbers of such parts of the unit, so that those nearer to each other are one level.
+const PARTS: f64 = 1e6;
 
 /// The answers in rising order of their levels, each level once, those without trials left out.
 ///
@@ -61,7 +65,7 @@ fn by_level(answers: &[LevelAnswers]) -> Result<Vec<LevelAnswers>, StatsError> {
     }
     sorted.sort_by(|a, b| a.level.total_cmp(&b.level));
     sorted.dedup_by(|later, first| {
-        let is_same = later.level.total_cmp(&first.level).is_eq();
+        let is_same = (later.level - first.level) * PARTS < 0.5;
         if is_same {
             first.trials += later.trials;
             first.positive += later.positive;

@@ -12,10 +12,12 @@
 use super::curve::{Asks, Curve, Sigmoid};
 use crate::error::{StatsError, all_finite};
 
-/// Information, in nats, within which levels are equal.
+/// Information, in nats, within which levels are equal; also the share within which masses are.
 const EQUAL: f64 = 1e-12;
-/// Posterior mass on an end of an axis from which the truth may lie beyond it.
+/// Posterior mass on an end of an axis from which the truth may lie beyond it, if the prior had less there.
 const EDGE: f64 = 0.05;
+/// Levels times curves, up to which their shares take a quarter of a gigabyte.
+const MOST_SHARES: usize = 10_000_000;
 
 /// The plan of a session with QUEST+.
 #[derive(Debug, Clone, PartialEq)]
@@ -49,16 +51,17 @@ pub struct Track {
     pub lapse: f64,
     /// Entropy of the posterior, in nats.
     pub entropy: f64,
-    /// Whether one of the ends of the thresholds or scales has more than a twentieth of the posterior: the truth may lie
-    /// beyond the grid, and the means are then pulled inwards.
+    /// Whether one of the ends of the thresholds or scales has more than a twentieth of the posterior, and more than the
+    /// prior gave it: the truth may lie beyond the grid, and the means are then pulled inwards.
     pub is_at_edge: bool,
 }
 
 /// The levels of a session by its plan and the answers so far: "more" or "right" are true.
 ///
 /// # Errors
-/// An empty axis, one that does not rise or is not finite, scales that are not above 0, λ outside [0, ½), thresholds
-/// and levels below 0 for Weibull's sigmoid, yes and no, an answer that no curve of the grid makes possible.
+/// An empty axis, one that does not rise or is not finite, scales that are not above 0, λ outside [0, ½), levels below 0
+/// or thresholds not above it for Weibull's sigmoid, yes and no, more than 10⁷ levels times curves, an answer that no
+/// curve of the grid makes possible.
 pub fn track(plan: &Plan, answers: &[bool]) -> Result<Track, StatsError> {
     check(plan)?;
     let mut cells = Vec::new();
@@ -69,21 +72,21 @@ pub fn track(plan: &Plan, answers: &[bool]) -> Result<Track, StatsError> {
             }
         }
     }
-    // By level: the share of positive answers in each cell, and its entropy.
-    let shares: Vec<Vec<f64>> = plan
+    // By level: the shares of positive and of other answers in each cell, and their entropy.
+    let shares: Vec<Vec<[f64; 2]>> = plan
         .levels
         .iter()
-        .map(|level| cells.iter().map(|cell| cell.curve(plan).share(*level)).collect())
+        .map(|level| cells.iter().map(|cell| cell.curve(plan).shares(*level)).collect())
         .collect();
     let entropies: Vec<Vec<f64>> =
-        shares.iter().map(|row| row.iter().map(|share| entropy(*share)).collect()).collect();
+        shares.iter().map(|row| row.iter().map(|shares| entropy(*shares)).collect()).collect();
     let mut posterior = vec![1.0 / cells.len() as f64; cells.len()];
     let mut levels = Vec::with_capacity(answers.len());
     let mut place = most_telling(&posterior, &shares, &entropies);
     for (trial, is_positive) in answers.iter().enumerate() {
         levels.push(plan.levels[place]);
-        for (mass, share) in posterior.iter_mut().zip(&shares[place]) {
-            *mass *= if *is_positive { *share } else { 1.0 - share };
+        for (mass, [share, rest]) in posterior.iter_mut().zip(&shares[place]) {
+            *mass *= if *is_positive { share } else { rest };
         }
         let whole: f64 = posterior.iter().sum();
         if whole <= 0.0 {
@@ -101,7 +104,11 @@ pub fn track(plan: &Plan, answers: &[bool]) -> Result<Track, StatsError> {
         masses.map(|(_, mass)| mass).sum()
     };
     let is_at_end = |axis: &[f64], read: fn(&Cell) -> f64| match axis {
-        [first, .., last] => mass_at(read, *first) > EDGE || mass_at(read, *last) > EDGE,
+        [first, .., last] => {
+            // A little more than the prior, which rounding may leave.
+            let most = EDGE.max((1.0 + EQUAL) / axis.len() as f64);
+            mass_at(read, *first) > most || mass_at(read, *last) > most
+        }
         _ => false, // one value is known, and has no end
     };
     Ok(Track {
@@ -136,23 +143,24 @@ fn information(p: f64) -> f64 {
     if p > 0.0 { -p * libm::log(p) } else { 0.0 }
 }
 
-/// h(ψ) of an answer.
-fn entropy(share: f64) -> f64 {
-    information(share) + information(1.0 - share)
+/// h(ψ) of an answer, by ψ and 1 − ψ.
+fn entropy([share, rest]: [f64; 2]) -> f64 {
+    information(share) + information(rest)
 }
 
 /// The place of the level whose answer tells most, the lowest of equal ones.
-fn most_telling(posterior: &[f64], shares: &[Vec<f64>], entropies: &[Vec<f64>]) -> usize {
+fn most_telling(posterior: &[f64], shares: &[Vec<[f64; 2]>], entropies: &[Vec<f64>]) -> usize {
     let mut best = 0;
     let mut most = f64::NEG_INFINITY;
     for (place, (shares, entropies)) in shares.iter().zip(entropies).enumerate() {
-        let mut share = 0.0;
+        let mut mean = [0.0; 2];
         let mut left = 0.0;
-        for ((mass, own), entropy) in posterior.iter().zip(shares).zip(entropies) {
-            share += mass * own;
+        for ((mass, [share, rest]), entropy) in posterior.iter().zip(shares).zip(entropies) {
+            mean[0] += mass * share;
+            mean[1] += mass * rest;
             left += mass * entropy;
         }
-        let information = entropy(share) - left;
+        let information = entropy(mean) - left;
         if information > most + EQUAL {
             best = place;
             most = information;
@@ -168,12 +176,16 @@ fn check(plan: &Plan) -> Result<(), StatsError> {
             return Err(StatsError::QuestGrid);
         }
     }
-    let is_below_zero = |level: &f64| plan.sigmoid == Sigmoid::Weibull && *level < 0.0;
-    let has_negative =
-        plan.levels.iter().chain(&plan.thresholds).any(is_below_zero) || plan.scales[0] <= 0.0;
-    let has_wrong_lapse = plan.lapses.iter().any(|lapse| !(0.0..0.5).contains(lapse));
-    if has_negative || has_wrong_lapse || plan.asks == Asks::YesNo {
+    let Plan { levels, thresholds, scales, lapses, .. } = plan;
+    let has_no_logarithm =
+        plan.sigmoid == Sigmoid::Weibull && (levels[0] < 0.0 || thresholds[0] <= 0.0);
+    let has_wrong_lapse = lapses.iter().any(|lapse| !(0.0..0.5).contains(lapse));
+    if has_no_logarithm || scales[0] <= 0.0 || has_wrong_lapse || plan.asks == Asks::YesNo {
         return Err(StatsError::QuestGrid);
+    }
+    let cells = thresholds.len().saturating_mul(scales.len()).saturating_mul(lapses.len());
+    if cells.saturating_mul(levels.len()) > MOST_SHARES {
+        return Err(StatsError::QuestSize { cells, levels: levels.len(), most: MOST_SHARES });
     }
     Ok(())
 }
@@ -216,8 +228,8 @@ mod tests {
         assert!((found.entropy - 3.60291002).abs() < 4e-6, "{found:?}");
         assert_eq!(found.levels, levels.map(f64::from));
         assert!((found.lapse - 0.02).abs() < 1e-12);
-        // A share of 0.05 of the posterior lies on σ = 80.
-        assert!(found.is_at_edge);
+        // σ = 80 has more of the posterior than its seventh of the prior, which alone is no sign.
+        assert!(found.is_at_edge && !track(&plan(), &[]).unwrap().is_at_edge);
     }
 
     /// By the definition: the entropy of both posteriors that an answer can lead to, weighted by its chance.
@@ -304,10 +316,27 @@ mod tests {
             Plan { lapses: vec![0.5], ..plan() },
             Plan { asks: Asks::YesNo, ..plan() },
             Plan { sigmoid: Sigmoid::Weibull, levels: vec![-1.0, 1.0], ..plan() },
+            Plan { sigmoid: Sigmoid::Weibull, thresholds: vec![0.0, 1.0], ..plan() },
         ] {
             assert_eq!(track(&broken, &[]), Err(StatsError::QuestGrid));
         }
         assert!(track(&Plan { levels: vec![f64::NAN], ..plan() }, &[]).is_err());
+        let many = |n: usize| (0..n).map(|i| i as f64).collect::<Vec<f64>>();
+        let large =
+            Plan { levels: many(1000), thresholds: many(1000), scales: vec![1.0, 2.0], ..plan() };
+        let large = Plan { lapses: vec![0.0, 0.01, 0.02, 0.03, 0.04, 0.05], ..large };
+        let refused = StatsError::QuestSize { cells: 12_000, levels: 1000, most: MOST_SHARES };
+        assert_eq!(track(&large, &[]), Err(refused));
+        // Without lapses both answers keep their chances far out: ψ rounds to 1 there, and 1 − ψ to no 0.
+        let far = Plan {
+            levels: vec![10.0],
+            thresholds: vec![0.0, 2.0],
+            scales: vec![1.0],
+            lapses: vec![0.0],
+            ..plan()
+        };
+        let missed = track(&far, &[false]).unwrap();
+        assert!((missed.threshold - 2.0).abs() < 1e-6, "{missed:?}");
         let certain = Plan {
             levels: vec![0.0],
             thresholds: vec![100.0],

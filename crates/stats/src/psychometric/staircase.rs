@@ -6,13 +6,12 @@
 //! [`DOWN_OVER_UP`] it settles near [`target`]. The weighted staircase (Kaernbach 1991, Perception & Psychophysics 49:227)
 //! has one answer each way, and steps of the ratio that makes any share its target ([`weighted`]).
 
+use super::PARTS;
 use crate::error::{StatsError, all_finite};
 use zwidth_numerics::roots;
 
 /// The ratio of steps down and up of one up, and 1 to 4 down, by García-Pérez (1998).
 pub const DOWN_OVER_UP: [f64; 4] = [0.2845, 0.5488, 0.7393, 0.8415];
-/// Levels are whole numbers of such parts of the unit, so that a record of them is exact.
-const PARTS: f64 = 1e6;
 /// Shares are found to this.
 const RESOLUTION: f64 = 1e-14;
 
@@ -38,12 +37,14 @@ pub struct Staircase {
     pub up: f64,
     /// The step down, as `up`.
     pub down: f64,
-    /// The first level, in the unit of the stimulus.
+    /// The first level, in the unit of the stimulus; a multiple of 1e-6.
     pub start: f64,
-    /// The lowest and the highest level.
+    /// The lowest and the highest level; multiples of 1e-6.
     pub bounds: [f64; 2],
     /// Reversals after which it ends.
     pub reversals: usize,
+    /// Trials after which it ends without so many reversals: a person who is always right has none.
+    pub most_trials: usize,
     /// Reversals, the last ones, of which the threshold is the mean.
     pub of_last: usize,
 }
@@ -57,20 +58,21 @@ pub struct Track {
     pub next: Option<f64>,
     /// The levels at which it turned.
     pub reversals: Vec<f64>,
-    /// The mean of the last reversals, when it has ended.
+    /// The mean of the last reversals, when it has ended by reversals; not by its trials.
     pub threshold: Option<f64>,
+    /// Whether the level after the last answer, or one of the last reversals, is a bound: the threshold may lie beyond.
+    pub is_at_bound: bool,
 }
 
 /// The levels of a staircase by its plan and the answers so far, right or wrong; answers after its end are refused, so
 /// that a record of another plan is noticed. A step that a bound cuts short counts as one in its direction.
 ///
 /// # Errors
-/// A plan without answers, steps or reversals, levels beyond its bounds, levels not above 0 on a logarithmic scale, more
-/// answers than it takes.
+/// A plan without answers, steps, reversals or trials, levels beyond its bounds or no multiples of 1e-6, levels not above
+/// 0 on a logarithmic scale, more answers than it takes.
 pub fn track(plan: &Staircase, answers: &[bool]) -> Result<Track, StatsError> {
     check(plan)?;
     let [lowest, highest] = plan.bounds;
-    let shown = |place: f64| (place * PARTS).round() / PARTS;
     // Not rounded, so that rounding does not add up over steps.
     let mut place = plan.start;
     let mut levels = Vec::with_capacity(answers.len());
@@ -79,7 +81,7 @@ pub fn track(plan: &Staircase, answers: &[bool]) -> Result<Track, StatsError> {
     let mut last_answer = None;
     let mut last_step_is_up = None;
     for is_right in answers {
-        if reversals.len() == plan.reversals {
+        if reversals.len() == plan.reversals || levels.len() == plan.most_trials {
             return Err(StatsError::StaircaseEnded {
                 trials: levels.len(),
                 answers: answers.len(),
@@ -103,24 +105,34 @@ pub fn track(plan: &Staircase, answers: &[bool]) -> Result<Track, StatsError> {
         };
         place = next.clamp(lowest, highest);
     }
-    let has_ended = reversals.len() == plan.reversals;
+    let has_reversals = reversals.len() == plan.reversals;
+    let has_ended = has_reversals || levels.len() == plan.most_trials;
     let last = &reversals[reversals.len().saturating_sub(plan.of_last)..];
     let mean = |values: &mut dyn Iterator<Item = f64>| values.sum::<f64>() / last.len() as f64;
-    let threshold = has_ended.then(|| match plan.scale {
+    let threshold = has_reversals.then(|| match plan.scale {
         Scale::Linear => mean(&mut last.iter().copied()),
         Scale::Logarithmic => libm::exp(mean(&mut last.iter().map(|level| libm::log(*level)))),
     });
-    Ok(Track { levels, next: (!has_ended).then(|| shown(place)), threshold, reversals })
+    let is_bound = |level: f64| level <= lowest || level >= highest;
+    let is_at_bound = is_bound(place) || last.iter().any(|level| is_bound(*level));
+    let next = (!has_ended).then(|| shown(place));
+    Ok(Track { levels, next, threshold, is_at_bound, reversals })
+}
+
+/// The level that stands for a place: the nearest whole number of parts, so that a record of it is exact.
+fn shown(place: f64) -> f64 {
+    (place * PARTS).round() / PARTS
 }
 
 fn check(plan: &Staircase) -> Result<(), StatsError> {
     let Staircase { up, down, start, bounds: [lowest, highest], .. } = *plan;
     all_finite(&[up, down, start, lowest, highest])?;
-    let counts = [plan.up_after, plan.down_after, plan.reversals, plan.of_last];
+    let counts = [plan.up_after, plan.down_after, plan.reversals, plan.most_trials, plan.of_last];
     let has_numbers = counts.iter().all(|count| *count > 0) && up > 0.0 && down > 0.0;
     let is_positive = plan.scale == Scale::Linear || lowest > 0.0;
     let is_within = lowest <= start && start <= highest && lowest < highest;
-    if has_numbers && is_positive && is_within && plan.of_last <= plan.reversals {
+    let are_shown = [start, lowest, highest].iter().all(|at| shown(*at).total_cmp(at).is_eq());
+    if has_numbers && is_positive && is_within && are_shown && plan.of_last <= plan.reversals {
         Ok(())
     } else {
         Err(StatsError::Staircase)
@@ -180,6 +192,7 @@ mod tests {
             start: 0.24,
             bounds: [0.01, 0.5],
             reversals: 12,
+            most_trials: 120,
             of_last: 8,
         }
     }
@@ -241,6 +254,7 @@ mod tests {
             start: 0.0,
             bounds: [-1e9, 1e9],
             reversals: usize::MAX,
+            most_trials: usize::MAX,
             up: 1.0,
             down: 0.7,
             ..forces(3, 1.0)
@@ -259,15 +273,32 @@ mod tests {
     fn bounds_hold_and_impossible_plans_are_refused() {
         let plan = forces(2, 1.0);
         let low = track(&plan, &[true; 100]).unwrap();
-        assert_eq!((low.next, low.threshold), (Some(0.01), None));
+        assert_eq!((low.next, low.threshold, low.is_at_bound), (Some(0.01), None, true));
         let high = track(&plan, &[false; 9]).unwrap();
-        assert_eq!((high.next, high.reversals.len()), (Some(0.5), 0));
+        assert_eq!((high.next, high.reversals.len(), high.is_at_bound), (Some(0.5), 0, true));
+        // Who is always right turns nowhere, and is done after the last trial.
+        let always = track(&plan, &[true; 120]).unwrap();
+        assert_eq!((always.next, always.threshold, always.is_at_bound), (None, None, true));
+        let ended = StatsError::StaircaseEnded { trials: 120, answers: 121 };
+        assert_eq!(track(&plan, &[true; 121]), Err(ended));
+        // Who is held at a bound turns there, and has a threshold that says so.
+        let mut answers: Vec<bool> = vec![true; 40];
+        while track(&plan, &answers).unwrap().next.is_some() {
+            answers.push(!answers.len().is_multiple_of(7));
+        }
+        let held = track(&plan, &answers).unwrap();
+        assert!(held.is_at_bound && held.threshold.unwrap() < 0.0125, "{held:?}");
+        assert!(!answered(&plan).0.is_at_bound);
         for broken in [
             Staircase { up: 0.0, ..plan },
             Staircase { down_after: 0, ..plan },
             Staircase { bounds: [-1.0, 0.5], ..plan },
             Staircase { start: 0.6, ..plan },
             Staircase { of_last: 13, ..plan },
+            Staircase { most_trials: 0, ..plan },
+            Staircase { start: 0.240_000_4, ..plan },
+            Staircase { bounds: [1.0 / 300.0, 0.5], ..plan },
+            Staircase { bounds: [0.01, 1.0 / 3.0], ..plan },
         ] {
             assert_eq!(track(&broken, &[]), Err(StatsError::Staircase));
         }

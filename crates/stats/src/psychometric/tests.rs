@@ -134,10 +134,7 @@ fn modes_are_compared_over_people_by_pses_and_ratios_of_jnds() {
     near(libm::exp(ln_weber.sum::<f64>() / 8.0), 0.0901216351, 1e-6);
     let values: Vec<f64> =
         fits.iter().map(|[a, h]| h.threshold.estimate - a.threshold.estimate).collect();
-    let error = |found: &Fitted| {
-        let Profiled { ci_low, ci_high, .. } = found.threshold;
-        ((ci_high.unwrap() - ci_low.unwrap()) / 2.0 / 1.959_963_98).powi(2)
-    };
+    let error = |found: &Fitted| found.threshold_error.unwrap().powi(2);
     let variances: Vec<f64> = fits.iter().map(|[a, h]| error(a) + error(h)).collect();
     let weighted = two_level(&values, &variances, 0.95).unwrap();
     near(weighted.between, 0.0, 1e-15);
@@ -302,8 +299,39 @@ fn answers_without_a_threshold_say_why() {
     };
     assert_eq!(shown([1, 4, 10, 17, 20]), Estimated);
     assert_eq!(shown([0; 5]), ABOVE);
-    assert_eq!(shown([20; 5]), BELOW);
+    // Who says yes to nothing too has no threshold.
+    assert_eq!(shown([20; 5]), Flat);
     assert_eq!(shown([20, 15, 10, 5, 0]), Falling);
+}
+
+/// Between 4, 8 and 16 nothing tells the JND: the likelihood is the same of any that is far below their distances, however
+/// near to each other other levels are.
+#[test]
+fn how_steep_a_curve_is_is_told_by_the_levels_beside_its_threshold() {
+    let at = |levels: &[f64], counts: &[u64]| -> Vec<LevelAnswers> {
+        let rows = levels.iter().zip(counts);
+        rows.map(|(level, positive)| LevelAnswers {
+            level: *level,
+            trials: 20,
+            positive: *positive,
+        })
+        .collect()
+    };
+    let verdict = |answers: &[LevelAnswers]| fit(answers, &MORE, 0.95).unwrap().verdict;
+    let doubled = [0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0];
+    assert_eq!(verdict(&at(&doubled, &[0, 0, 0, 0, 0, 7, 20])), Verdict::Steep);
+    assert_eq!(verdict(&at(&doubled, &[0, 0, 0, 0, 0, 13, 20])), Verdict::Steep);
+    assert_eq!(verdict(&at(&doubled, &[0, 0, 1, 4, 8, 13, 18])), Verdict::Estimated);
+    // Levels that differ by rounding are one, and no gap.
+    let twice = [1.0, 2.0, 3.0, 4.0, 4.0 + 1e-9, 5.0, 6.0];
+    let once = at(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0], &[0, 0, 0, 7, 20, 20]);
+    assert_eq!(verdict(&once), Verdict::Steep);
+    let found = fit(&at(&twice, &[0, 0, 0, 3, 4, 20, 20]), &MORE, 0.95).unwrap();
+    assert_eq!((found.verdict, found.levels, found.trials), (Verdict::Steep, 6, 140));
+    // A JND of less than the gap and more than half of it is told.
+    let smooth =
+        fitted(&at(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0], &[0, 0, 3, 10, 17, 20, 20]), &MORE);
+    assert!((0.5..1.0).contains(&smooth.jnd.estimate) && smooth.jnd.ci_low.is_some());
 }
 
 #[test]
@@ -323,8 +351,10 @@ fn any_answers_have_a_verdict_and_finite_numbers() {
         let answers: Vec<LevelAnswers> = answers.collect();
         for sigmoid in [Sigmoid::Norm, Sigmoid::Logistic, Sigmoid::Weibull] {
             for asks in [Asks::WhichWasMore, Asks::RightOrWrong, Asks::YesNo] {
-                let model = Model { asks, sigmoid, ..MORE };
-                let Some(found) = fit(&answers, &model, 0.95).unwrap().fitted else { continue };
+                let (lapse, level) =
+                    if study % 2 == 0 { (LAPSE, 0.95) } else { ([0.0, 0.0], 0.99) };
+                let model = Model { asks, sigmoid, lapse, ..MORE };
+                let Some(found) = fit(&answers, &model, level).unwrap().fitted else { continue };
                 estimated += 1;
                 for Profiled { estimate, ci_low, ci_high } in [found.threshold, found.jnd] {
                     assert!(estimate.is_finite());
@@ -332,10 +362,42 @@ fn any_answers_have_a_verdict_and_finite_numbers() {
                     assert!(ci_high.is_none_or(|high| high.is_finite() && estimate <= high));
                 }
                 assert!(found.deviance.is_finite() && found.pearson.is_finite());
+                let errors = [found.threshold_error, found.ln_jnd_error];
+                assert!(errors.into_iter().flatten().all(|error| 0.0 < error && error.is_finite()));
             }
         }
     }
     assert!(estimated > 200, "{estimated}");
+}
+
+/// Without lapses some curves make an answer impossible, so that the profile falls without end.
+#[test]
+fn an_interval_ends_before_what_is_impossible() {
+    let answers: Vec<LevelAnswers> = [0, 3, 3, 6, 5]
+        .into_iter()
+        .zip(1..)
+        .map(|(positive, level)| LevelAnswers { level: f64::from(level), trials: 6, positive })
+        .collect();
+    let model = Model { lapse: [0.0, 0.0], ..MORE };
+    let found = fit(&answers, &model, 0.99).unwrap().fitted.unwrap();
+    assert!(found.jnd.ci_low.is_some_and(|low| 0.0 < low && low < found.jnd.estimate), "{found:?}");
+}
+
+/// An answer far out, where 1 − ψ is not 0 but ψ rounds to 1.
+#[test]
+fn a_likelihood_that_is_finite_has_a_finite_deviance() {
+    let answers = [
+        LevelAnswers { level: 0.0, trials: 20, positive: 10 },
+        LevelAnswers { level: 10.0, trials: 20, positive: 19 },
+    ];
+    let curve =
+        super::Curve { sigmoid: Sigmoid::Norm, location: 0.0, scale: 1.0, guess: 0.0, lapse: 0.0 };
+    let (deviance, pearson) = misfit(&answers, &curve);
+    // SciPy: `norm.sf(10)` is 7.61985302416052e-24.
+    let rest: f64 = 7.619_853_024_160_52e-24;
+    let expected = 2.0 * (19.0 * 0.95_f64.ln() + (0.05 / rest).ln());
+    near(deviance, expected, 1e-9 * expected);
+    near(pearson * 20.0 * rest, 1.0, 1e-9);
 }
 
 #[test]
@@ -373,6 +435,21 @@ fn scattered_answers_have_wider_intervals() {
     assert!(scattered.dispersion > 1.5 && binomial.dispersion <= 1.0);
     let width = |found: &Fitted| found.threshold.ci_high.unwrap() - found.threshold.ci_low.unwrap();
     assert!(width(&scattered) > 1.7 * width(&binomial));
+    // R: qt(0.975, 4).
+    near(scattered.threshold_error.unwrap(), width(&scattered) / 2.0 / 2.776_445_105, 1e-8);
+    near(binomial.threshold_error.unwrap(), width(&binomial) / 2.0 / 1.959_963_985, 1e-8);
+    let [low, high] = [binomial.jnd.ci_low.unwrap(), binomial.jnd.ci_high.unwrap()];
+    near(binomial.ln_jnd_error.unwrap(), (high / low).ln() / 2.0 / 1.959_963_985, 1e-8);
+    // The profile of this JND has one end at most, and then there is no error.
+    assert!(scattered.jnd.ci_low.is_none() || scattered.jnd.ci_high.is_none());
+    assert_eq!(scattered.ln_jnd_error, None);
+    // What is free is taken from the levels: λ if it is not fixed, γ of yes and no.
+    let fixed = fitted(&answers, &Model { lapse: [0.01, 0.01], ..MORE });
+    near(fixed.dispersion, fixed.pearson / 5.0, 1e-12);
+    let from_nothing: Vec<LevelAnswers> =
+        answers.iter().map(|own| LevelAnswers { level: own.level - 1.0, ..*own }).collect();
+    let guessed = fitted(&from_nothing, &Model { asks: Asks::YesNo, ..MORE });
+    near(guessed.dispersion, guessed.pearson / 3.0, 1e-12);
 }
 
 #[test]
