@@ -121,7 +121,5 @@ fn own(kind: Doses, over: &OverDose, cells: &[Cell]) -> Option<f64> {
 
 /// The test of "it is 0", and whether the interval holds the truth.
 fn said(values: &[f64], truth: f64) -> Said {
-    let tested = paired::mean_difference(values, LEVEL).ok();
-    let covers = tested.map(|t| t.ci_low <= truth && truth <= t.ci_high);
-    Said { covers, ..Said::by_estimate(tested) }
+    Said::about(paired::mean_difference(values, LEVEL).ok(), truth)
 }

@@ -1,4 +1,4 @@
-//! What the tests of factors say of studies in which no factor has an effect.
+//! What the tests of factors say of studies in which no factor has an effect, and of some in which two interact.
 
 use crate::drawn::normal;
 use crate::judged::{ALPHA, Asked, Judged, LEVEL, MOST, Said, judge};
@@ -15,18 +15,25 @@ const LEVELS: usize = 3;
 pub(crate) struct Crossed {
     people: usize,
     last_scatters: f64,
+    /// How much higher the condition is in which both factors have their last level.
+    effect: f64,
 }
 
 pub(crate) fn kinds() -> Vec<Crossed> {
-    let kinds = [6, 8, 12, 20]
-        .into_iter()
-        .flat_map(|people| [1.0, 3.0].map(|last_scatters| Crossed { people, last_scatters }));
+    let kinds = [6, 8, 12, 20].into_iter().flat_map(|people| {
+        [(1.0, 0.0), (3.0, 0.0), (1.0, 2.0)].map(|(last_scatters, effect)| Crossed {
+            people,
+            last_scatters,
+            effect,
+        })
+    });
     kinds.collect()
 }
 
 impl Crossed {
     pub(crate) fn name(&self) -> String {
-        format!("n = {}, SD in the last condition {} : 1", self.people, self.last_scatters)
+        let effect = if self.effect > 0.0 { ", which is two SDs higher" } else { "" };
+        format!("n = {}, SD in the last condition {} : 1{effect}", self.people, self.last_scatters)
     }
 }
 
@@ -46,10 +53,12 @@ fn interaction() -> Vec<Vec<f64>> {
 /// The last contrast of the interaction by t; any of its four after Holm; all of it by F, with and without a
 /// correction for how far differences scatter unevenly.
 pub(crate) fn tests(kind: Crossed, studies: usize) -> Vec<Judged> {
-    let approximate = Asked::Approximate { most: MOST, coverage: [0.94, 0.96] };
+    let asked = |most| Asked::Approximate { most, coverage: [0.94, 0.96] };
+    // How often an effect is found is its power.
+    let approximate = if kind.effect > 0.0 { Asked::Nothing } else { asked(MOST) };
     let even = if kind.last_scatters > 1.0 { Asked::Nothing } else { approximate };
     let tests = [
-        ("t of an interaction", approximate),
+        ("t of an interaction", if kind.effect > 0.0 { asked(1.0) } else { asked(MOST) }),
         ("any of four, after Holm", approximate),
         ("F, Greenhouse–Geisser", approximate),
         ("F, Huynh–Feldt", Asked::Nothing),
@@ -63,7 +72,9 @@ pub(crate) fn tests(kind: Crossed, studies: usize) -> Vec<Judged> {
                 let level = normal(&mut rng);
                 let cells = (0..LEVELS * LEVELS).map(|cell| {
                     let last = cell + 1 == LEVELS * LEVELS;
-                    level + if last { kind.last_scatters } else { 1.0 } * normal(&mut rng)
+                    let (effect, scatter) =
+                        if last { (kind.effect, kind.last_scatters) } else { (0.0, 1.0) };
+                    level + effect + scatter * normal(&mut rng)
                 });
                 cells.collect()
             })
@@ -80,7 +91,7 @@ pub(crate) fn tests(kind: Crossed, studies: usize) -> Vec<Judged> {
         let any = holm::adjusted(&p).is_ok_and(|p| p.iter().any(|p| *p < ALPHA));
         let anova = rm_anova::effect(&people, &contrasts).ok();
         [
-            Said::by_estimate(tested.last().copied().flatten()),
+            Said::about(tested.last().copied().flatten(), kind.effect),
             Said { rejects: Some(any), covers: None },
             Said::by_p(anova.map(|found| found.p_greenhouse_geisser)),
             Said::by_p(anova.map(|found| found.p_huynh_feldt)),

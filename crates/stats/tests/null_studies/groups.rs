@@ -1,4 +1,4 @@
-//! What the tests of groups say of studies in which groups do not differ.
+//! What the tests of groups say of studies in which groups do not differ, and of some in which they do.
 
 use crate::drawn::normal;
 use crate::judged::{Asked, Judged, LEVEL, Said, judge};
@@ -12,14 +12,20 @@ use zwidth_stats::groups::{self, LEAST_FOR_A_CLAIM, group};
 pub(crate) struct TwoGroups {
     people: [usize; 2],
     scatter: [f64; 2],
+    /// How much higher the first group is.
+    effect: f64,
 }
 
-/// 6, 8, 12 and 20 people in two groups; scatter equal, or three times as large in the smaller group.
+/// 6, 8, 12 and 20 people in two groups; scatter equal, or three times as large in the smaller group. Where a claim can be
+/// made also with a difference of one SD of the second.
 pub(crate) fn kinds() -> Vec<TwoGroups> {
     let mut kinds = Vec::new();
     for people in [[2, 4], [3, 3], [4, 4], [3, 9], [4, 8], [6, 6], [5, 15], [10, 10]] {
         for scatter in [[1.0, 1.0], [3.0, 1.0]] {
-            kinds.push(TwoGroups { people, scatter });
+            kinds.push(TwoGroups { people, scatter, effect: 0.0 });
+            if people[0].min(people[1]) >= LEAST_FOR_A_CLAIM {
+                kinds.push(TwoGroups { people, scatter, effect: 1.0 });
+            }
         }
     }
     kinds
@@ -28,7 +34,8 @@ pub(crate) fn kinds() -> Vec<TwoGroups> {
 impl TwoGroups {
     pub(crate) fn name(&self) -> String {
         let ([a, b], [sd_a, sd_b]) = (self.people, self.scatter);
-        format!("{a} + {b}, SDs {sd_a}, {sd_b}")
+        let effect = if self.effect > 0.0 { ", an effect of one SD" } else { "" };
+        format!("{a} + {b}, SDs {sd_a}, {sd_b}{effect}")
     }
 }
 
@@ -40,19 +47,27 @@ pub(crate) fn tests(kind: TwoGroups, studies: usize) -> Vec<Judged> {
     let can_claim = kind.people.iter().all(|n| *n >= LEAST_FOR_A_CLAIM);
     let welch = if can_claim { welch } else { Asked::Nothing };
     let is_even = kind.scatter[0].to_bits() == kind.scatter[1].to_bits();
-    let permuted = if is_even { Asked::Exact } else { Asked::Nothing };
+    let permuted = if is_even && kind.effect <= 0.0 { Asked::Exact } else { Asked::Nothing };
+    // How often an effect is found is its power: its interval has to hold it.
+    let welch = match welch {
+        Asked::Approximate { coverage, .. } if kind.effect > 0.0 => {
+            Asked::Approximate { most: 1.0, coverage }
+        }
+        other => other,
+    };
     let tests =
         [("difference of groups", welch), ("mean of groups", welch), ("permuted labels", permuted)];
     judge(studies, tests, |study| {
         let mut rng = ChaCha8Rng::seed_from_u64(study);
         let [a, b] = [0, 1].map(|side| {
             let people = 0..kind.people[side];
-            people.map(|_| kind.scatter[side] * normal(&mut rng)).collect::<Vec<f64>>()
+            let effect = [kind.effect, 0.0][side];
+            people.map(|_| effect + kind.scatter[side] * normal(&mut rng)).collect::<Vec<f64>>()
         });
         let both = [group(&a), group(&b)];
         [
-            Said::by_estimate(groups::difference(both, LEVEL).ok()),
-            Said::by_estimate(groups::mean(&both, LEVEL).ok()),
+            Said::about(groups::difference(both, LEVEL).ok(), kind.effect),
+            Said::about(groups::mean(&both, LEVEL).ok(), kind.effect / 2.0),
             Said::by_p(groups::permuted(&a, &b, SAMPLING).ok().map(|found| found.p_value)),
         ]
     })

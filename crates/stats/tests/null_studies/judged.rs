@@ -28,9 +28,14 @@ impl Said {
 
     /// Of an estimate with an interval, where the truth is zero.
     pub(crate) fn by_estimate(tested: Option<Tested>) -> Self {
+        Self::about(tested, 0.0)
+    }
+
+    /// Of the test of zero, and whether the interval holds the truth.
+    pub(crate) fn about(tested: Option<Tested>, truth: f64) -> Self {
         Self {
             rejects: Some(tested.is_some_and(|t| t.p_value < ALPHA)),
-            covers: tested.map(|t| t.ci_low <= 0.0 && 0.0 <= t.ci_high),
+            covers: tested.map(|t| t.ci_low <= truth && truth <= t.ci_high),
         }
     }
 }
