@@ -283,7 +283,8 @@ fn psychometric_fits(case: &Value) {
         "right" => Asks::RightOrWrong,
         _ => Asks::YesNo,
     };
-    let model = Model { asks, sigmoid: sigmoid(case), lapse: LAPSE, is_constant: false };
+    let is_constant = case["is_constant"].as_bool().unwrap();
+    let model = Model { asks, sigmoid: sigmoid(case), lapse: LAPSE, is_constant };
     let found = fit(&answers(case), &model, 0.95).unwrap();
     assert_eq!(found.verdict, Verdict::Estimated, "{case}");
     let fitted = found.fitted.unwrap();
@@ -296,9 +297,13 @@ fn psychometric_fits(case: &Value) {
     {
         assert!((found - expected.as_f64().unwrap()).abs() < 1e-5, "{found}: {case}");
     }
-    for (found, expected) in
-        [(fitted.threshold.ci_low, &case["threshold_low"]), (fitted.jnd.ci_high, &case["jnd_high"])]
-    {
+    near(fitted.dispersion, &case["dispersion"], 1e-4, case);
+    for (found, expected) in [
+        (fitted.threshold.ci_low, &case["threshold_low"]),
+        (fitted.threshold.ci_high, &case["threshold_high"]),
+        (fitted.jnd.ci_low, &case["jnd_low"]),
+        (fitted.jnd.ci_high, &case["jnd_high"]),
+    ] {
         // What lies beyond where the other search ends is not compared.
         if !expected.is_null() {
             near(found.unwrap(), expected, 1e-5, case);

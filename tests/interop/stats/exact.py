@@ -245,7 +245,7 @@ def correlations(rng):
 SIGMOIDS = {
     "norm": (ndtr, stats.norm.ppf([0.25, 0.5, 0.75])),
     "logistic": (expit, stats.logistic.ppf([0.25, 0.5, 0.75])),
-    "weibull": (lambda z: -np.expm1(-np.exp(z)), np.log(-np.log([0.75, 0.5, 0.25]))),
+    "weibull": (lambda z: -np.expm1(-np.exp(np.minimum(z, 700))), np.log(-np.log([0.75, 0.5, 0.25]))),
 }
 
 
@@ -273,10 +273,13 @@ def least(x, n, k, asks, sigmoid, fixed=None, near=None):
             return np.log(value / read(0.0, scale)[1]), scale
         return p[0], value / read(0.0, 1.0)[1]
 
-    def cost(p):
+    def shares(p):
         m, scale = shape(p)
         gamma, lapse = ends(p)
-        psi = np.clip(gamma + (1 - gamma - lapse) * share((u - m) / scale), 1e-300, 1 - 1e-16)
+        return np.clip(gamma + (1 - gamma - lapse) * share((u - m) / scale), 1e-300, 1 - 1e-16)
+
+    def cost(p):
+        psi = shares(p)
         return -(k * np.log(psi) + (n - k) * np.log1p(-psi)).sum()
 
     shown = u[x > 1e-6]
@@ -292,32 +295,45 @@ def least(x, n, k, asks, sigmoid, fixed=None, near=None):
         drop = 1 if fixed[0] == "jnd" and sigmoid != "weibull" else 0
         starts = [np.delete(start, drop) for start in starts]
         bounds.pop(drop)
+        if fixed[0] == "jnd":
+            # Wherever the threshold lies between the levels: a held JND has a best place between any two.
+            places = np.linspace(shown[0], shown[-1], 49)
+            free = np.log(fixed[1] / np.exp(places) / 0.786) if sigmoid == "weibull" else places
+            starts = sorted(starts + [np.array([place, *near[2:]]) for place in free], key=cost)[:3]
     rough = min((minimize(cost, start, method="L-BFGS-B", bounds=bounds) for start in starts), key=lambda one: one.fun)
     best = minimize(cost, rough.x, method="Nelder-Mead", bounds=bounds, options={"xatol": 1e-9, "fatol": 1e-12, "maxiter": 4000})
-    return best.fun, read(*shape(best.x)), ends(best.x), best.x
+    return best.fun, read(*shape(best.x)), ends(best.x), best.x, shares(best.x)
 
 
 def psychometric(rng):
-    """Maximum likelihood of a curve and its profile intervals, by SciPy from many starts."""
+    """Maximum likelihood of a curve and its profile intervals, by SciPy from many starts.
+
+    Answers of half of the curves scatter more than binomial ones, and their intervals are those of F(1, K - P).
+    """
     every = list(itertools.product(("more", "right", "yes"), SIGMOIDS))
     for asks, sigmoid in (every[i] for i in rng.permutation(len(every))[:3]):
         x = np.arange(7.0) + (asks != "yes") * 2
         truth = 0.5 if asks == "right" else 0.1 if asks == "yes" else 0.02
         n = np.full(7, rng.integers(40, 90))
         z = (x - x.mean() - rng.uniform(-0.5, 0.5)) / rng.uniform(1.3, 1.8)
-        k = rng.binomial(n, truth + (0.97 - truth) * ndtr(z))
+        psi = truth + (0.97 - truth) * ndtr(z)
+        scatters = bool(rng.integers(2))
+        k = rng.binomial(n, rng.beta(psi * (0.12 ** -2 - 1), (1 - psi) * (0.12 ** -2 - 1)) if scatters else psi)
         if sigmoid == "weibull" and asks == "yes":
             x[0] = 1e-9  # F is 0 there as at 0, whose logarithm NumPy warns of
-        value, (threshold, jnd), (gamma, lapse), near = least(x, n, k, asks, sigmoid)
-        half = stats.chi2.ppf(0.95, 1) / 2
+        value, (threshold, jnd), (gamma, lapse), near, psi = least(x, n, k, asks, sigmoid)
+        left = len(x) - len(near)
+        phi = max(1.0, ((k - n * psi) ** 2 / (n * psi * (1 - psi))).sum() / left) if scatters else 1.0
+        half = phi * (stats.f.ppf(0.95, 1, left) if phi > 1 else stats.chi2.ppf(0.95, 1)) / 2
 
         def end(what, estimate, far):
             over = lambda at: least(x, n, k, asks, sigmoid, (what, at), near)[0] - value - half
             return brentq(over, estimate, far, xtol=1e-6) if over(far) > 0 else None
 
-        yield {"x": x * (x > 1e-6), "n": n, "k": k, "asks": asks, "sigmoid": sigmoid, "log_likelihood": -value,
-               "threshold": threshold, "jnd": jnd, "guess": gamma, "lapse": lapse,
-               "threshold_low": end("threshold", threshold, 0.3), "jnd_high": end("jnd", jnd, 12)}
+        yield {"x": x * (x > 1e-6), "n": n, "k": k, "asks": asks, "sigmoid": sigmoid, "is_constant": scatters,
+               "log_likelihood": -value, "threshold": threshold, "jnd": jnd, "guess": gamma, "lapse": lapse, "dispersion": phi,
+               "threshold_low": end("threshold", threshold, 0.3), "threshold_high": end("threshold", threshold, 12),
+               "jnd_low": end("jnd", jnd, 0.1), "jnd_high": end("jnd", jnd, 12)}
 
 
 def posteriors(rng):

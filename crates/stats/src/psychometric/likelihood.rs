@@ -18,6 +18,8 @@ const FLAT: f64 = 1e-11;
 /// Scales that a search starts from: so many times the smallest step, up to so many times the range.
 const NARROWEST_START: f64 = 0.03;
 const WIDEST_START: f64 = 10.0;
+/// The smallest and the largest ln σ that a held JND is started from.
+const LN_SCALES: [f64; 2] = [-40.0, 4.0];
 /// Starts along an axis, and how many of the best are followed.
 const STARTS: usize = 17;
 const FOLLOWED: usize = 3;
@@ -205,6 +207,16 @@ impl Likelihood<'_> {
             let places = axes.thresholds.iter();
             places.map(|threshold| vec![(threshold - axes.from) / axes.range]).collect()
         };
+        if let (Held::LnJnd(ln_jnd), true) = (held, is_weibull) {
+            // Of a small JND few scales leave the threshold among the levels: those of the other starts lie too far apart.
+            for threshold in &axes.thresholds {
+                let over = |ln_scale: f64| {
+                    let share = self.sigmoid.jnd_and_slope(libm::exp(ln_scale)).0;
+                    libm::log(share) + threshold - ln_jnd
+                };
+                starts.push(vec![roots::bracketed(over, LN_SCALES[0], LN_SCALES[1], RESOLUTION)]);
+            }
+        }
         let near = if by_scale { near.ln_scale } else { (near.threshold - axes.from) / axes.range };
         starts.push(vec![near]);
         let minimum = self.search(starts, |point| {

@@ -383,6 +383,20 @@ fn an_interval_ends_before_what_is_impossible() {
     assert!(found.jnd.ci_low.is_some_and(|low| 0.0 < low && low < found.jnd.estimate), "{found:?}");
 }
 
+/// Answers that scatter tell little of Weibull's JND: a grid of 4,000 scales and 13 λ in NumPy stays 1.6 above the critical
+/// value down to a JND of 0.05, where few scales leave the threshold among the levels.
+#[test]
+fn the_best_curve_of_a_small_jnd_is_found() {
+    let answers: Vec<LevelAnswers> = [30, 43, 45, 50, 68, 73, 78]
+        .into_iter()
+        .zip(2..)
+        .map(|(positive, level)| LevelAnswers { level: f64::from(level), trials: 79, positive })
+        .collect();
+    let model = Model { asks: Asks::RightOrWrong, sigmoid: Sigmoid::Weibull, ..MORE };
+    let found = fitted(&answers, &model);
+    assert!(found.jnd.ci_low.is_none_or(|low| low < 0.05), "{found:?}");
+}
+
 /// An answer far out, where 1 − ψ is not 0 but ψ rounds to 1.
 #[test]
 fn a_likelihood_that_is_finite_has_a_finite_deviance() {
