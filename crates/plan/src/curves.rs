@@ -63,9 +63,10 @@ pub fn compared_curves(data: &StudyData) -> Option<Printed> {
 
 /// The tables that people read.
 pub(crate) fn tables(data: &StudyData) -> Vec<Printed> {
-    let tables = of_study(data).into_iter();
-    let tables = tables.flat_map(|own| [own.tests.path().to_owned(), own.runs.path().to_owned()]);
-    tables.map(|path| Printed::without_empty_columns(&path)).collect()
+    let Some(results) = of_study(data) else { return Vec::new() };
+    // One participant's trials have no runs.
+    let runs = (!is_of_one(data)).then(|| Printed::without_empty_columns(results.runs.path()));
+    [Printed::without_empty_columns(results.tests.path())].into_iter().chain(runs).collect()
 }
 
 /// The means of every condition over the angle, and over the time.
