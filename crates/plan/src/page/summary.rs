@@ -28,7 +28,7 @@ use zwidth_study::{Kind, Scene, Setup};
 use zwidth_tables::{About, Format, Measured, NoteKind, Table, TableError};
 
 /// Its version is raised when the page would be written differently from the same data.
-const STAGE: Stage = Stage { name: "summary", version: 24 };
+const STAGE: Stage = Stage { name: "summary", version: 25 };
 
 /// What the page depends on besides files.
 #[derive(Serialize)]
