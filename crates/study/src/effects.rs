@@ -521,7 +521,8 @@ mod tests {
 
     #[test]
     fn curves_over_a_dose_are_of_the_conditions_of_its_effect_and_of_its_interaction() {
-        let of = |lacks: &[&str]| -> Vec<(Option<String>, Vec<Vec<(String, f64)>>)> {
+        type Weighed = Vec<Vec<(String, f64)>>;
+        let of = |lacks: &[&str]| -> Vec<(Option<String>, Weighed)> {
             let study = dosed(lacks);
             let here = study.dose_curves().into_iter();
             let here =
@@ -535,7 +536,7 @@ mod tests {
             });
             named.collect()
         };
-        let means = |levels: [&[&str]; 2]| -> Vec<Vec<(String, f64)>> {
+        let means = |levels: [&[&str]; 2]| -> Weighed {
             levels
                 .map(|ids| {
                     ids.iter().map(|id| ((*id).to_owned(), 1.0 / ids.len() as f64)).collect()
