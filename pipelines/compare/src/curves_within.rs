@@ -156,10 +156,19 @@ mod tests {
             assert_eq!((test.n, test.left_out, test.verdict), (12, 1, Some(Verdict::Different)));
             assert_eq!(test.within.as_ref().unwrap().as_str(), "P01");
             let p = test.p_value.unwrap();
-            assert!((p - test.smallest_p.unwrap()).abs() < 1e-12, "{p}");
             // Three deviations of a count of 9,999 draws.
-            let expected = 2.0 / 720.0;
-            assert!((p - expected).abs() < 3.0 * (expected / 9999.0_f64).sqrt() + 1e-4, "{p}");
+            let near = |share: f64| 3.0 * (share / 9999.0_f64).sqrt() + 1e-4;
+            let smallest = test.smallest_p.unwrap();
+            assert!(
+                (smallest - 2.0 / 720.0).abs() < near(2.0 / 720.0) && smallest <= p,
+                "{smallest}"
+            );
+            // Orders that part other two modes as well can have a larger t than two neighbours.
+            let most = match test.effect.to_string().as_str() {
+                "hybrid − active" => 2.0 / 720.0,
+                _ => 6.0 / 720.0,
+            };
+            assert!(p < most + near(most), "{} {p}", test.effect);
         }
         let node = &found.points[5];
         assert!((node.mean_first - node.mean_second - node.difference).abs() < 1e-9);

@@ -347,14 +347,13 @@ mod tests {
             level: 0.95,
         };
         let figure = curves_compared(&About::of(&study), Some(&study.environments[0]), &[], &shown);
-        let [means, there, back, untested] = figure.panels.as_slice() else {
+        let [means, there, untested] = figure.panels.as_slice() else {
             panic!("{:?}", figure.panels)
         };
         assert!(means.note.is_none() && means.title.as_ref().unwrap().contains(" − "));
         let lines = there.lines().filter(|line| line.y.iter().all(|y| y.abs() < 1e-12)).count();
         assert_eq!(lines, 1, "the run lies on zero");
         assert!(there.layers.iter().any(|layer| matches!(layer, Layer::Band(_))));
-        assert_eq!(back.note.as_deref(), Some("left out: see below"));
         assert_eq!(untested.note.as_deref(), Some("not tested"));
         assert!(figure.footnotes[0].contains("different, p\u{a0}=\u{a0}0.03"));
     }
