@@ -43,7 +43,7 @@ pub fn curve_spreads(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::curves::compare_curves;
+    use crate::compare_curves;
     use crate::curves::tests::{parameters, people};
 
     /// The mean of the differences is what the comparison finds, node by node.

@@ -1,9 +1,7 @@
 //! Whole curves compared: between modes and by effects of factors, and these between groups.
 
-use crate::claim::{Claim, Judging, judge};
-use crate::curves_within;
-use crate::{CompareError, Groups, SessionOrder};
-use rayon::prelude::*;
+use crate::claim::Claim;
+use crate::{Groups, SessionOrder};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use zwidth_numerics::series::{common_grid, interpolate_all};
@@ -177,51 +175,6 @@ pub struct Curves {
     pub tests: Vec<CurveDifference>,
     /// Runs of large t.
     pub runs: Vec<CurveRun>,
-}
-
-/// Compares whole curves: everybody's sessions are averaged with equal weight, at the angles or times that all people of
-/// a comparison reach in each of its modes, and a branch that one of them lacks is left out. Of one participant the
-/// curves of trials are compared. Each curve is a family of its own, but for primary ones that are adjusted together.
-///
-/// # Errors
-/// A level that cannot be one.
-pub fn compare_curves(
-    sessions: &[SessionCurve],
-    parameters: &CurveParameters,
-) -> Result<Curves, CompareError> {
-    let mut compared_curves = Vec::new();
-    for curve in &parameters.curves {
-        let own: Vec<&SessionCurve> = sessions.iter().filter(|one| one.curve == *curve).collect();
-        let rows = if own.iter().any(|one| one.trial.is_some()) {
-            curves_within::rows(&own, parameters)
-        } else {
-            // The order of results is that of the comparisons, on any number of threads.
-            let comparisons = compared(&own, parameters);
-            let rows = comparisons.par_iter().map(|comparison| {
-                let people = People::of(&own, &comparison.weights, parameters);
-                rows(comparison, &people, parameters)
-            });
-            rows.collect::<Vec<Vec<Row>>>().into_iter().flatten().collect()
-        };
-        compared_curves.push((*curve, rows));
-    }
-    let CurveParameters { families, alpha, metric_claims: elsewhere, .. } = *parameters;
-    let judging = Judging { families, alpha, elsewhere: 0 };
-    let (joined, others) = compared_curves.iter_mut().partition::<Vec<_>, _>(|(curve, _)| {
-        families == Families::Study && parameters.primary.contains(curve)
-    });
-    let joined = joined.into_iter().flat_map(|(_, rows)| rows).map(|row| &mut row.claim);
-    judge(joined.collect(), Judging { elsewhere, ..judging })?;
-    for (_, rows) in others {
-        judge(rows.iter_mut().map(|row| &mut row.claim).collect(), judging)?;
-    }
-    let mut all = Curves::default();
-    for (curve, rows) in compared_curves {
-        for row in rows {
-            row.add_to(&mut all, curve, parameters);
-        }
-    }
-    Ok(all)
 }
 
 /// Where several curves have nodes.
@@ -488,7 +441,11 @@ pub(crate) fn mean(rows: &[&Vec<f64>], nodes: usize) -> Vec<f64> {
 }
 
 /// The comparison of everybody, if that is asked, then of each pair of groups.
-fn rows(comparison: &Comparison, people: &People, parameters: &CurveParameters) -> Vec<Row> {
+pub(crate) fn rows(
+    comparison: &Comparison,
+    people: &People,
+    parameters: &CurveParameters,
+) -> Vec<Row> {
     let Comparison { effect, environment, weights } = comparison;
     // Those over several environments come together after those of each.
     let family = parameters.environments.iter().position(|own| Some(own) == environment.as_ref());
@@ -573,7 +530,7 @@ fn rows(comparison: &Comparison, people: &People, parameters: &CurveParameters) 
 
 impl Row {
     /// Adds the rows of tables.
-    fn add_to(mut self, all: &mut Curves, curve: Curve, parameters: &CurveParameters) {
+    pub(crate) fn add_to(mut self, all: &mut Curves, curve: Curve, parameters: &CurveParameters) {
         let is_angle = curve.is_over_angle();
         let split = |x: f64| if is_angle { (Some(x), None) } else { (None, Some(x)) };
         let tested = self.tested.as_ref().ok();
@@ -678,6 +635,7 @@ impl Row {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
+    use crate::compare_curves;
     use zwidth_study::{FactorId, GroupsCompared, Term};
 
     /// A person's curve in a mode: of angles up to `end`, a line of that slope there and back.

@@ -59,16 +59,18 @@ mod tests;
 mod together;
 mod trials;
 mod weighed;
+mod whole_curves;
 
 pub use answers::{AnswerParameters, AnswersCompared, answers_table, compare_answers};
 pub use curve_spread::{CurveSpread, curve_spreads};
-pub use curves::{CurveParameters, Curves, SessionCurve, compare_curves};
+pub use curves::{CurveParameters, Curves, SessionCurve};
 pub use drawn::{DrawnOrder, SessionOrder};
 pub use error::CompareError;
 pub use parameters::{Covariate, Groups, MetricParameters, Noticed, Parameters};
 pub use preregistered::Preregistered;
 pub use relations::{Said, relations};
 pub use together::together;
+pub use whole_curves::compare_curves;
 
 use cells::Cells;
 use claim::{Claim, Judging, judge};
