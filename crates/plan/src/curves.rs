@@ -121,25 +121,17 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
     if !is_of_one(data) {
         return vec![Job::new(STAGE, name, comparing, means(data), results.files(), make)];
     }
-    let is_there = |id: &EnvironmentId| environments_of_curves(data).any(|own| own.id == *id);
-    let own = |trial: &&TrialEntry| {
-        is_there(&trial.meta.environment) && data.study.mode(&trial.meta.mode).is_some()
+    let of_environment = |own: &Environment| {
+        let analysis = data.study.analysis;
+        (own.id.clone(), AverageParameters { analysis, scene: own.scene })
     };
-    let trials: Vec<&TrialEntry> = data.counting().filter(own).collect();
-    let of_trials = OfTrials::new(
-        ComparingTrials {
-            comparing,
-            averages: environments_of_curves(data)
-                .map(|own| {
-                    (
-                        own.id.clone(),
-                        AverageParameters { analysis: data.study.analysis, scene: own.scene },
-                    )
-                })
-                .collect(),
-        },
-        &trials,
-    );
+    let averages: BTreeMap<_, _> = environments_of_curves(data).map(of_environment).collect();
+    let own = data.counting().filter(|trial| {
+        averages.contains_key(&trial.meta.environment)
+            && data.study.mode(&trial.meta.mode).is_some()
+    });
+    let trials: Vec<&TrialEntry> = own.collect();
+    let of_trials = OfTrials::new(ComparingTrials { comparing, averages }, &trials);
     vec![Job::new(STAGE, name, of_trials, files(&trials), results.files(), make_of_one)]
 }
 
@@ -164,25 +156,28 @@ fn make_of_one(
     let of_trial = |trial: &OpenTrial| -> Result<Vec<SessionCurve>, JobError> {
         let Some(own) = averages.get(&trial.meta.environment) else { return Ok(Vec::new()) };
         let one = std::slice::from_ref(trial);
-        let over_angle = match zwidth_average::mean_loop(one, own) {
-            Ok(mean) => zwidth_average::loop_table(&mean)?,
-            Err(AverageError::WhyNot(why)) => zwidth_average::no_loop(&why)?,
-            Err(error) => return Err(error.into()),
+        let of_curve = |curve: &Curve| -> Result<SessionCurve, JobError> {
+            let table = if curve.is_over_angle() {
+                match zwidth_average::mean_loop(one, own) {
+                    Ok(mean) => zwidth_average::loop_table(&mean)?,
+                    Err(AverageError::WhyNot(why)) => zwidth_average::no_loop(&why)?,
+                    Err(error) => return Err(error.into()),
+                }
+            } else {
+                match zwidth_average::average(one, own, Alignment::Onset) {
+                    Ok(average) => zwidth_average::table(&[average])?,
+                    Err(AverageError::WhyNot(why)) => zwidth_average::no_average(&why)?,
+                    Err(error) => return Err(error.into()),
+                }
+            };
+            Ok(SessionCurve::of_trial(&trial.meta, &table, *curve)?)
         };
-        let over_time = match zwidth_average::average(one, own, Alignment::Onset) {
-            Ok(average) => zwidth_average::table(&[average])?,
-            Err(AverageError::WhyNot(why)) => zwidth_average::no_average(&why)?,
-            Err(error) => return Err(error.into()),
-        };
+        let found = curves.iter().map(of_curve).collect::<Result<Vec<_>, JobError>>()?;
         // A course without a column that could not be read is void.
-        if let Some(error) = trial.columns().failure() {
-            return Err(error.into());
+        match trial.columns().failure() {
+            Some(error) => Err(error.into()),
+            None => Ok(found),
         }
-        let of_curve = |curve: &Curve| {
-            let table = if curve.is_over_angle() { &over_angle } else { &over_time };
-            SessionCurve::of_trial(&trial.meta, table, *curve)
-        };
-        Ok(curves.iter().map(of_curve).collect::<Result<_, TableError>>()?)
     };
     let found: Vec<Vec<SessionCurve>> =
         trials.iter().map(of_trial).collect::<Result<_, JobError>>()?;

@@ -41,15 +41,10 @@ pub(crate) fn rows(own: &[&SessionCurve], parameters: &CurveParameters) -> Vec<R
                 let trials = sessions.values().enumerate().flat_map(|(session, places)| {
                     let with =
                         places.iter().filter_map(|place| Some((place, place.value.clone()?)));
-                    with.map(move |(place, value)| (value, session, place.mode))
+                    with.map(move |(place, value)| (value, (session, place.mode)))
                 });
-                let mut all = (Vec::new(), Vec::new(), Vec::new());
-                for (value, session, mode) in trials {
-                    all.0.push(value);
-                    all.1.push(session);
-                    all.2.push(mode);
-                }
-                all
+                let (values, (session, actual)): (Vec<_>, (Vec<_>, Vec<_>)) = trials.unzip();
+                (values, session, actual)
             }
         };
         // No trial has a mode that the study lacks.

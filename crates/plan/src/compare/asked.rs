@@ -83,16 +83,13 @@ fn requested_metrics(study: &Study) -> Vec<String> {
 /// How many claims are adjusted together with one of a metric or curve, itself among them. As many as there
 /// can be: a plan is made before it is known what every mode can have.
 pub fn claims(study: &Study, name: &str) -> usize {
-    let families = |name: &str| match Curve::from_word(name) {
-        Some(_) => claims_of_curve(study),
-        None => claims_of_metric(study, name),
-    };
     match study.compare.families {
-        Families::Environment => families(name).into_iter().max().unwrap_or(0),
+        Families::Environment => families_of(study, name).into_iter().max().unwrap_or(0),
         Families::Study if study.compare.primary.has(name) => {
-            study.compare.primary.names().iter().flat_map(|name| families(name.as_str())).sum()
+            let names = study.compare.primary.names().iter();
+            names.flat_map(|name| families_of(study, name.as_str())).sum()
         }
-        Families::Metric | Families::Study => families(name).into_iter().sum(),
+        Families::Metric | Families::Study => families_of(study, name).into_iter().sum(),
     }
 }
 
@@ -102,49 +99,34 @@ pub(crate) fn claims_of_both(study: &Study) -> [usize; 2] {
     if study.compare.families != Families::Study {
         return [0; 2];
     }
-    let of_curves = primary.curves().count() * claims_of_curve(study).into_iter().sum::<usize>();
-    let of_metrics = primary.metrics().flat_map(|metric| claims_of_metric(study, metric.as_str()));
-    [of_curves, of_metrics.sum()]
+    let of_curves = primary.curves().flat_map(|curve| families_of(study, curve.as_str()));
+    let of_metrics = primary.metrics().flat_map(|metric| families_of(study, metric.as_str()));
+    [of_curves.sum(), of_metrics.sum()]
 }
 
-/// The claims of a whole curve: of each environment in which something moves, then those over several.
-fn claims_of_curve(study: &Study) -> Vec<usize> {
-    let effects: Vec<Effect> = study.effects().into_iter().filter(is_claimed).collect();
-    let with_courses = study.environments.iter().filter(|own| own.scene.pushes_back());
-    let in_each = with_courses.map(|environment| {
-        let id = Some(&environment.id);
-        let own = effects.iter().filter(|effect| effect.environment.as_ref() == id).count();
-        study.compare.contrasts.len() + own
-    });
-    let has_course = |id| study.environment(id).is_some_and(|own| own.scene.pushes_back());
-    let over_several = effects.iter().filter(|effect| {
-        effect.environment.is_none()
-            && effect.weights.iter().all(|own| has_course(&own.environment))
-    });
-    in_each.chain([over_several.count()]).collect()
-}
-
-fn is_claimed(effect: &Effect) -> bool {
-    effect.is_claimed && !effect.weights.is_empty()
-}
-
-/// The claims of a metric: of each environment that can have it, then those over several.
-fn claims_of_metric(study: &Study, metric: &str) -> Vec<usize> {
+/// The claims of a metric or curve: of each environment that can have it, then those over several.
+fn families_of(study: &Study, name: &str) -> Vec<usize> {
     let compare = &study.compare;
+    let is_curve = Curve::from_word(name).is_some();
     let signals: Vec<Signal> = Signal::all().collect();
+    let is_claimed = |effect: &Effect| effect.is_claimed && !effect.weights.is_empty();
     let effects: Vec<Effect> = study.effects().into_iter().filter(is_claimed).collect();
-    // Of groups in the mean over modes and in each contrast; in the mode, if there is one.
-    let of_groups = compare.groups.as_ref().map_or(0, |groups| groups.contrasts.len());
+    // Of groups in the mean over modes and in each contrast; in the mode, if there is one. Curves of groups are described.
+    let groups = compare.groups.as_ref().filter(|_| !is_curve);
+    let of_groups = groups.map_or(0, |groups| groups.contrasts.len());
     let in_groups = if study.modes.len() > 1 { compare.contrasts.len() + 1 } else { 1 };
     let can_have = |environment: &Environment| {
-        if let Some(score) = zwidth_metrics::score_of(study, metric) {
+        if is_curve {
+            return environment.scene.pushes_back();
+        }
+        if let Some(score) = zwidth_metrics::score_of(study, name) {
             // Answers that are imported need not be asked for anywhere.
             let asks = |place: &Environment| {
                 score.questions.iter().all(|id| place.questions().any(|own| own == id))
             };
             return asks(environment) || !study.environments.iter().any(asks);
         }
-        zwidth_metrics::is_possible(study, metric, &environment.scene, &signals)
+        zwidth_metrics::is_possible(study, name, &environment.scene, &signals)
     };
     let in_each = study.environments.iter().filter(|own| can_have(own)).map(|environment| {
         let id = Some(&environment.id);
@@ -230,9 +212,8 @@ pub fn asked_in_vain(study: &Study) -> Vec<String> {
         let names: Vec<String> = zwidth_metrics::names(study).collect();
         remarks.push(format!("[compare] of study.toml: the metrics are {}", names.join(", ")));
     }
-    if study.compare.primary.curves().next().is_some()
-        && claims_of_curve(study).into_iter().sum::<usize>() == 0
-    {
+    let claims_of = |curve: Curve| families_of(study, curve.as_str()).into_iter().sum::<usize>();
+    if study.compare.primary.curves().any(|curve| claims_of(curve) == 0) {
         remarks.push(
             "[compare] primary of study.toml: a whole curve makes no claim here. It takes an environment with \
              something to move against, and two modes or an effect of factors; differences between groups are described"
