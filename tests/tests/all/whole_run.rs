@@ -235,6 +235,8 @@ fn a_superseded_trial_remakes_what_depends_on_it_and_nothing_else() {
         [
             "compare.",
             "comparison",
+            "curve_tests",
+            "curves.",
             "learning.",
             "means_",
             "contrasts_",
@@ -248,7 +250,7 @@ fn a_superseded_trial_remakes_what_depends_on_it_and_nothing_else() {
     };
     expect.extend(figures().iter().filter(compared).map(|name| format!("figure {name}")));
     expect.extend(tables().iter().filter(compared).map(|name| format!("table {name}")));
-    expect.extend(["compare metrics", "compare answers"].map(str::to_owned));
+    expect.extend(["compare metrics", "compare answers", "compare curves"].map(str::to_owned));
     expect.sort();
     assert_eq!(ran.made(), expect);
     let metrics =
