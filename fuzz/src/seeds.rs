@@ -77,6 +77,7 @@ pub fn write() -> Result<(), Any> {
         environment: meta.environment.clone(),
         mode: meta.mode.clone(),
         samples: true,
+        task: None,
     };
     let (participant, session) = (meta.participant.clone(), meta.session.clone());
     let hash = "0".repeat(64);
@@ -223,6 +224,7 @@ fn meta() -> Result<TrialMeta, Any> {
         mode: "hybrid".parse()?,
         likert: Some(4),
         source: Source::Recorded,
+        presented: None,
     })
 }
 

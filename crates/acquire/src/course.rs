@@ -103,6 +103,7 @@ mod tests {
             environment: study.environments[usize::from(trial > 4)].id.clone(),
             mode: study.modes[trial as usize % 2].id.clone(),
             samples: true,
+            task: None,
         };
         let order: Vec<_> = (1..=6).map(|n| (trial(n), Vec::new())).collect();
         let modes: Vec<ModeId> = order.iter().map(|(t, _)| t.mode.clone()).collect();

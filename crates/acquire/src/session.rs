@@ -141,6 +141,7 @@ impl Session {
             mode: code.unwrap_or_else(|| trial.mode.clone()),
             likert: None,
             source: self.record.source,
+            presented: None,
         }
     }
 

@@ -294,7 +294,15 @@ pub(super) fn number_trials(
         let repeat = next(&mut repeats, (session, &i.environment, &i.mode, i.kind), repeat);
         let environment = i.environment.clone();
         let mode = i.mode.clone();
-        planned.push(PlannedTrial { trial, repeat, kind: i.kind, environment, mode, samples });
+        planned.push(PlannedTrial {
+            trial,
+            repeat,
+            kind: i.kind,
+            environment,
+            mode,
+            samples,
+            task: None,
+        });
     }
     // Both, so that every problem is reported at once.
     let mut errors = duplicates(context, identities, &planned);

@@ -540,6 +540,7 @@ fn meta(identity: &Identity, number: &PlannedTrial, source: Source) -> TrialMeta
         // The file has answers on five points alone; any other answer is an event.
         likert: i.likert.and_then(AnswerValue::whole),
         source,
+        presented: None,
     }
 }
 

@@ -73,6 +73,7 @@ fn model_meta() -> Option<TrialMeta> {
         mode: "model".parse().ok()?,
         likert: None,
         source: Source::Twin,
+        presented: None,
     })
 }
 

@@ -27,6 +27,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         mode: "hybrid".parse()?,
         likert: None,
         source: Source::Twin,
+        presented: None,
     };
     let mut journal =
         Journal::create(&RealFiles, &layout, &meta, &TrialFile::new(), &Protocol::default())?;

@@ -1,7 +1,7 @@
 //! Events: what happened to a session after, or besides, its samples. They are append-only.
 
 use crate::words::words;
-use crate::{ActuatorId, AnswerValue, LevelId, ModeId, PersonColumnId, QuestionId};
+use crate::{ActuatorId, AnswerValue, LevelId, ModeId, PersonColumnId, QuestionId, TaskLevel};
 use serde::{Deserialize, Serialize};
 
 /// One line of `sessions/<participant>_<session>.events.jsonl`, or of `sweeps.events.jsonl`.
@@ -44,6 +44,13 @@ pub enum Event {
         /// is what was written, to the last bit.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         time_ms: Option<u32>,
+    },
+    /// The level of a presentation that answers before it decide, kept before its trial begins.
+    Level {
+        /// Trial number, of the presentation's first interval.
+        trial: u32,
+        /// The level that is compared with the standard.
+        level: TaskLevel,
     },
     /// The trial was done again, or is to be; this one no longer counts. The one that takes its
     /// place has its environment, mode, repeat and kind.
@@ -142,6 +149,7 @@ impl Event {
         match self {
             Self::Recorded { trial, .. }
             | Self::Answer { trial, .. }
+            | Self::Level { trial, .. }
             | Self::Superseded { trial, .. }
             | Self::Marker { trial, .. }
             | Self::Excluded { trial, .. } => Some(*trial),

@@ -38,6 +38,7 @@ mod score;
 mod seal;
 mod session;
 mod setup;
+mod task;
 mod template;
 mod trial;
 mod words;
@@ -81,6 +82,9 @@ pub use score::{Score, ScoreKind};
 pub use seal::{Seal, SealError};
 pub use session::{AskedPair, Check, OrderRecord, PlannedTrial, SessionRecord};
 pub use setup::Setup;
+pub use task::{
+    Asks, Method, Presented, StaircasePlan, Task, TaskFit, TaskLevel, TaskPlace, TaskSigmoid,
+};
 pub use template::{template, template_of_imports};
 pub use trial::{Kind, Source, Status, TrialMeta};
 

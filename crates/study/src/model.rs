@@ -3,7 +3,7 @@
 use crate::{
     ActuatorKind, AnswerScale, Channel, Compare, Control, EnvironmentId, Factor, Figures, Levels,
     ModeId, ModeLaw, OwnMetric, Perception, PersonColumn, QuestionId, ReplayModel, Scene,
-    SceneFigure, Schema, Score, StudyId,
+    SceneFigure, Schema, Score, StudyId, Task,
 };
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -55,6 +55,8 @@ pub struct Study {
     pub metrics: Vec<OwnMetric>,
     /// Scores of several answers, in the order of the file.
     pub scores: Vec<Score>,
+    /// What can be felt, measured by answers.
+    pub tasks: Vec<Task>,
     /// What modes and environments have in common, in the order of the file.
     pub factors: Vec<Factor>,
 }

@@ -327,6 +327,7 @@ fn numbered(study: &Study, plan: &[(Kind, usize, usize)]) -> Vec<PlannedTrial> {
             environment: environment.id.clone(),
             mode: study.modes[mode].id.clone(),
             samples: environment.scene != Scene::None,
+            task: None,
         }
     });
     trials.collect()

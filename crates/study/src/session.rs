@@ -2,7 +2,7 @@
 
 use crate::{
     Calibration, EnvironmentId, Kind, ModeId, OrderScheme, ParticipantId, Person, PersonColumnId,
-    QuestionId, RECORD_VERSION, SessionId, Source,
+    QuestionId, RECORD_VERSION, SessionId, Source, TaskPlace,
 };
 use serde::{Deserialize, Serialize, Serializer};
 use std::collections::BTreeMap;
@@ -129,6 +129,9 @@ pub struct PlannedTrial {
     pub mode: ModeId,
     /// Whether a file of samples belongs to it.
     pub samples: bool,
+    /// Its place in a task, if it is of one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub task: Option<TaskPlace>,
 }
 
 /// JSON has no other numbers; written as `null` they could not be read again.

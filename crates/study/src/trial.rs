@@ -1,7 +1,7 @@
 //! The facts about a trial besides its samples.
 
 use crate::words::words;
-use crate::{Condition, EnvironmentId, ModeId, ParticipantId, SessionId};
+use crate::{Condition, EnvironmentId, ModeId, ParticipantId, Presented, SessionId};
 use serde::{Deserialize, Serialize};
 
 words! {
@@ -71,6 +71,9 @@ pub struct TrialMeta {
     pub likert: Option<i16>,
     /// Measured, simulated or imported.
     pub source: Source,
+    /// What it presented, if it is of a task.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub presented: Option<Presented>,
 }
 
 impl TrialMeta {

@@ -68,6 +68,8 @@ mod tests {
         check(&Better::ALL, Better::as_str, Better::from_word);
         check(&EffectSize::ALL, EffectSize::as_str, EffectSize::from_word);
         check(&Moment::ALL, Moment::as_str, Moment::from_word);
+        check(&Asks::ALL, Asks::as_str, Asks::from_word);
+        check(&TaskSigmoid::ALL, TaskSigmoid::as_str, TaskSigmoid::from_word);
         check(&Statistic::ALL, Statistic::as_str, Statistic::from_word);
         check(&TrialPart::ALL, TrialPart::as_str, TrialPart::from_word);
     }

@@ -24,5 +24,6 @@ pub fn meta(trial: u32, mode: &str) -> TrialMeta {
         mode: mode.parse().unwrap(),
         likert: None,
         source: Source::Twin,
+        presented: None,
     }
 }

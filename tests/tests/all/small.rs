@@ -219,6 +219,7 @@ fn planned(draft: &Draft) -> PlannedTrial {
         environment: draft.environment.parse().unwrap(),
         mode: draft.mode.parse().unwrap(),
         samples: draft.samples,
+        task: None,
     }
 }
 
@@ -257,6 +258,7 @@ fn trial(draft: &Draft, participant: &ParticipantId) -> Trial {
         mode: draft.mode.parse().unwrap(),
         likert: draft.likert,
         source: draft.source,
+        presented: None,
     };
     Trial { meta, file: BTreeMap::new(), samples }
 }

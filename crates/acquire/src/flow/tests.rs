@@ -25,6 +25,7 @@ fn order(n: u32) -> Vec<(PlannedTrial, Vec<Question>)> {
         environment: "spring".parse().unwrap(),
         mode: ModeId::new(format!("m{}", trial % 3)).unwrap(),
         samples: true,
+        task: None,
     };
     // Every fourth trial has no question.
     (1..=n).map(|i| (trial(i), (i % 4 != 0).then(felt).into_iter().collect())).collect()

@@ -120,6 +120,9 @@ pub(super) fn event(event: &Event) -> String {
         }
         Event::Recorded { trial, .. } => format!("trial {trial} recorded"),
         Event::Answer { trial, value, .. } => format!("trial {trial}: answered {value}"),
+        Event::Level { trial, level } => {
+            format!("trial {trial}: presents the level {}", level.value())
+        }
         Event::Superseded { trial, by } => {
             format!("trial {trial} does not count: it is done again as trial {by}")
         }

@@ -142,6 +142,7 @@ pub(crate) fn meta_from(
             ),
         },
         source: Source::from_word(source).ok_or_else(|| bad_value(path, "source", source))?,
+        presented: None,
     })
 }
 

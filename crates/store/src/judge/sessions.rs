@@ -199,6 +199,7 @@ fn join_one(trial: &mut TrialEntry, events: &[Event]) -> Option<String> {
             Event::Superseded { by, .. } => trial.superseded_by = Some(*by),
             Event::Excluded { reason, .. } => trial.excluded = Some(reason.clone()),
             Event::Answer { .. }
+            | Event::Level { .. }
             | Event::Note { .. }
             | Event::Marker { .. }
             | Event::Unsealed { .. }

@@ -35,6 +35,7 @@ pub(crate) fn meta(trial: u32) -> TrialMeta {
         mode: "hybrid".parse().unwrap(),
         likert: None,
         source: Source::Recorded,
+        presented: None,
     }
 }
 
@@ -104,6 +105,7 @@ pub(crate) fn planned(trial: u32) -> PlannedTrial {
         environment: "spring".parse().unwrap(),
         mode: "hybrid".parse().unwrap(),
         samples: true,
+        task: None,
     }
 }
 

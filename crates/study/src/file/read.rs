@@ -218,6 +218,7 @@ impl Check<'_> {
             people,
             metrics: file.metrics,
             scores: file.scores,
+            tasks: Vec::new(),
             factors: file.factors,
             analysis,
             compare,
