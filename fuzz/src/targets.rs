@@ -14,19 +14,22 @@ use zwidth_link::text::{Field, Lines, Template};
 use zwidth_link::{AngleAt, Board, Settings, hostile as rig};
 use zwidth_runner::{Records, Results};
 use zwidth_store::{Layout, Memory, hostile};
-use zwidth_study::{Calibration, Study, StudyId, study_changes};
+use zwidth_study::{
+    Calibration, Known, People, PeopleForm, PersonColumn, Study, StudyId, study_changes,
+};
 
 /// A reader, given bytes.
 pub type Target = Box<dyn Fn(&[u8]) + Send + Sync>;
 
 /// Every target of our own files by its name, which is the folder of its seeds.
-const OURS: [(&str, fn(&[u8])); 17] = [
+const OURS: [(&str, fn(&[u8])); 18] = [
     ("journal", journal),
     ("events", events),
     ("head", head),
     ("record", record),
     ("records", records),
     ("study", study),
+    ("people", people),
     ("calibration", calibration),
     ("mapping", mapping),
     ("scene", scene),
@@ -177,6 +180,29 @@ fn records(bytes: &[u8]) {
 fn study(bytes: &[u8]) {
     if let Ok(study) = Study::from_toml(&text(bytes)) {
         assert!(study_changes(&study, &study).is_empty(), "a study differs from itself");
+    }
+}
+
+/// A participants' file in CSV, or in TOML: the first byte says which.
+fn people(bytes: &[u8]) {
+    let Some((which, bytes)) = bytes.split_first() else { return };
+    let form = if which % 2 == 0 { PeopleForm::Csv } else { PeopleForm::Toml };
+    let id = |name: &str| name.parse().expect("an id");
+    let levels = ["novice", "expert"].map(|level| level.parse().expect("a level")).to_vec();
+    let columns = [
+        PersonColumn { id: id("group"), known: Known::Level { levels, assigned: false } },
+        PersonColumn { id: id("age_years"), known: Known::Number { unit: "years".to_owned() } },
+    ];
+    match People::read(&text(bytes), form, &columns) {
+        Ok(people) => {
+            for (_, row) in people.iter() {
+                assert!(row.keys().all(|column| columns.iter().any(|own| own.id == *column)));
+            }
+        }
+        Err(errors) => {
+            let shown: Vec<String> = errors.iter().map(ToString::to_string).collect();
+            assert!(!shown.is_empty() && shown.iter().all(|e| !e.contains(['\n', '\u{1b}'])));
+        }
     }
 }
 

@@ -452,30 +452,58 @@ def another_condition_beside_it(visit):
     visit.after(lambda: page.locator("#pick-beside").select_option(""))
 
 
+# The modes as combinations of two factors, one of which lacks a condition.
+LEVELS = {"active": ("yes", "no"), "passive": ("no", "yes"), "hybrid": ("yes", "yes")}
+
+
 def what_is_left_out_is_estimated_as_by_the_program(browser, zwidth, exclusions):
     """Rows without random trials and people are those of `zwidth compare` after `zwidth exclude`."""
     draw = random.Random(1)
+
+    def trials_and_people(trials, case):
+        person = draw.choice(trials)[0]
+        return set(draw.sample(trials, draw.randint(1, 12))) | ({t for t in trials if t[0] == person} if case % 3 == 2 else set()), set()
+
+    def people_alone(trials, case):
+        return set(), set(draw.sample(sorted({who for who, _, _ in trials}), 1 + case % 2))
+
+    # Two primary metrics are one family, which shares alpha with the claims on a curve; every other metric is one of its own.
+    curves = '\n[compare]\nprimary = ["wall_past_max_rad", "duration_s", "force_over_angle"]\n'
+    checks.check("rows were compared", left_out(browser, zwidth, ({}, curves, 4), trials_and_people, exclusions) >= 10 * exclusions)
+    # Effects of factors are in the families, too; the page knows everybody's over all trials, so that people alone can be left out.
+    factors = "".join(f'[[factors]]\nid = "{name}"\nlevels = ["no", "yes"]\n' for name in ("motor", "brake"))
+    effects = f'\n{factors}[compare]\nprimary = ["duration_s", "force_mean_n"]\ncontrasts = [["hybrid", "active"]]\n'
+    checks.check("rows beside effects were compared", left_out(browser, zwidth, (LEVELS, effects, 6), people_alone, 3) >= 6)
+
+
+def left_out(browser, zwidth, study, choose, exclusions):
+    """How many rows were compared in a study with these levels of modes, these tables and so many people."""
+    levels, tables, participants = study
     with tempfile.TemporaryDirectory() as root:
         base = Path(root) / "base"
         checks.run(zwidth, "--root", base, "new", "left")
-        # Two primary metrics are one family, which shares alpha with the claims on a curve; every other metric is one of its own.
-        with (base / "raw" / "left" / "study.toml").open("a") as study:
-            study.write('\n[compare]\nprimary = ["wall_past_max_rad", "duration_s", "force_over_angle"]\n')
-        checks.run(zwidth, "--root", base, "twin", "left", "--participants", 4, "--sessions", 1)
+        file = base / "raw" / "left" / "study.toml"
+        text = file.read_text()
+        for mode, (motor, brake) in levels.items():
+            text = text.replace(f'id = "{mode}"\n', f'id = "{mode}"\nfactors = {{ motor = "{motor}", brake = "{brake}" }}\n')
+        file.write_text(text + tables)
+        checks.run(zwidth, "--root", base, "twin", "left", "--participants", participants, "--sessions", 1)
         checks.run(zwidth, "--root", base, "run", "left")
         visit = Visit(browser, base / "reports" / "left").ready()
         page = visit.page
         page.wait_for_selector("#verdict-matrix[data-ready]")
-        # A curve is compared in each environment, as durations are.
-        curve_claims = next(len(metric["differences"]) for metric in visit.study["metrics"] if metric["name"] == "duration_s")
-        checks.equal("the page knows the claims on curves", visit.study["curve_claims"], curve_claims)
-        legend = page.locator("#verdict-matrix p.caption").text_content()
-        checks.check("and its legend names them", f"Bonferroni for {curve_claims} claims on primary curves" in legend, legend)
+        if not levels:
+            # A curve is compared in each environment, as durations are.
+            curve_claims = next(len(metric["differences"]) for metric in visit.study["metrics"] if metric["name"] == "duration_s")
+            checks.equal("the page knows the claims on curves", visit.study["curve_claims"], curve_claims)
+            legend = page.locator("#verdict-matrix p.caption").text_content()
+            checks.check("and its legend names them", f"Bonferroni for {curve_claims} claims on primary curves" in legend, legend)
         trials = [(t["participant"], t["session"], t["trial"]) for t in visit.study["trials"]]
         compared, wrong = 0, []
         for case in range(exclusions):
-            person = draw.choice(trials)[0]
-            gone = set(draw.sample(trials, draw.randint(1, 12))) | ({t for t in trials if t[0] == person} if case % 3 == 2 else set())
+            gone, people = choose(trials, case)
+            keys = sorted("/".join(map(str, key)) for key in gone) + sorted(people)
+            gone |= {trial for trial in trials if trial[0] in people}
             copy = Path(root) / "copy"
             shutil.copytree(base, copy)
             for who in sorted({(p, s) for p, s, _ in gone}):
@@ -486,8 +514,7 @@ def what_is_left_out_is_estimated_as_by_the_program(browser, zwidth, exclusions)
             stems = [with_its_unit(table.column_names, stem) for stem in ("difference", "difference_ci_low", "difference_ci_high")]
             told = table.to_pylist()
             shutil.rmtree(copy)
-            keys = ",".join("/".join(map(str, key)) for key in sorted(gone))
-            page.evaluate("(x) => { location.hash = `verdicts?x=${encodeURIComponent(x)}`; }", keys)
+            page.evaluate("(x) => { location.hash = `verdicts?x=${encodeURIComponent(x)}`; }", ",".join(keys))
             wait_until(page, "!document.querySelector('.explored').hidden")
             found = {row["row"]: row for row in page.evaluate(ROWS)}
             for row in told:
@@ -503,13 +530,18 @@ def what_is_left_out_is_estimated_as_by_the_program(browser, zwidth, exclusions)
                 if not mine["judged"].startswith(said):
                     wrong.append((case, mine["row"], mine["judged"], said))
         checks.equal(f"{compared} rows after {exclusions} random exclusions are those of the program", wrong[:5], [])
-        checks.check("rows were compared", compared >= 10 * exclusions, f"{compared}")
+        if levels:
+            key = "/".join(map(str, trials[0]))
+            page.evaluate("(x) => { location.hash = `verdicts?x=${encodeURIComponent(x)}`; }", key)
+            wait_until(page, f"document.querySelector('.explored').textContent.includes('1 trial')")
+            judged = {row["judged"].split(",")[0] for row in page.evaluate(ROWS) if row["row"].startswith("duration_s/")}
+            checks.equal("beside effects nothing is judged without a trial", judged, {"not judged here"})
         checks.equal("no complaint while leaving out", visit.complaints(), [])
         visit.context.close()
+        return compared
 
 
-# The modes as combinations of two factors, one of which lacks a condition; two groups, and a score of two answers.
-LEVELS = {"active": ("yes", "no"), "passive": ("no", "yes"), "hybrid": ("yes", "yes")}
+# Two groups, and a score of two answers.
 MORE = """
 [[questions]]
 id = "steady"

@@ -146,9 +146,9 @@ pub(super) struct ClaimOf {
     /// Everybody's effect.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     people: Vec<PersonOf>,
-    /// The conditions of an effect; of one over several environments those of the first.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    conditions: Option<ConditionsOf>,
+    /// The conditions of an effect, by environment.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    conditions: Vec<ConditionsOf>,
     /// The two groups, without codes. Who has the page's trials can tell by the numbers who is of which.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     groups: Vec<GroupOf>,
@@ -169,19 +169,21 @@ struct ConditionsOf {
 }
 
 impl ConditionsOf {
-    /// Those that have a weight in an effect; none of one without weights.
-    fn weighed(effect: &Effect) -> Option<Self> {
-        let environment = effect.weights.first()?.environment.clone();
-        let mut modes: Vec<ModeId> = Vec::new();
-        for weight in &effect.weights {
-            if weight.environment == environment
-                && weight.weight != 0.0
-                && !modes.contains(&weight.mode)
-            {
-                modes.push(weight.mode.clone());
+    /// Those that have a weight in an effect, in its order.
+    fn weighed(effect: &Effect) -> Vec<Self> {
+        let mut conditions: Vec<Self> = Vec::new();
+        for weight in effect.weights.iter().filter(|weight| weight.weight != 0.0) {
+            let place = conditions.iter().position(|own| own.environment == weight.environment);
+            let place = place.unwrap_or_else(|| {
+                let environment = weight.environment.clone();
+                conditions.push(Self { environment, modes: Vec::new() });
+                conditions.len() - 1
+            });
+            if !conditions[place].modes.contains(&weight.mode) {
+                conditions[place].modes.push(weight.mode.clone());
             }
         }
-        Some(Self { environment, modes })
+        conditions
     }
 }
 
@@ -231,7 +233,11 @@ impl ClaimOf {
             people: own
                 .map(|own| PersonOf { participant: own.participant.clone(), value: own.value })
                 .collect(),
-            conditions: effects.iter().find(is_of_row).and_then(ConditionsOf::weighed),
+            conditions: effects
+                .iter()
+                .find(is_of_row)
+                .map(ConditionsOf::weighed)
+                .unwrap_or_default(),
             groups: Vec::new(),
         }
     }
@@ -275,7 +281,7 @@ impl ClaimOf {
             deviation: row.deviation(),
             remark: row.remark.as_ref().map(ToString::to_string),
             people: Vec::new(),
-            conditions: None,
+            conditions: Vec::new(),
             groups: vec![
                 group(&row.groups.group, row.mean_first, row.sd_first),
                 group(&row.groups.against, row.mean_second, row.sd_second),

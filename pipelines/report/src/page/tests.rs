@@ -511,7 +511,7 @@ fn effects_and_groups_stand_below_the_matrix_of_modes_and_only_where_they_are_cl
          "low": 0.25, "high": 0.75, "n": 4, "n_against": null, "verdict": "different", "size": null,
          "p_adjusted": null, "jnd": null, "deviation": 0.2, "remark": null,
          "people": [{"participant": "P01", "value": 0.375}, {"participant": "P02", "value": 0.625}],
-         "conditions": {"environment": "spring", "modes": ["hybrid", "active"]}},
+         "conditions": [{"environment": "spring", "modes": ["hybrid", "active"]}]},
         {"of": "Spring: motor: later − no", "environment": "spring", "is_of_groups": false, "value": null,
          "error": null, "low": null, "high": null, "n": 4, "n_against": null, "verdict": "not tested",
          "size": null, "p_adjusted": null, "jnd": null, "deviation": null, "remark": null},

@@ -8,9 +8,10 @@ const claimsTitle = { effect: "Effects of factors", groups: "Differences between
 function claimRows() {
   const rows = study.metrics.flatMap(({ claims }, index) => (claims ?? []).map((claim) => {
     const one = claim.jnd ?? claim.deviation;
-    const { environment, modes } = claim.conditions ?? {};
+    // A dot opens the traces of the first environment, in which the picker of environments stands.
+    const conditions = claim.conditions ?? [], { environment, modes } = conditions[0] ?? {};
     const who = claim.n_against === null ? whoWords(claim) : `${claim.n}\u00a0and\u00a0${claim.n_against}\u00a0people`;
-    return { ...claim, index, isSingle: false, one, by: claim.value === null || !(one > 0) ? "none" : claim.jnd === null ? "sd" : "jnd", place: claim.of, claim: claim.of, who, people: claim.people ?? [], opens: { e: environment, m: modes ?? [] }, left: "" };
+    return { ...claim, index, isSingle: false, one, by: claim.value === null || !(one > 0) ? "none" : claim.jnd === null ? "sd" : "jnd", place: claim.of, claim: claim.of, who, people: claim.people ?? [], conditions, opens: { e: environment, m: modes ?? [] }, left: "" };
   }));
   return ["jnd", "sd", "none"].flatMap((by) => rows.filter((row) => row.by === by));
 }
@@ -29,9 +30,11 @@ function claimDetails(row) {
   const points = row.people.map(({ participant: p, value }) => ({ value: value * factor, words: `${p}: ${words(value)}`, open: () => openTrials({ index: row.index, p, s: EVERY, ...row.opens, r: "all" }) }));
   const [middle, low, high] = [row.value, row.low, row.high].map((value) => (value ?? NaN) * factor);
   const charts = points.length ? [{ title: `${title}: everybody’s effect`, groups: [{ label: "effect", mode: null, points, summary: { mean: middle, low, high } }], lines: [], zero: true }] : [];
-  if (!environment) return charts;
-  const groups = dotGroups(environment, row.index, sessionsOf.size > MANY).filter(({ mode }) => row.opens.m.includes(study.modes[mode].id));
-  return groups.length ? [{ title, groups, lines: sessionsOf.size === 1 ? [] : linesOf(groups), zero: false }, ...charts] : charts;
+  const conditions = row.conditions.map(({ environment: id, modes }) => {
+    const own = environmentOf(id), groups = dotGroups(own, row.index, sessionsOf.size > MANY).filter(({ mode }) => modes.includes(study.modes[mode].id));
+    return { title: short(own.label, 24), groups, lines: sessionsOf.size === 1 ? [] : linesOf(groups), zero: false };
+  });
+  return [...conditions.filter(({ groups }) => groups.length), ...charts];
 }
 
 function claimsLegend() {

@@ -121,14 +121,24 @@ function estimatedAgain(index, difference, cells, isSingle) {
   return again;
 }
 
-/** Verdicts of one family of claims, which shares alpha with as many claims `elsewhere` (Bonferroni). One person's rest on the orders that the design could have drawn, which the program alone redraws. */
-function judge(family, isSingle, elsewhere) {
-  const claims = family.filter(({ p }) => p !== null), share = (claims.length + elsewhere) / claims.length;
-  holm(claims.map(({ p }) => p)).forEach((p, i) => { claims[i].p_adjusted = Math.min(1, p * share); });
+/** What the effects of a metric are without the people that are left out, as claims that share a family with differences. Where trials are left out their p is unknown: the page has everybody's effect over all trials. */
+function effectsAgain(index) {
+  const isKnown = study.trials.every((trial) => leftOut.has(trial.participant) || !leftOut.has(trialPath(trial)));
+  return (study.metrics[index].claims ?? []).filter(({ p_adjusted: adjusted }) => adjusted !== null).map(({ environment, people = [] }) => {
+    const left = people.filter(({ participant }) => !leftOut.has(participant)), tested = left.length ? testedOverPeople(left.map(({ value }) => ({ value, means: [value] }))) : null;
+    return { index, environment, p: !isKnown ? NaN : tested && twoSided(tested.middle / tested.error, tested.df) };
+  });
+}
+
+/** Verdicts of one family of claims, which shares alpha with `effects` (Holm) and with as many claims `elsewhere` (Bonferroni). One person's rest on the orders that the design could have drawn, which the program alone redraws. */
+function judge(family, effects, isSingle, elsewhere) {
+  const isUnknown = isSingle || effects.some(({ p }) => Number.isNaN(p));
+  const claims = [...family, ...effects].filter(({ p }) => p !== null), share = (claims.length + elsewhere) / claims.length;
+  if (!isUnknown) holm(claims.map(({ p }) => p)).forEach((p, i) => { claims[i].p_adjusted = Math.min(1, p * share); });
   for (const row of family) {
     const isEquivalent = row.p_not_equivalent !== null && row.p_not_equivalent < study.alpha;
     const isDifferent = row.p_adjusted !== null && row.p_adjusted < study.alpha;
-    if (isSingle) row.verdict = "not judged here";
+    if (isUnknown) row.verdict = "not judged here";
     else if (row.p_adjusted === null) row.verdict = "not tested";
     else row.verdict = isDifferent ? (isEquivalent ? "different, within the bound" : "different") : isEquivalent ? "equivalent" : "undecided";
     const [low, high] = [row.low, row.high].map((end) => (end === null || row.jnd === null ? NaN : end / row.jnd));
@@ -167,7 +177,8 @@ function verdictRows() {
   if (isAgain) {
     const isClaim = ({ index }) => study.families === "study" && study.metrics[index].is_primary;
     const familyOf = (row) => (isClaim(row) ? "primary" : study.families === "environment" ? `${row.index} ${row.environment}` : String(row.index));
-    for (const [name, family] of groupBy(rows, familyOf)) judge(family, isSingle, name === "primary" ? study.curve_claims : 0);
+    const effects = groupBy(study.metrics.flatMap((_, index) => effectsAgain(index)), familyOf);
+    for (const [name, family] of groupBy(rows, familyOf)) judge(family, effects.get(name) ?? [], isSingle, name === "primary" ? study.curve_claims : 0);
   }
   for (const row of rows) Object.assign(row, row.jnd !== null ? { by: "jnd", one: row.jnd } : { by: "sd", one: row.sav });
   // Where nothing varies, or nothing was repeated, there is no measure.

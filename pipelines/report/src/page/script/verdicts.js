@@ -242,7 +242,8 @@ function writeExplored() {
   if (!leftOut.size) return matrix.explored.replaceChildren();
   const people = [...leftOut].filter((key) => !key.includes("/")).length, trials = leftOut.size - people;
   const what = [people ? `${people} ${people === 1 ? "person" : "people"}` : null, trials ? `${trials} ${trials === 1 ? "trial" : "trials"}` : null].filter(Boolean).join(" and ");
-  matrix.explored.replaceChildren(make("p", {}, make("strong", {}, "Explored, not the analysis."), ` Without ${what}.${study.has_groups ? " Only the dots are: differences and groups stay as analysed, because the page has values by group without anybody’s code." : ""} Everything below the rows is as analysed. These lines, each with its reason, would make it so:`), make("pre", {}, excludeLines().join("\n")), make("button", { type: "button", onclick: () => { leftOut.clear(); explore(); writePeople(); byId("left-out").firstElementChild.focus(); } }, "Take all back in"));
+  const claimed = study.metrics.some(({ claims }) => claims);
+  matrix.explored.replaceChildren(make("p", {}, make("strong", {}, "Explored, not the analysis."), ` Without ${what}.${study.has_groups ? " Only the dots are: differences and groups stay as analysed, because the page has values by group without anybody’s code." : ""} Everything below the rows${claimed ? ", effects of factors among it," : ""} is as analysed. These lines, each with its reason, would make it so:`), make("pre", {}, excludeLines().join("\n")), make("button", { type: "button", onclick: () => { leftOut.clear(); explore(); writePeople(); byId("left-out").firstElementChild.focus(); } }, "Take all back in"));
 }
 
 function explore() {
