@@ -40,6 +40,7 @@ mod session;
 mod setup;
 mod task;
 mod template;
+mod threshold;
 mod trial;
 mod words;
 
@@ -86,6 +87,7 @@ pub use task::{
     Asks, Method, Presented, StaircasePlan, Task, TaskFit, TaskLevel, TaskPlace, TaskSigmoid,
 };
 pub use template::{template, template_of_imports};
+pub use threshold::TaskQuantity;
 pub use trial::{Kind, Source, Status, TrialMeta};
 
 /// The one version of session records that this software writes and reads.

@@ -1,0 +1,168 @@
+//! Thresholds over people: what the stage `compare` found of them, in units of the levels and as ratios, and beside it the
+//! two-level model.
+//!
+//! The mean of everybody's differences has Student's t; the two-level model (`zwidth_stats::heterogeneity`) weighs people
+//! by the errors of their own, where they answered unequally often. It stands beside, and no claim rests on it.
+
+use crate::values::{std_error, value};
+use std::collections::BTreeMap;
+use zwidth_results::{Mean, ModeDifference, PeopleThreshold, PsychometricFit};
+use zwidth_stats::heterogeneity::{TwoLevel, two_level};
+use zwidth_study::{MetricId, ModeId, ParticipantId, SessionId, Task, TaskQuantity};
+
+/// What the stage `compare` found.
+#[derive(Debug, Clone, Copy)]
+pub struct Means<'a> {
+    /// Means by condition.
+    pub means: &'a [Mean],
+    /// Differences between modes.
+    pub contrasts: &'a [ModeDifference],
+}
+
+/// A task, and the number of it that is compared as a metric.
+struct Measured<'a> {
+    task: &'a Task,
+    quantity: TaskQuantity,
+    metric: MetricId,
+}
+
+/// Means by mode and differences between modes of every number of a study's tasks.
+pub fn over_people(
+    tasks: &[Task],
+    fits: &[PsychometricFit],
+    found: Means,
+    level: f64,
+) -> Vec<PeopleThreshold> {
+    let mut rows = Vec::new();
+    for task in tasks {
+        for quantity in task.quantities() {
+            let Ok(metric) = task.metric(quantity) else { continue };
+            let measured = Measured { task, quantity, metric };
+            let own = fits.iter().filter(|fit| fit.task == task.id);
+            let own: Vec<&PsychometricFit> = own.collect();
+            let means = found.means.iter().filter(|row| row.metric == measured.metric);
+            rows.extend(means.map(|row| mean(&measured, row, &own, level)));
+            let contrasts = found.contrasts.iter().filter(|row| row.metric == measured.metric);
+            rows.extend(contrasts.map(|row| difference(&measured, row, &own, level)));
+        }
+    }
+    rows
+}
+
+fn mean(measured: &Measured, row: &Mean, fits: &[&PsychometricFit], level: f64) -> PeopleThreshold {
+    let Measured { task, quantity, metric } = measured;
+    let back = |value: f64| back(*quantity, value);
+    let standard = task.standard.map(|standard| standard.value());
+    let standard = standard.filter(|own| *own > 0.0 && *quantity == TaskQuantity::Jnd);
+    let weighted = weighted(fits, *quantity, [Some(&row.mode), None], level);
+    PeopleThreshold {
+        task: task.id.clone(),
+        quantity: *quantity,
+        metric: metric.clone(),
+        environment: row.environment.clone(),
+        mode: Some(row.mode.clone()),
+        contrast: None,
+        unit: task.unit().into(),
+        n: row.n,
+        estimate: back(row.mean),
+        ci_low: row.ci_low.map(back),
+        ci_high: row.ci_high.map(back),
+        statistic: None,
+        df: None,
+        p_value: None,
+        p_adjusted: None,
+        weber_fraction: standard.map(|standard| back(row.mean) / standard),
+        weighted: weighted.found.map(|found| back(found.mean.estimate)),
+        weighted_ci_low: weighted.found.map(|found| back(found.mean.ci_low)),
+        weighted_ci_high: weighted.found.map(|found| back(found.mean.ci_high)),
+        weighted_p_value: None,
+        between_sd: weighted.found.map(|found| found.between.sqrt()),
+        weighted_n: weighted.n,
+    }
+}
+
+fn difference(
+    measured: &Measured,
+    row: &ModeDifference,
+    fits: &[&PsychometricFit],
+    level: f64,
+) -> PeopleThreshold {
+    let Measured { task, quantity, metric } = measured;
+    let back = |value: f64| back(*quantity, value);
+    let modes = [Some(&row.contrast.mode), Some(&row.contrast.against)];
+    let weighted = weighted(fits, *quantity, modes, level);
+    let is_ratio = *quantity == TaskQuantity::Jnd;
+    PeopleThreshold {
+        task: task.id.clone(),
+        quantity: *quantity,
+        metric: metric.clone(),
+        environment: row.environment.clone(),
+        mode: None,
+        contrast: Some(row.contrast.clone()),
+        unit: if is_ratio { "1".into() } else { task.unit().into() },
+        n: row.n,
+        estimate: back(row.difference),
+        ci_low: row.difference_ci_low.map(back),
+        ci_high: row.difference_ci_high.map(back),
+        statistic: row.statistic,
+        df: row.df.filter(|_| row.statistic.is_some()),
+        p_value: row.p_value,
+        p_adjusted: row.p_adjusted,
+        weber_fraction: None,
+        weighted: weighted.found.map(|found| back(found.mean.estimate)),
+        weighted_ci_low: weighted.found.map(|found| back(found.mean.ci_low)),
+        weighted_ci_high: weighted.found.map(|found| back(found.mean.ci_high)),
+        weighted_p_value: weighted.found.map(|found| found.mean.p_value),
+        between_sd: weighted.found.map(|found| found.between.sqrt()),
+        weighted_n: weighted.n,
+    }
+}
+
+/// A number as it is shown: of a JND no logarithm, so that a difference is a ratio.
+fn back(quantity: TaskQuantity, compared: f64) -> f64 {
+    if quantity == TaskQuantity::Jnd { libm::exp(compared) } else { compared }
+}
+
+/// The two-level model, and of how many people.
+struct Weighted {
+    found: Option<TwoLevel>,
+    n: usize,
+}
+
+/// The two-level model of everybody's value in the first mode, or of its difference from that in the second: over their
+/// sessions with equal weight, the variances of the errors added.
+fn weighted(
+    fits: &[&PsychometricFit],
+    quantity: TaskQuantity,
+    [mode, against]: [Option<&ModeId>; 2],
+    level: f64,
+) -> Weighted {
+    let in_mode = |wanted: Option<&ModeId>| {
+        let mut all: BTreeMap<(&ParticipantId, &SessionId), [f64; 2]> = BTreeMap::new();
+        for fit in fits.iter().filter(|fit| Some(&fit.mode) == wanted) {
+            if let (Some(own), Some(error)) = (value(fit, quantity), std_error(fit, quantity)) {
+                all.insert((&fit.participant, &fit.session), [own, error * error]);
+            }
+        }
+        all
+    };
+    let first = in_mode(mode);
+    let second = in_mode(against);
+    let mut people: BTreeMap<&ParticipantId, Vec<[f64; 2]>> = BTreeMap::new();
+    for (key, [own, variance]) in &first {
+        let of_session = match (against, second.get(key)) {
+            (None, _) => [*own, *variance],
+            (Some(_), Some([other, of_other])) => [own - other, variance + of_other],
+            (Some(_), None) => continue,
+        };
+        people.entry(key.0).or_default().push(of_session);
+    }
+    let mut values = Vec::new();
+    let mut variances = Vec::new();
+    for sessions in people.values() {
+        let n = sessions.len() as f64;
+        values.push(sessions.iter().map(|own| own[0]).sum::<f64>() / n);
+        variances.push(sessions.iter().map(|own| own[1]).sum::<f64>() / (n * n));
+    }
+    Weighted { found: two_level(&values, &variances, level).ok(), n: values.len() }
+}
