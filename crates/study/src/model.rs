@@ -3,7 +3,7 @@
 use crate::{
     ActuatorKind, AnswerScale, Channel, Compare, Control, EnvironmentId, Factor, Figures, Levels,
     ModeId, ModeLaw, OwnMetric, Perception, PersonColumn, QuestionId, ReplayModel, Scene,
-    SceneFigure, Schema, Score, StudyId, Task,
+    SceneFigure, Schema, Score, StudyId, Task, TaskLevel,
 };
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -75,6 +75,21 @@ impl Study {
     /// The question of that id.
     pub fn question(&self, id: &QuestionId) -> Option<&Question> {
         self.questions.iter().find(|q| q.id == *id)
+    }
+
+    /// The task of that id.
+    pub fn task(&self, id: &QuestionId) -> Option<&Task> {
+        self.tasks.iter().find(|task| task.id == *id)
+    }
+
+    /// The tasks in which an environment varies, in the order of the file.
+    pub fn tasks_in<'s>(&'s self, id: &'s EnvironmentId) -> impl Iterator<Item = &'s Task> {
+        self.tasks.iter().filter(move |task| task.environment == *id)
+    }
+
+    /// The environment of a task at a level; `None` if there is none that has the number.
+    pub fn environment_at(&self, task: &Task, level: TaskLevel) -> Option<Environment> {
+        self.environment(&task.environment)?.with_level(&task.varies, level, self.coordinate)
     }
 
     /// The scores whose questions are all asked after trials of an environment, and whose pairs are
@@ -277,7 +292,8 @@ pub struct Question {
 
 impl Question {
     /// Whether its answers rate what was felt: they have an order, and are tallied and compared.
-    /// Those to the question which mode it was do not, nor do the weights of a score.
+    /// Those to the question which mode it was do not, nor do the weights of a score and the answers
+    /// to tasks.
     pub fn is_rating(&self) -> bool {
         !self.scale.is_nominal() && !self.is_weight
     }
@@ -291,6 +307,11 @@ impl Question {
     /// ([`Score::pairs`]).
     pub fn is_pair(&self) -> bool {
         matches!(self.scale, AnswerScale::Pair(_))
+    }
+
+    /// Whether it is the question of a task: the program adds it itself, and asks it after each presentation of the task.
+    pub fn is_of_task(&self) -> bool {
+        matches!(self.scale, AnswerScale::Task(_))
     }
 }
 

@@ -2,7 +2,7 @@
 //! each presentation one question is asked, and thresholds are fitted to the answers by level.
 
 use crate::words::words;
-use crate::{EnvironmentId, QuestionId};
+use crate::{AnswerValue, EnvironmentId, QuestionId};
 use serde::{Deserialize, Serialize};
 
 /// A level of what a task varies: a whole number of millionths of its unit, so that what is read is what was written, and
@@ -54,6 +54,32 @@ impl Asks {
             Self::YesNo | Self::MoreLess | Self::Set => 1,
         }
     }
+
+    /// What may be answered, numbered from 1.
+    pub fn answers(self) -> &'static [&'static str] {
+        match self {
+            Self::MoreOfTwo | Self::OneOfTwo => &["the first", "the second"],
+            Self::YesNo => &["yes", "no"],
+            Self::MoreLess => &["more", "less"],
+            Self::Set => &["more", "less", "it is right"],
+        }
+    }
+
+    /// Whether an answer says that there was more in the interval with the level (`2ifc`, `more_less`), is right (`2afc`),
+    /// says that there was something (`yes_no`), or that the level is right (`set`). `last_is_standard`: whether the last
+    /// of two intervals held the standard. `None` if that is not known, or for a number that is no answer.
+    pub fn is_positive(self, value: AnswerValue, last_is_standard: Option<bool>) -> Option<bool> {
+        let place = usize::try_from(value.whole()?).ok()?;
+        if !(1..=self.answers().len()).contains(&place) {
+            return None;
+        }
+        Some(match self {
+            // The interval that was chosen is the one that does not hold the standard.
+            Self::MoreOfTwo | Self::OneOfTwo => (place == 1) == last_is_standard?,
+            Self::YesNo | Self::MoreLess => place == 1,
+            Self::Set => place == 3,
+        })
+    }
 }
 
 /// Where a trial stands in a task. A trial is one interval; those of one presentation follow each other, and the answer
@@ -73,9 +99,33 @@ pub struct TaskPlace {
     /// The level that the presentation compares with the standard, where it is planned; else an event gives it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub level: Option<TaskLevel>,
-    /// Whether this interval holds the standard. Unknown while the session is sealed.
+    /// Whether this interval of two holds the standard. Unknown while the session is sealed; of a presentation of one interval
+    /// there is nothing to know.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub is_standard: Option<bool>,
+}
+
+impl TaskPlace {
+    /// Whether the answer to the presentation belongs to this trial: it has the last of the intervals.
+    pub fn is_last(&self, asks: Asks) -> bool {
+        self.interval == asks.intervals()
+    }
+
+    /// Whether another place is of the same presentation; both of one mode.
+    pub fn is_of_presentation_of(&self, other: &Self) -> bool {
+        (&self.task, self.presentation) == (&other.task, other.presentation)
+    }
+
+    /// What its trial presents where `level` is compared with the standard. While the session is sealed it is not known which
+    /// of two intervals holds which.
+    pub fn presented(&self, task: &Task, level: TaskLevel) -> Presented {
+        let level = match self.is_standard {
+            Some(true) => task.standard,
+            None if task.asks.intervals() > 1 => None,
+            Some(false) | None => Some(level),
+        };
+        Presented { task: self.task.clone(), interval: self.interval, level }
+    }
 }
 
 fn is_zero(track: &u8) -> bool {

@@ -4,7 +4,7 @@ use super::check::Check;
 use super::units::{MILLI, decimal, degrees};
 use crate::model::{Coordinate, Environment};
 use crate::scene::SceneNumber;
-use crate::{EnvironmentId, Levels, QuestionId, SceneKind};
+use crate::{EnvironmentId, Levels, QuestionId, SceneKind, TaskLevel};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -40,19 +40,63 @@ impl SceneNumber {
     fn is_position(self) -> bool {
         matches!(self, Self::Rest | Self::Wall)
     }
+
+    /// Its keys in a rotational and in a linear study.
+    const fn keys(self) -> [&'static str; 2] {
+        match self {
+            Self::Stiffness => ["stiffness_n_per_rad", "stiffness_n_per_mm"],
+            Self::Rest => ["rest_deg", "rest_mm"],
+            Self::Wall => ["wall_deg", "wall_mm"],
+        }
+    }
+
+    /// Its key in a study of this coordinate.
+    fn key(self, coordinate: Coordinate) -> &'static str {
+        self.keys()[usize::from(coordinate != Coordinate::Rotational)]
+    }
+
+    /// A value as it is typed, in SI units.
+    fn in_si(self, typed: f64, coordinate: Coordinate) -> f64 {
+        match (coordinate, self.is_position()) {
+            (Coordinate::Rotational, true) => typed.to_radians(),
+            (Coordinate::Rotational, false) => typed,
+            (Coordinate::Linear { lever_m }, true) => typed * MILLI / lever_m,
+            (Coordinate::Linear { lever_m }, false) => typed * (lever_m / MILLI),
+        }
+    }
+}
+
+// What a task may vary: every number of an environment that study.toml has a key for.
+impl Environment {
+    /// The keys of its numbers, as they are typed in a study of this coordinate.
+    pub fn keys(&self, coordinate: Coordinate) -> Vec<&'static str> {
+        self.scene.kind().quantities().iter().map(|quantity| quantity.key(coordinate)).collect()
+    }
+
+    /// The environment where the number of a key has this level, in the unit of the key; `None` if it has no such number.
+    #[must_use]
+    pub fn with_level(&self, key: &str, level: TaskLevel, coordinate: Coordinate) -> Option<Self> {
+        let kind = self.scene.kind();
+        let varies = kind.quantities().iter().find(|quantity| quantity.key(coordinate) == key)?;
+        let scene = kind.scene(|quantity| match quantity == *varies {
+            true => varies.in_si(level.value(), coordinate),
+            // It has every number of its kind.
+            false => self.scene.value(quantity).unwrap_or_default(),
+        });
+        Some(Self { scene, ..self.clone() })
+    }
 }
 
 impl EnvironmentTable {
     /// The keys of a number in a rotational and in a linear study, and their values.
     fn entries(&self, quantity: SceneNumber) -> [(&'static str, Option<f64>); 2] {
-        match quantity {
-            SceneNumber::Stiffness => [
-                ("stiffness_n_per_rad", self.stiffness_n_per_rad),
-                ("stiffness_n_per_mm", self.stiffness_n_per_mm),
-            ],
-            SceneNumber::Rest => [("rest_deg", self.rest_deg), ("rest_mm", self.rest_mm)],
-            SceneNumber::Wall => [("wall_deg", self.wall_deg), ("wall_mm", self.wall_mm)],
-        }
+        let [rotational, linear] = quantity.keys();
+        let values = match quantity {
+            SceneNumber::Stiffness => [self.stiffness_n_per_rad, self.stiffness_n_per_mm],
+            SceneNumber::Rest => [self.rest_deg, self.rest_mm],
+            SceneNumber::Wall => [self.wall_deg, self.wall_mm],
+        };
+        [(rotational, values[0]), (linear, values[1])]
     }
 
     /// The table of an environment.
