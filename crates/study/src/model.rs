@@ -189,6 +189,10 @@ pub struct Environment {
     pub label: String,
     /// What is rendered.
     pub scene: Scene,
+    /// By how much it is rendered late, s; 0 is at once. A loop renders the nearest whole number of its ticks
+    /// ([`Environment::delivered_delay_s`]).
+    #[serde(skip_serializing_if = "is_at_once")]
+    pub delay_s: f64,
     /// The first question after each of its trials.
     pub question: Option<QuestionId>,
     /// The questions after it, in this order.
@@ -199,7 +203,28 @@ pub struct Environment {
     pub factors: Levels,
 }
 
+fn is_at_once(delay_s: &f64) -> bool {
+    *delay_s == 0.0
+}
+
 impl Environment {
+    /// The longest delay that can be asked for, s: a movement takes about as long.
+    pub const LONGEST_DELAY_S: f64 = 1.0;
+
+    /// The delay in ticks of a loop of that rate, Hz: the nearest whole number.
+    pub fn delay_ticks(&self, rate_hz: f64) -> usize {
+        // A delay or a rate that is no number above 0 is none.
+        (self.delay_s * rate_hz).round() as usize
+    }
+
+    /// The delay that a loop of that rate, Hz, renders, s: a whole number of its ticks.
+    pub fn delivered_delay_s(&self, rate_hz: f64) -> f64 {
+        match self.delay_ticks(rate_hz) {
+            0 => 0.0,
+            ticks => ticks as f64 / rate_hz,
+        }
+    }
+
     /// The questions after each of its trials, in order.
     pub fn questions(&self) -> impl Iterator<Item = &QuestionId> {
         self.question.iter().chain(&self.further)
