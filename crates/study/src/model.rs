@@ -87,9 +87,14 @@ impl Study {
         self.tasks.iter().filter(move |task| task.environment == *id)
     }
 
-    /// The environment of a task at a level; `None` if there is none that has the number.
+    /// The environment of a task at a level; `None` if there is none that has the number. Where nothing is rendered, a level
+    /// changes nothing.
     pub fn environment_at(&self, task: &Task, level: TaskLevel) -> Option<Environment> {
-        self.environment(&task.environment)?.with_level(&task.varies, level, self.coordinate)
+        let environment = self.environment(&task.environment)?;
+        match environment.scene {
+            Scene::None => Some(environment.clone()),
+            _ => environment.varied(&task.varies, level.value(), self.coordinate),
+        }
     }
 
     /// The scores whose questions are all asked after trials of an environment, and whose pairs are
@@ -204,6 +209,10 @@ pub struct Environment {
     pub label: String,
     /// What is rendered.
     pub scene: Scene,
+    /// By how much it is rendered late, s; 0 is at once. A loop renders the nearest whole number of its ticks
+    /// ([`Environment::delivered_delay_s`]).
+    #[serde(skip_serializing_if = "is_at_once")]
+    pub delay_s: f64,
     /// The first question after each of its trials.
     pub question: Option<QuestionId>,
     /// The questions after it, in this order.
@@ -214,7 +223,28 @@ pub struct Environment {
     pub factors: Levels,
 }
 
+fn is_at_once(delay_s: &f64) -> bool {
+    *delay_s == 0.0
+}
+
 impl Environment {
+    /// The longest delay that can be asked for, s: a movement takes about as long.
+    pub const LONGEST_DELAY_S: f64 = 1.0;
+
+    /// The delay in ticks of a loop of that rate, Hz: the nearest whole number.
+    pub fn delay_ticks(&self, rate_hz: f64) -> usize {
+        // A delay or a rate that is no number above 0 is none.
+        (self.delay_s * rate_hz).round() as usize
+    }
+
+    /// The delay that a loop of that rate, Hz, renders, s: a whole number of its ticks.
+    pub fn delivered_delay_s(&self, rate_hz: f64) -> f64 {
+        match self.delay_ticks(rate_hz) {
+            0 => 0.0,
+            ticks => ticks as f64 / rate_hz,
+        }
+    }
+
     /// The questions after each of its trials, in order.
     pub fn questions(&self) -> impl Iterator<Item = &QuestionId> {
         self.question.iter().chain(&self.further)
