@@ -91,7 +91,7 @@ pub struct TaskPlace {
     pub task: QuestionId,
     /// The presentation, counted from 1 for each task and mode.
     pub presentation: u32,
-    /// Which of several sequences that take turns, from 0: interleaved staircases.
+    /// Which of several sequences, from 0: interleaved staircases take turns, settings come one after the other.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub track: u8,
     /// Which interval of the presentation, from 1.
@@ -162,12 +162,56 @@ pub struct Task {
     pub standard: Option<TaskLevel>,
     /// How levels follow each other.
     pub method: Method,
-    /// Presentations at the standard among all others, as a share: whoever says yes to nothing guesses.
+    /// The share of presentations at the standard that are added to the method's: whoever says yes to nothing guesses. They
+    /// have a planned level even where the method is adaptive, which does not count their answers.
     pub catch: f64,
     /// Whether the person is told what was right.
     pub feedback: bool,
     /// The function that is fitted.
     pub fit: TaskFit,
+    /// How it is estimated.
+    pub estimate: TaskEstimate,
+}
+
+impl Task {
+    /// Presentations in each mode that are planned, without those at the standard that [`Task::catches`] adds. Where
+    /// answers decide when it ends, more may be planned than are needed.
+    pub fn presentations(&self) -> u64 {
+        let (n, each) = match &self.method {
+            Method::Constant { levels, trials } => (levels.len(), *trials),
+            Method::Staircase(plan) => (plan.starts.len(), plan.most_trials),
+            Method::QuestPlus { trials, .. } => (1, *trials),
+            Method::Adjustment { settings, most_trials, .. } => (*settings as usize, *most_trials),
+        };
+        (n as u64).saturating_mul(each.into())
+    }
+
+    /// Presentations at the standard that are added in each mode: [`Task::catch`] of all.
+    pub fn catches(&self) -> u64 {
+        (self.presentations() as f64 * self.catch / (1.0 - self.catch)).round() as u64
+    }
+}
+
+words! {
+    /// How the function of a task is estimated.
+    TaskEstimate {
+        /// By maximum likelihood.
+        Likelihood = "likelihood",
+        /// The posterior on a grid, with the priors of psignifit 4, beside it.
+        Grid = "grid",
+    }
+}
+
+/// The values of a grid's axis, from its first value, its last and its step.
+pub fn axis([from, to, step]: [f64; 3]) -> Vec<f64> {
+    /// Of a step: how far the last value may lie beyond the end by rounding alone.
+    const ROUNDING: f64 = 1e-6;
+    /// No axis has more values.
+    const MOST: usize = 10_000;
+    let steps = ((to - from) / step + ROUNDING).floor();
+    // A range that is none has no steps.
+    let n = if steps >= 0.0 { (steps as usize).saturating_add(1).min(MOST) } else { 0 };
+    (0..n).map(|i| from + i as f64 * step).collect()
 }
 
 /// How the levels of a task follow each other, for each mode.
@@ -204,8 +248,10 @@ pub enum Method {
         step: TaskLevel,
         /// The lowest and the highest level.
         bounds: [TaskLevel; 2],
-        /// Settings in each mode.
+        /// Settings in each mode: the tracks, one after the other.
         settings: u32,
+        /// Presentations after which a setting ends without having been right.
+        most_trials: u32,
     },
 }
 
@@ -264,6 +310,33 @@ impl Default for TaskFit {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn an_axis_has_both_of_its_ends_where_steps_reach_them() {
+        assert_eq!(axis([0.0, 0.06, 0.02]).len(), 4);
+        assert_eq!(axis([1.0, 1.0, 1.0]), [1.0]);
+        assert_eq!(axis([1.0, 2.9, 1.0]), [1.0, 2.0]);
+        assert_eq!([axis([2.0, 1.0, 1.0]).len(), axis([0.0, f64::NAN, 1.0]).len()], [0, 0]);
+        assert_eq!(axis([0.0, 1.0, 0.0]).len(), 10_000);
+    }
+
+    #[test]
+    fn an_answer_is_positive_by_the_interval_that_it_chooses() {
+        let of = |asks: Asks, value: i16, last| asks.is_positive(value.into(), last);
+        for asks in [Asks::MoreOfTwo, Asks::OneOfTwo] {
+            assert_eq!(of(asks, 1, Some(true)), Some(true));
+            assert_eq!(of(asks, 2, Some(true)), Some(false));
+            assert_eq!(of(asks, 1, Some(false)), Some(false));
+            assert_eq!(of(asks, 2, Some(false)), Some(true));
+            assert_eq!(of(asks, 1, None), None);
+        }
+        for asks in [Asks::YesNo, Asks::MoreLess] {
+            assert_eq!([1, 2].map(|value| of(asks, value, None)), [Some(true), Some(false)]);
+        }
+        let set = [1, 2, 3].map(|value| of(Asks::Set, value, None));
+        assert_eq!(set, [Some(false), Some(false), Some(true)]);
+        assert_eq!([of(Asks::Set, 0, None), of(Asks::YesNo, 3, None)], [None; 2]);
+    }
 
     #[test]
     fn a_level_is_the_nearest_millionth_and_nothing_else() {
