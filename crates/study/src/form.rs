@@ -87,8 +87,11 @@ impl Study {
     pub fn trial_form(&self) -> TrialForm {
         let schema = self.schema;
         let channels = self.channels.clone();
-        let one = self.questions.len() == 1
-            && self.questions.iter().all(|question| AnswerScale::NAMED.contains(&question.scale));
+        // The questions of tasks have no such column: their answers are events.
+        let mut questions = self.questions.iter().filter(|question| !question.is_of_task());
+        let one =
+            questions.next().is_some_and(|question| AnswerScale::NAMED.contains(&question.scale))
+                && questions.next().is_none();
         TrialForm { schema, likert: one, channels }
     }
 }

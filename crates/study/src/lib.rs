@@ -84,7 +84,8 @@ pub use seal::{Seal, SealError};
 pub use session::{AskedPair, Check, OrderRecord, PlannedTrial, SessionRecord};
 pub use setup::Setup;
 pub use task::{
-    Asks, Method, Presented, StaircasePlan, Task, TaskFit, TaskLevel, TaskPlace, TaskSigmoid,
+    Asks, Method, Presented, StaircasePlan, Task, TaskEstimate, TaskFit, TaskLevel, TaskPlace,
+    TaskSigmoid, axis,
 };
 pub use template::{template, template_of_imports};
 pub use threshold::TaskQuantity;

@@ -5,6 +5,7 @@ mod compare;
 mod environment;
 mod factors;
 mod figures;
+mod numbers;
 mod own_metrics;
 mod people;
 mod perception;

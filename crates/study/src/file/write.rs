@@ -58,11 +58,11 @@ impl From<&Study> for File {
                 .map(|e| EnvironmentTable::of(e, s.coordinate))
                 .collect(),
             modes: s.modes.clone(),
-            // Those about pairs follow from the scores.
+            // Those about pairs follow from the scores, and those of tasks from the tasks.
             questions: s
                 .questions
                 .iter()
-                .filter(|question| !question.is_pair())
+                .filter(|question| !question.is_pair() && !question.is_of_task())
                 .map(QuestionTable::of)
                 .collect(),
             channels: s.channels.clone(),
