@@ -29,6 +29,7 @@ mod shared;
 mod tables;
 #[cfg(test)]
 mod tests;
+mod thresholds;
 mod trade;
 
 pub use compare::{
@@ -60,7 +61,7 @@ use zwidth_store::{Findings, StudyData};
 type OfData = (&'static str, fn(&StudyData) -> Vec<Job>);
 
 /// Each stage stands after those whose results it reads.
-const OF_DATA: [OfData; 16] = [
+const OF_DATA: [OfData; 18] = [
     ("characterise", characterise::jobs),
     ("identify", identify::jobs),
     // Some of them rest on the identified plant.
@@ -72,10 +73,12 @@ const OF_DATA: [OfData; 16] = [
     ("replay", replay::courses::jobs),
     ("replay", replay::runs::jobs),
     ("likert", likert::jobs),
+    ("thresholds", thresholds::jobs),
     ("compare", compare::jobs),
     ("compare", curves::jobs),
     ("compare", relations::jobs),
     ("compare", people::jobs),
+    ("thresholds", thresholds::jobs_over_people),
     ("trade", trade::jobs),
     ("simulate", scenes::jobs),
 ];
@@ -130,7 +133,7 @@ pub fn jobs(data: &StudyData, findings: &Findings) -> Vec<Job> {
 }
 
 /// The stages, in the order in which a person thinks of them.
-pub const STAGES: [&str; 17] = [
+pub const STAGES: [&str; 18] = [
     "characterise",
     "metrics",
     "average",
@@ -139,6 +142,7 @@ pub const STAGES: [&str; 17] = [
     "replay",
     "identify",
     "likert",
+    "thresholds",
     "compare",
     "trade",
     "simulate",

@@ -86,6 +86,7 @@
 //! | [`BlindingIndex`] | participant, mode | `likert` | printed tables |
 //! | [`Presentation`] | participant, session, trial | `thresholds` | figures, printed tables |
 //! | [`LevelTally`] | participant, session, task, mode, level | `thresholds` | figures, printed tables |
+//! | [`FittedShare`] | participant, session, task, mode, level | `thresholds` | figures |
 //! | [`PsychometricFit`] | participant, session, task, mode | `thresholds` | `compare`, figures, summary, printed tables |
 //! | [`PeopleThreshold`] | task, quantity, mode or contrast | `thresholds` | summary, printed tables |
 //! | [`ReplayedTrial`], read as [`ReplayedPeak`] too | participant, session, trial, model, causality | `replay` | courses, agreement, statements, printed tables |

@@ -100,6 +100,24 @@ rows! {
         share: f64,
     }
 
+    /// A point of the curve that is fitted to the answers.
+    FittedShare = "psychometric_curves", "Curves fitted to answers" {
+        /// who
+        participant: ParticipantId,
+        /// in which session
+        session: SessionId,
+        /// the task
+        task: QuestionId,
+        /// how it was rendered
+        mode: ModeId,
+        /// unit of the level
+        unit: Arc<str>,
+        /// what was compared with the standard
+        level: f64 = UNIT_OF_ROW,
+        /// share of positive answers there
+        share: f64,
+    }
+
     /// What the answers of a person tell in one session and mode.
     PsychometricFit = "psychometric", "Psychometric functions" {
         /// who

@@ -44,8 +44,13 @@ const UNITS: [(&str, &str); 24] = [
 ];
 
 impl TaskQuantity {
-    /// The unit of the metric of ln JND. Its differences are logarithms of ratios.
-    pub const LN: &str = "ln";
+    /// What stands before the unit of a JND in that of its metric: differences of logarithms are those of ratios.
+    pub const LN: &str = "ln ";
+
+    /// The unit of the numbers of whose logarithms a metric is, by its own unit.
+    pub fn logarithm_of(unit: &str) -> Option<&str> {
+        unit.strip_prefix(Self::LN)
+    }
 
     /// What it is called, in a sentence.
     pub const fn in_words(self) -> &'static str {
@@ -118,14 +123,15 @@ impl Task {
         let what = match quantity {
             TaskQuantity::Pse => "point of subjective equality (PSE)",
             TaskQuantity::Threshold => "threshold",
-            TaskQuantity::Jnd => "natural logarithm of the just noticeable difference (JND)",
+            TaskQuantity::Jnd => "just noticeable difference (JND)",
         };
         format!("{what} of “{}”", self.text)
     }
 
     /// The unit of that metric.
-    pub fn metric_unit(&self, quantity: TaskQuantity) -> &'static str {
-        if quantity == TaskQuantity::Jnd { TaskQuantity::LN } else { self.unit() }
+    pub fn metric_unit(&self, quantity: TaskQuantity) -> String {
+        let before = if quantity == TaskQuantity::Jnd { TaskQuantity::LN } else { "" };
+        format!("{before}{}", self.unit())
     }
 }
 
@@ -148,7 +154,7 @@ impl Study {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{StaircasePlan, TaskFit, TaskLevel};
+    use crate::{StaircasePlan, TaskEstimate, TaskFit, TaskLevel};
 
     fn level(value: f64) -> TaskLevel {
         TaskLevel::nearest(value).unwrap()
@@ -166,6 +172,7 @@ mod tests {
             catch: 0.0,
             feedback: false,
             fit: TaskFit::default(),
+            estimate: TaskEstimate::Likelihood,
         }
     }
 
@@ -206,7 +213,9 @@ mod tests {
         assert_eq!(own.metric(TaskQuantity::Jnd).unwrap().as_str(), "ln_jnd_stiffer_1");
         assert_eq!(TaskQuantity::of_metric("pse_stiffer_1"), Some(TaskQuantity::Pse));
         assert_eq!(TaskQuantity::of_metric("duration_s"), None);
-        assert_eq!((own.unit(), own.metric_unit(TaskQuantity::Jnd)), ("N/rad", "ln"));
+        assert_eq!(own.metric_unit(TaskQuantity::Jnd), "ln N/rad");
+        assert_eq!(TaskQuantity::logarithm_of("ln N/rad"), Some("N/rad"));
+        assert_eq!((own.unit(), TaskQuantity::logarithm_of("N/rad")), ("N/rad", None));
     }
 
     #[test]

@@ -5,7 +5,9 @@ use crate::{Answered, Response, levels};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::BTreeMap;
-use zwidth_results::{FitVerdict, LevelMethod, LevelTally, Presentation, PsychometricFit};
+use zwidth_results::{
+    FitVerdict, FittedShare, LevelMethod, LevelTally, Presentation, PsychometricFit,
+};
 use zwidth_stats::null::Sampling;
 use zwidth_stats::psychometric::fit::{self, Fitted, Side, Verdict};
 use zwidth_stats::psychometric::{Curve, adjustment, deviance, quest, staircase};
@@ -15,6 +17,8 @@ use zwidth_study::{
 
 /// Draws of the deviance have this seed, so that a fit has one p value.
 const SEED: u64 = 56;
+/// Steps of a curve that is drawn.
+const CURVE_STEPS: usize = 80;
 /// The fewest settings that have a spread.
 const FEWEST_SETTINGS: usize = 2;
 
@@ -36,6 +40,8 @@ pub struct Found {
     pub presentations: Vec<Presentation>,
     /// The answers by level; of people who set the level there are none.
     pub by_level: Vec<LevelTally>,
+    /// Points of the curves that were fitted.
+    pub curves: Vec<FittedShare>,
     /// What they tell of everybody in each session and mode.
     pub fits: Vec<PsychometricFit>,
 }
@@ -74,6 +80,7 @@ pub fn thresholds(answers: &[Answered], parameters: &Parameters) -> Found {
         if !matches!(own.task.method, Method::Adjustment { .. }) {
             all.by_level.extend(levels::rows(own));
         }
+        all.curves.extend(fit.iter().flat_map(|fit| curve(own, fit)));
         all.fits.extend(fit);
     }
     all
@@ -396,6 +403,30 @@ fn of_settings(own: &Own, level: f64, row: PsychometricFit) -> PsychometricFit {
         remark: (!has_spread).then(|| alike.into()),
         ..row
     }
+}
+
+/// Points of the curve of an estimate, from the lowest to the highest level.
+fn curve(own: &Own, fit: &PsychometricFit) -> Vec<FittedShare> {
+    let (Some(location), Some(scale), Some(guess), Some(lapse)) =
+        (fit.location, fit.sigma, fit.guess, fit.lapse)
+    else {
+        return Vec::new();
+    };
+    let curve = Curve { sigmoid: plans::sigmoid(own.task), location, scale, guess, lapse };
+    let step = (fit.highest_level - fit.lowest_level) / CURVE_STEPS as f64;
+    let points = (0..=CURVE_STEPS).map(|place| {
+        let level = fit.lowest_level + step * place as f64;
+        FittedShare {
+            participant: fit.participant.clone(),
+            session: fit.session.clone(),
+            task: fit.task.clone(),
+            mode: fit.mode.clone(),
+            unit: fit.unit.clone(),
+            level,
+            share: curve.share(level),
+        }
+    });
+    points.collect()
 }
 
 /// The rows of presentations, in the order of their sequences.

@@ -6,11 +6,12 @@
 
 use crate::values::{std_error, value};
 use std::collections::BTreeMap;
-use zwidth_results::{Mean, ModeDifference, PeopleThreshold, PsychometricFit};
+use zwidth_results::{Mean, ModeDifference, PeopleThreshold, PsychometricFit, UnitOfAnalysis};
 use zwidth_stats::heterogeneity::{TwoLevel, two_level};
+use zwidth_stats::interval;
 use zwidth_study::{MetricId, ModeId, ParticipantId, SessionId, Task, TaskQuantity};
 
-/// What the stage `compare` found.
+/// What the stage `compare` found; nothing where modes are not compared.
 #[derive(Debug, Clone, Copy)]
 pub struct Means<'a> {
     /// Means by condition.
@@ -40,13 +41,53 @@ pub fn over_people(
             let measured = Measured { task, quantity, metric };
             let own = fits.iter().filter(|fit| fit.task == task.id);
             let own: Vec<&PsychometricFit> = own.collect();
-            let means = found.means.iter().filter(|row| row.metric == measured.metric);
-            rows.extend(means.map(|row| mean(&measured, row, &own, level)));
+            let mut means: Vec<Mean> = found.means.to_vec();
+            means.retain(|row| row.metric == measured.metric);
+            if means.is_empty() {
+                means = means_of(&measured, &own, level);
+            }
+            rows.extend(means.iter().map(|row| mean(&measured, row, &own, level)));
             let contrasts = found.contrasts.iter().filter(|row| row.metric == measured.metric);
             rows.extend(contrasts.map(|row| difference(&measured, row, &own, level)));
         }
     }
     rows
+}
+
+/// Means by mode where modes are not compared: of everybody's sessions with equal weight.
+fn means_of(measured: &Measured, fits: &[&PsychometricFit], level: f64) -> Vec<Mean> {
+    let mut modes: Vec<&ModeId> = Vec::new();
+    for fit in fits {
+        if !modes.contains(&&fit.mode) {
+            modes.push(&fit.mode);
+        }
+    }
+    let rows = modes.into_iter().filter_map(|mode| {
+        let mut people: BTreeMap<&ParticipantId, Vec<f64>> = BTreeMap::new();
+        for fit in fits.iter().filter(|fit| fit.mode == *mode) {
+            people.entry(&fit.participant).or_default().extend(value(fit, measured.quantity));
+        }
+        people.retain(|_, sessions| !sessions.is_empty());
+        let of_person = |own: &Vec<f64>| own.iter().sum::<f64>() / own.len() as f64;
+        let values: Vec<f64> = people.values().map(of_person).collect();
+        let found = interval::mean(&values, level).ok()?;
+        let trials: usize = people.values().map(Vec::len).sum();
+        Some(Mean {
+            metric: measured.metric.clone(),
+            unit: measured.task.metric_unit(measured.quantity).into(),
+            environment: measured.task.environment.clone(),
+            mode: mode.clone(),
+            unit_of_analysis: UnitOfAnalysis::Participants,
+            n: values.len(),
+            trials,
+            trials_with_value: trials,
+            mean: found.estimate?,
+            sd: found.sd,
+            ci_low: found.interval.map(|interval| interval.ci_low),
+            ci_high: found.interval.map(|interval| interval.ci_high),
+        })
+    });
+    rows.collect()
 }
 
 fn mean(measured: &Measured, row: &Mean, fits: &[&PsychometricFit], level: f64) -> PeopleThreshold {

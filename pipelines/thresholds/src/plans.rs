@@ -2,7 +2,7 @@
 
 use zwidth_stats::psychometric::{Asks, Sigmoid, fit, quest, staircase};
 use zwidth_study as study;
-use zwidth_study::{Method, StaircasePlan, Task, TaskLevel, TaskSigmoid};
+use zwidth_study::{Method, StaircasePlan, Task, TaskLevel, TaskSigmoid, axis};
 
 /// What was asked; `None` of one who sets the level.
 pub(crate) fn asks(task: &Task) -> Option<Asks> {
@@ -60,29 +60,8 @@ pub(crate) fn quest(task: &Task) -> Option<quest::Plan> {
         asks: asks(task)?,
         sigmoid: sigmoid(task),
         levels: levels.iter().map(|level| level.value()).collect(),
-        thresholds: axis(pse),
-        scales: axis(sigma),
-        lapses: axis(lapse),
+        thresholds: axis(*pse),
+        scales: axis(*sigma),
+        lapses: axis(*lapse),
     })
-}
-
-/// The numbers from the first to the second, in steps of the third.
-fn axis([from, to, step]: &[f64; 3]) -> Vec<f64> {
-    // A step of 0 or below is one number.
-    let steps = ((to - from) / step + 1e-9).floor();
-    let steps = if steps.is_finite() && steps > 0.0 { steps as usize } else { 0 };
-    (0..=steps).map(|i| from + step * i as f64).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn an_axis_holds_both_ends_and_one_number_if_it_has_no_step() {
-        assert_eq!(axis(&[1.0, 2.0, 0.25]), [1.0, 1.25, 1.5, 1.75, 2.0]);
-        assert_eq!(axis(&[0.0, 0.06, 0.02]).len(), 4);
-        assert_eq!(axis(&[0.5, 0.5, 0.0]), [0.5]);
-        assert_eq!(axis(&[1.0, 0.0, 0.5]), [1.0]);
-    }
 }

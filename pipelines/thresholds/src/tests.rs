@@ -6,8 +6,8 @@ use zwidth_results::{
 };
 use zwidth_stats::paired;
 use zwidth_study::{
-    Asks, Contrast, Method, ModeId, Source, StaircasePlan, Task, TaskFit, TaskLevel, TaskQuantity,
-    TaskSigmoid,
+    Asks, Contrast, Method, ModeId, Source, StaircasePlan, Task, TaskEstimate, TaskFit, TaskLevel,
+    TaskQuantity, TaskSigmoid,
 };
 
 /// The number (h³ mod 9941)/9941 − ½ with h = 1 + 131 a + 173 b + 197 c + 211 d, between −½ and ½.
@@ -36,6 +36,7 @@ fn task(asks: Asks, varies: &str, standard: f64, method: Method) -> Task {
         catch: 0.0,
         feedback: false,
         fit: TaskFit::default(),
+        estimate: TaskEstimate::Likelihood,
     }
 }
 
@@ -126,7 +127,7 @@ fn compared(found: &Found, quantity: TaskQuantity) -> (Vec<Mean>, ModeDifference
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
     let means = [0, 1].map(|place| Mean {
         metric: metric.clone(),
-        unit: unit.into(),
+        unit: unit.as_str().into(),
         environment: "spring".parse().unwrap(),
         mode: mode(place),
         unit_of_analysis: UnitOfAnalysis::Participants,
@@ -142,7 +143,7 @@ fn compared(found: &Found, quantity: TaskQuantity) -> (Vec<Mean>, ModeDifference
     let tested = paired::mean_difference(&paired::differences(&pairs), 0.95).unwrap();
     let difference = ModeDifference {
         metric,
-        unit: unit.into(),
+        unit: unit.as_str().into(),
         environment: "spring".parse().unwrap(),
         contrast: "hybrid − active".parse::<Contrast>().unwrap(),
         unit_of_analysis: UnitOfAnalysis::Participants,
@@ -195,7 +196,12 @@ fn of_people(found: &Found, quantity: TaskQuantity) -> Vec<PeopleThreshold> {
 fn people_have_the_curves_of_others() {
     let found = eight_people();
     assert_eq!((found.fits.len(), found.by_level.len()), (16, 112));
-    assert_eq!(found.presentations.len(), 16 * 140);
+    assert_eq!((found.presentations.len(), found.curves.len()), (16 * 140, 16 * 81));
+    assert!(found.curves.windows(2).all(|two| {
+        two[0].participant != two[1].participant
+            || two[0].mode != two[1].mode
+            || two[0].share < two[1].share
+    }));
     let row = |who: &str, in_mode: u64| -> &PsychometricFit {
         let mut all = found.fits.iter();
         all.find(|fit| fit.participant.as_str() == who && fit.mode == mode(in_mode)).unwrap()
@@ -351,6 +357,7 @@ fn settings_have_their_mean_and_the_spread_of_the_probable_error() {
         step: level(1.0),
         bounds: [level(100.0), level(500.0)],
         settings: 6,
+        most_trials: 40,
     };
     let task = task(Asks::Set, "stiffness_n_per_m", 300.0, method);
     let mut all = Vec::new();

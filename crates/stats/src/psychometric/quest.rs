@@ -454,9 +454,9 @@ mod tests {
             assert!((found - expected).abs() < 1e-9 * expected.abs(), "{found} {expected}");
         }
         assert_eq!(found.is_at_edge, tracked.is_at_edge);
-        // More answers leave less doubt.
-        let few = posterior(&plan, &tallied[..10]).unwrap();
-        assert!(found.threshold_sd < few.threshold_sd && found.threshold_sd > 0.0);
+        // Answers leave less doubt than there was before the first.
+        let before = posterior(&plan, &[]).unwrap();
+        assert!(found.threshold_sd < before.threshold_sd && found.threshold_sd > 0.0);
         assert!(found.ln_jnd_sd > 0.0);
         assert!((found.curve(&plan).threshold() - found.threshold).abs() < 1e-9);
     }
