@@ -8,6 +8,7 @@ mod form;
 mod recorded;
 mod sources;
 mod statistics;
+mod tasks;
 #[cfg(test)]
 mod tests;
 
@@ -51,6 +52,7 @@ pub fn methods(study: &Study, recorded: &Recorded, version: &str) -> Vec<Methods
         ("Data", data(recorded)),
         ("Measures", measures(study, recorded, &mut cited)),
         ("Model", model(study, recorded, &mut cited)),
+        ("Thresholds", tasks::paragraphs(study, recorded, &mut cited)),
         ("Statistics", statistics::paragraphs(study, recorded, &mut cited)),
         ("Plan", plan.into_iter().collect()),
         ("Software", vec![software]),

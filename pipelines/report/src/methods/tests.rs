@@ -110,3 +110,39 @@ fn of_recordings_of_others_no_loop_and_no_order_is_told() {
     }
     assert!(foreign.contains("TODO: describe how they were taken"), "{foreign}");
 }
+
+#[test]
+fn how_thresholds_were_found_is_told_by_task_and_method() {
+    use zwidth_study::{Asks, Method, Task, TaskEstimate, TaskFit, TaskLevel};
+    let mut study = zwidth_testing::study();
+    assert!(!text(&study, &recorded(8)).contains("## Thresholds"));
+    let level = |value| TaskLevel::nearest(value).unwrap();
+    study.tasks = vec![Task {
+        id: "stiffer".parse().unwrap(),
+        text: "Which one was stiffer?".to_owned(),
+        asks: Asks::MoreOfTwo,
+        environment: study.environments[0].id.clone(),
+        varies: "stiffness_n_per_rad".to_owned(),
+        standard: Some(level(4.0)),
+        method: Method::Constant { levels: vec![level(3.0), level(4.0), level(5.0)], trials: 20 },
+        catch: 0.0,
+        feedback: false,
+        fit: TaskFit::default(),
+        estimate: TaskEstimate::Likelihood,
+    }];
+    let said = text(&study, &recorded(8));
+    for words in ["3 levels with 20 presentations", "Wichmann", "from 0 to 0.06", "Paule"] {
+        assert!(said.contains(words), "{words} in {said}");
+    }
+    study.tasks[0].asks = Asks::Set;
+    study.tasks[0].method = Method::Adjustment {
+        starts: [level(2.0), level(6.0)],
+        step: level(0.5),
+        bounds: [level(1.0), level(8.0)],
+        settings: 6,
+        most_trials: 40,
+    };
+    let said = text(&study, &recorded(1));
+    assert!(said.contains("0.6745") && said.contains("Gescheider"), "{said}");
+    assert!(!said.contains("Wichmann") && !said.contains("Paule"), "{said}");
+}
