@@ -6,6 +6,7 @@
 //! millimetres as people do, and its keys end in their unit.
 
 mod answer;
+mod axes;
 mod calibration;
 mod changes;
 mod compare;
@@ -44,6 +45,7 @@ mod trial;
 mod words;
 
 pub use answer::{AnswerValue, NoAnswer};
+pub use axes::Axes;
 pub use calibration::{Basis, Calibration, CalibrationError, Characteristic};
 pub use changes::{Affects, StudyChange, study_changes};
 pub use compare::{
@@ -83,7 +85,8 @@ pub use seal::{Seal, SealError};
 pub use session::{AskedPair, Check, OrderRecord, PlannedTrial, SessionRecord};
 pub use setup::Setup;
 pub use task::{
-    Asks, Method, Presented, StaircasePlan, Task, TaskFit, TaskLevel, TaskPlace, TaskSigmoid,
+    Asks, Method, Presented, StaircasePlan, Task, TaskEstimate, TaskFit, TaskLevel, TaskPlace,
+    TaskSigmoid, axis,
 };
 pub use template::{template, template_of_imports};
 pub use trial::{Kind, Source, Status, TrialMeta};

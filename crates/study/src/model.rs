@@ -1,9 +1,9 @@
 //! A study as a value: what was planned, in SI units.
 
 use crate::{
-    ActuatorKind, AnswerScale, Channel, Compare, Control, EnvironmentId, Factor, Figures, Levels,
-    ModeId, ModeLaw, OwnMetric, Perception, PersonColumn, QuestionId, ReplayModel, Scene,
-    SceneFigure, Schema, Score, StudyId, Task,
+    ActuatorKind, AnswerScale, Axes, Channel, Compare, Control, EnvironmentId, Factor, Figures,
+    Levels, ModeId, ModeLaw, OwnMetric, Perception, PersonColumn, QuestionId, ReplayModel, Scene,
+    SceneFigure, Schema, Score, StudyId, Task, TaskLevel,
 };
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -57,6 +57,8 @@ pub struct Study {
     pub scores: Vec<Score>,
     /// What can be felt, measured by answers.
     pub tasks: Vec<Task>,
+    /// The axes of space, where positions and forces are recorded in three.
+    pub axes: Option<Axes>,
     /// What modes and environments have in common, in the order of the file.
     pub factors: Vec<Factor>,
 }
@@ -75,6 +77,34 @@ impl Study {
     /// The question of that id.
     pub fn question(&self, id: &QuestionId) -> Option<&Question> {
         self.questions.iter().find(|q| q.id == *id)
+    }
+
+    /// The task of that id.
+    pub fn task(&self, id: &QuestionId) -> Option<&Task> {
+        self.tasks.iter().find(|task| task.id == *id)
+    }
+
+    /// The tasks in which an environment varies, in the order of the file.
+    pub fn tasks_in<'s>(&'s self, id: &'s EnvironmentId) -> impl Iterator<Item = &'s Task> {
+        self.tasks.iter().filter(move |task| task.environment == *id)
+    }
+
+    /// The unit of a task's levels: `N/rad`. Of what others varied it is the end of its name.
+    pub fn task_unit(&self, task: &Task) -> String {
+        let environment = self.environment(&task.environment);
+        let keys = environment.map(|own| own.keys(self.coordinate)).unwrap_or_default();
+        let own = keys.iter().find(|(key, _)| *key == task.varies).map(|(_, unit)| *unit);
+        own.or_else(|| task.varies.rsplit('_').next()).unwrap_or("1").to_owned()
+    }
+
+    /// The environment of a task at a level; `None` if there is none that has the number. Where nothing is rendered, a level
+    /// changes nothing.
+    pub fn environment_at(&self, task: &Task, level: TaskLevel) -> Option<Environment> {
+        let environment = self.environment(&task.environment)?;
+        match environment.scene {
+            Scene::None => Some(environment.clone()),
+            _ => environment.varied(&task.varies, level.value(), self.coordinate),
+        }
     }
 
     /// The scores whose questions are all asked after trials of an environment, and whose pairs are
@@ -302,7 +332,8 @@ pub struct Question {
 
 impl Question {
     /// Whether its answers rate what was felt: they have an order, and are tallied and compared.
-    /// Those to the question which mode it was do not, nor do the weights of a score.
+    /// Those to the question which mode it was do not, nor do the weights of a score and the answers
+    /// to tasks.
     pub fn is_rating(&self) -> bool {
         !self.scale.is_nominal() && !self.is_weight
     }
@@ -316,6 +347,11 @@ impl Question {
     /// ([`Score::pairs`]).
     pub fn is_pair(&self) -> bool {
         matches!(self.scale, AnswerScale::Pair(_))
+    }
+
+    /// Whether it is the question of a task: the program adds it itself, and asks it after each presentation of the task.
+    pub fn is_of_task(&self) -> bool {
+        matches!(self.scale, AnswerScale::Task(_))
     }
 }
 

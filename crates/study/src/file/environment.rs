@@ -1,6 +1,6 @@
 //! `[[environments]]` of `study.toml`: the keys of a scene's numbers, in both coordinates.
 
-use super::check::Check;
+use super::check::{Check, FARTHEST_DEG, FARTHEST_MM};
 use crate::model::{Coordinate, Environment};
 use crate::scene::SceneNumber;
 use crate::{EnvironmentId, Levels, QuestionId, SceneKind};
@@ -145,33 +145,46 @@ impl Check<'_> {
         quantity: SceneNumber,
         coordinate: Coordinate,
     ) -> f64 {
-        let [(deg_key, deg), (mm_key, mm)] = e.entries(quantity);
-        if matches!(quantity, SceneNumber::Rest | SceneNumber::Wall) {
-            return self.position(at, [deg_key, mm_key], [deg, mm], coordinate, None);
-        }
+        let [rotational, linear] = e.entries(quantity);
         let (key, value) = match coordinate {
-            Coordinate::Rotational => (deg_key, deg),
-            Coordinate::Linear { .. } => (mm_key, mm),
+            Coordinate::Rotational => rotational,
+            Coordinate::Linear { .. } => linear,
         };
         let key = format!("{at}.{key}");
         let value = self.required(&key, value);
-        let value = match quantity {
-            SceneNumber::Force => self.near(&key, value, LARGEST_N),
-            _ => self.not_negative(&key, value),
-        };
-        quantity.si(value, coordinate)
+        self.typed(&key, quantity, value, coordinate)
     }
 
     /// By how much the environment is rendered late, s: at once unless it says so.
     fn delay(&mut self, at: &str, e: &EnvironmentTable, coordinate: Coordinate) -> f64 {
         let Some(delay_ms) = e.delay_ms else { return 0.0 };
-        let key = format!("{at}.delay_ms");
-        let delay_s = SceneNumber::Delay.si(self.not_negative(&key, delay_ms), coordinate);
-        if delay_s > Environment::LONGEST_DELAY_S {
-            let most = SceneNumber::Delay.typed(Environment::LONGEST_DELAY_S, coordinate);
-            self.error(&key, format!("{delay_ms} must be at most {most}"));
+        self.typed(&format!("{at}.delay_ms"), SceneNumber::Delay, delay_ms, coordinate)
+    }
+
+    /// A number as it is typed, in SI units; one that no environment can have is an error.
+    pub(super) fn typed(
+        &mut self,
+        key: &str,
+        number: SceneNumber,
+        value: f64,
+        coordinate: Coordinate,
+    ) -> f64 {
+        let value = match (number, coordinate) {
+            (SceneNumber::Rest | SceneNumber::Wall, Coordinate::Rotational) => {
+                self.near(key, value, FARTHEST_DEG)
+            }
+            (SceneNumber::Rest | SceneNumber::Wall, Coordinate::Linear { .. }) => {
+                self.near(key, value, FARTHEST_MM)
+            }
+            (SceneNumber::Force, _) => self.near(key, value, LARGEST_N),
+            (SceneNumber::Stiffness | SceneNumber::Delay, _) => self.not_negative(key, value),
+        };
+        let si = number.si(value, coordinate);
+        if number == SceneNumber::Delay && si > Environment::LONGEST_DELAY_S {
+            let most = number.typed(Environment::LONGEST_DELAY_S, coordinate);
+            self.error(key, format!("{value} must be at most {most}"));
         }
-        delay_s
+        si
     }
 
     /// A key that the environment's kind or the study's coordinate gives no meaning to is a

@@ -102,7 +102,7 @@ impl Environment {
         }
     }
 
-    fn number_of(&self, key: &str, coordinate: Coordinate) -> Option<SceneNumber> {
+    pub(super) fn number_of(&self, key: &str, coordinate: Coordinate) -> Option<SceneNumber> {
         let mut taken = SceneNumber::ALL.into_iter().filter(|n| self.scene.kind().takes(*n));
         taken.find(|number| number.key(coordinate) == key)
     }
