@@ -6,6 +6,7 @@
 //! millimetres as people do, and its keys end in their unit.
 
 mod answer;
+mod axes;
 mod calibration;
 mod changes;
 mod compare;
@@ -45,6 +46,7 @@ mod trial;
 mod words;
 
 pub use answer::{AnswerValue, NoAnswer};
+pub use axes::Axes;
 pub use calibration::{Basis, Calibration, CalibrationError, Characteristic};
 pub use changes::{Affects, StudyChange, study_changes};
 pub use compare::{

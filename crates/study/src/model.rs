@@ -1,8 +1,8 @@
 //! A study as a value: what was planned, in SI units.
 
 use crate::{
-    ActuatorKind, AnswerScale, Channel, Compare, Control, EnvironmentId, Factor, Figures, Levels,
-    ModeId, ModeLaw, OwnMetric, Perception, PersonColumn, QuestionId, ReplayModel, Scene,
+    ActuatorKind, AnswerScale, Axes, Channel, Compare, Control, EnvironmentId, Factor, Figures,
+    Levels, ModeId, ModeLaw, OwnMetric, Perception, PersonColumn, QuestionId, ReplayModel, Scene,
     SceneFigure, Schema, Score, StudyId, Task, TaskLevel,
 };
 use serde::{Deserialize, Serialize};
@@ -57,6 +57,8 @@ pub struct Study {
     pub scores: Vec<Score>,
     /// What can be felt, measured by answers.
     pub tasks: Vec<Task>,
+    /// The axes of space, where positions and forces are recorded in three.
+    pub axes: Option<Axes>,
     /// What modes and environments have in common, in the order of the file.
     pub factors: Vec<Factor>,
 }
@@ -85,6 +87,14 @@ impl Study {
     /// The tasks in which an environment varies, in the order of the file.
     pub fn tasks_in<'s>(&'s self, id: &'s EnvironmentId) -> impl Iterator<Item = &'s Task> {
         self.tasks.iter().filter(move |task| task.environment == *id)
+    }
+
+    /// The unit of a task's levels: `N/rad`. Of what others varied it is the end of its name.
+    pub fn task_unit(&self, task: &Task) -> String {
+        let environment = self.environment(&task.environment);
+        let keys = environment.map(|own| own.keys(self.coordinate)).unwrap_or_default();
+        let own = keys.iter().find(|(key, _)| *key == task.varies).map(|(_, unit)| *unit);
+        own.or_else(|| task.varies.rsplit('_').next()).unwrap_or("1").to_owned()
     }
 
     /// The environment of a task at a level; `None` if there is none that has the number. Where nothing is rendered, a level

@@ -7,11 +7,16 @@ use serde::{Deserialize, Serialize};
 
 /// A level of what a task varies: a whole number of millionths of its unit, so that what is read is what was written, and
 /// levels are equal or not.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default, Serialize, Deserialize,
+)]
 #[serde(transparent)]
 pub struct TaskLevel(i64);
 
 impl TaskLevel {
+    /// Nothing.
+    pub const ZERO: Self = Self(0);
+
     /// Parts of the unit.
     const PARTS: f64 = 1e6;
 
@@ -202,15 +207,16 @@ words! {
     }
 }
 
+/// No axis has more values.
+pub(crate) const MOST_AXIS: usize = 10_000;
+
 /// The values of a grid's axis, from its first value, its last and its step.
 pub fn axis([from, to, step]: [f64; 3]) -> Vec<f64> {
     /// Of a step: how far the last value may lie beyond the end by rounding alone.
     const ROUNDING: f64 = 1e-6;
-    /// No axis has more values.
-    const MOST: usize = 10_000;
     let steps = ((to - from) / step + ROUNDING).floor();
     // A range that is none has no steps.
-    let n = if steps >= 0.0 { (steps as usize).saturating_add(1).min(MOST) } else { 0 };
+    let n = if steps >= 0.0 { (steps as usize).saturating_add(1).min(MOST_AXIS) } else { 0 };
     (0..n).map(|i| from + i as f64 * step).collect()
 }
 
@@ -317,7 +323,7 @@ mod tests {
         assert_eq!(axis([1.0, 1.0, 1.0]), [1.0]);
         assert_eq!(axis([1.0, 2.9, 1.0]), [1.0, 2.0]);
         assert_eq!([axis([2.0, 1.0, 1.0]).len(), axis([0.0, f64::NAN, 1.0]).len()], [0, 0]);
-        assert_eq!(axis([0.0, 1.0, 0.0]).len(), 10_000);
+        assert_eq!(axis([0.0, 1.0, 0.0]).len(), MOST_AXIS);
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use super::environment::EnvironmentTable;
 use super::people::PersonColumnTable;
 use super::shape::*;
+use super::tasks::TaskTable;
 use super::units::{MILLI, decimal, degrees};
 use crate::model::{Analysis, Coordinate, Study};
 
@@ -69,6 +70,8 @@ impl From<&Study> for File {
             people: s.people.iter().map(PersonColumnTable::of).collect(),
             metrics: s.metrics.clone(),
             scores: s.scores.clone(),
+            tasks: s.tasks.iter().map(TaskTable::of).collect(),
+            axes: s.axes.clone(),
             factors: s.factors.clone(),
         }
     }
