@@ -49,6 +49,7 @@ pub use report::built_in;
 pub use responses::{Responses, responses};
 pub use tables::printed::Printed;
 pub use tables::{printed as printed_tables, write as write_table};
+pub use thresholds::perception;
 pub use trade::{Traded, scenes as trade_scenes};
 pub use zwidth_compare::CurveSpread;
 pub use zwidth_metrics::{in_words as metric_in_words, is_number as is_metric};

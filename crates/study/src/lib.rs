@@ -74,7 +74,7 @@ pub use model::{
 };
 pub use own_metric::{OwnMetric, Statistic, TrialPart};
 pub use people::{Known, People, PeopleForm, Person, PersonColumn, PersonValue};
-pub use perception::{Measured, Perception, VibrationCurve, is_felt};
+pub use perception::{Measured, MeasuredJnd, Perception, VibrationCurve, is_felt};
 pub use printable::{printable, printable_lines};
 pub use replay::ReplayModel;
 pub use sample::{Extra, Flags, MOST_CHANNELS, Sample, Voltages};

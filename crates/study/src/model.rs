@@ -89,12 +89,9 @@ impl Study {
         self.tasks.iter().filter(move |task| task.environment == *id)
     }
 
-    /// The unit of a task's levels: `N/rad`. Of what others varied it is the end of its name.
+    /// The unit of a task's levels, as [`Task::unit`] has it.
     pub fn task_unit(&self, task: &Task) -> String {
-        let environment = self.environment(&task.environment);
-        let keys = environment.map(|own| own.keys(self.coordinate)).unwrap_or_default();
-        let own = keys.iter().find(|(key, _)| *key == task.varies).map(|(_, unit)| *unit);
-        own.or_else(|| task.varies.rsplit('_').next()).unwrap_or("1").to_owned()
+        task.unit().to_owned()
     }
 
     /// The environment of a task at a level; `None` if there is none that has the number. Where nothing is rendered, a level

@@ -78,9 +78,10 @@ impl TaskQuantity {
 
 impl Task {
     /// The unit of its levels: that in which the key of what varies ends.
-    pub fn unit(&self) -> &'static str {
+    pub fn unit(&self) -> &str {
         let of_key = UNITS.iter().find(|(end, _)| self.varies.ends_with(end));
-        of_key.map_or("1", |(_, unit)| unit)
+        let unit = of_key.map(|(_, unit)| *unit);
+        unit.or_else(|| self.varies.rsplit('_').next()).unwrap_or("1")
     }
 
     /// Whether half of the answers to it are positive where nothing differs, so that its threshold is the point of
@@ -221,9 +222,12 @@ mod tests {
     #[test]
     fn a_key_ends_in_its_unit() {
         let mut own = task(Asks::YesNo, staircase(1));
-        for (key, unit) in
-            [("force_n", "N"), ("stiffness_n_per_m", "N/m"), ("delay_ms", "ms"), ("gain", "1")]
-        {
+        for (key, unit) in [
+            ("force_n", "N"),
+            ("stiffness_n_per_m", "N/m"),
+            ("delay_ms", "ms"),
+            ("contrast_db", "db"),
+        ] {
             own.varies = key.to_owned();
             assert_eq!(own.unit(), unit, "{key}");
         }

@@ -4,19 +4,20 @@ use crate::findings::Finding;
 use crate::gallery::Shown;
 use crate::people::capital;
 use zwidth_results::{PeopleThreshold, PsychometricFit};
-use zwidth_study::{Contrast, ModeId, Setup, Task, TaskQuantity, in_a_sentence};
+use zwidth_study::{Contrast, MetricId, ModeId, Setup, Task, TaskQuantity, in_a_sentence};
 use zwidth_tables::{number, p_value, shown_unit, with_unit};
 
 /// Digits that a number of its own has besides its first, where no error sets them.
 const DIGITS: f64 = 100.0;
 
 /// Every difference between modes in a threshold or JND in a sentence, JNDs as ratios with the Weber fractions of both
-/// modes; where modes are not compared the means; and who has no estimate.
+/// modes; where modes are not compared the means; and who has no estimate. Those of `primary` metrics are answers.
 pub fn felt_thresholds(
     study: &Setup,
     tasks: &[Task],
     fits: &[PsychometricFit],
     rows: &[PeopleThreshold],
+    primary: &[MetricId],
 ) -> Vec<Finding> {
     let mut findings = Vec::new();
     for task in tasks {
@@ -30,7 +31,11 @@ pub fn felt_thresholds(
                 true => own.iter().filter_map(|row| mean(study, task, row)).collect(),
                 false => compared,
             };
-            findings.extend(told.into_iter().map(|text| Finding::new(text, shown())));
+            let is_primary = own.first().is_some_and(|row| primary.contains(&row.metric));
+            findings.extend(
+                told.into_iter()
+                    .map(|text| Finding { is_answer: is_primary, ..Finding::new(text, shown()) }),
+            );
         }
         let missing = fits.iter().filter(|fit| fit.task == task.id);
         let missing: Vec<String> = missing
@@ -87,9 +92,11 @@ fn difference(
     let what = row.quantity.in_words();
     let [first, second] = [mode, against].map(|mode| mode_label(study, mode));
     let size = if row.quantity == TaskQuantity::Jnd {
-        let whole = with_interval(row, 1.0, "");
-        let (ratio, interval) = whole.split_at(whole.find(' ').unwrap_or(whole.len()));
-        format!("the {what} with {first} is {ratio} times that with {second}{interval}")
+        let interval = match (row.ci_low, row.ci_high) {
+            (Some(low), Some(high)) => format!(" [{low:.2}, {high:.2}]"),
+            _ => String::new(),
+        };
+        format!("the {what} with {first} is {:.2} times that with {second}{interval}", row.estimate)
     } else {
         let direction = if row.estimate < 0.0 { "lower" } else { "higher" };
         let turned = match row.estimate < 0.0 {
@@ -119,13 +126,15 @@ fn difference(
     let weighted =
         row.weighted.filter(|_| row.weighted_n == row.n && row.weighted_p_value.is_some());
     let beside = weighted.map(|weighted| {
-        let factor = if row.quantity == TaskQuantity::Jnd { 1.0 } else { factor };
-        let unit = if row.quantity == TaskQuantity::Jnd { "" } else { unit.as_str() };
-        let error = weighted.abs() * factor / DIGITS;
-        format!(
-            "; weighed by everybody's own errors {}",
-            with_unit(&number(weighted * factor, Some(error)), unit)
-        )
+        let amount = match row.quantity {
+            TaskQuantity::Jnd => format!("{weighted:.2}"),
+            _ => {
+                let error = row.ci_low.zip(row.ci_high).map(|(low, high)| (high - low) / 4.0);
+                let error = error.map(|error| error * factor);
+                with_unit(&number(weighted * factor, error), &unit)
+            }
+        };
+        format!("; weighed by everybody's own errors {amount}")
     });
     Some(format!(
         "“{}”: {size}{}{}{} ({people}).",

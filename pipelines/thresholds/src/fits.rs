@@ -31,6 +31,13 @@ pub struct Parameters {
     pub modes: Vec<ModeId>,
     /// Level of every interval, as a fraction.
     pub level: f64,
+    /// How often answers are drawn from each curve to see whether it describes those that were given; 0: not at all.
+    pub draws: usize,
+}
+
+impl Parameters {
+    /// Draws where nobody needs fewer.
+    pub const DRAWS: usize = deviance::DRAWS;
 }
 
 /// What the answers tell.
@@ -73,7 +80,7 @@ pub fn thresholds(answers: &[Answered], parameters: &Parameters) -> Found {
         own.answers.sort_by_key(|answer| (answer.track, answer.presentation, answer.trial));
     }
     // `par_iter` keeps the order, and each fit has its own draws: the same rows with any number of threads.
-    let found: Vec<_> = groups.par_iter().map(|own| found(own, parameters.level)).collect();
+    let found: Vec<_> = groups.par_iter().map(|own| found(own, parameters)).collect();
     let mut all = Found::default();
     for (own, (fit, reversals)) in groups.iter().zip(found) {
         all.presentations.extend(presentations(own, &reversals));
@@ -87,16 +94,16 @@ pub fn thresholds(answers: &[Answered], parameters: &Parameters) -> Found {
 }
 
 /// What one person's answers tell in one session and mode, and the places of its answers at which levels turned.
-fn found(own: &Own, level: f64) -> (Option<PsychometricFit>, Vec<usize>) {
+fn found(own: &Own, parameters: &Parameters) -> (Option<PsychometricFit>, Vec<usize>) {
     let Some(empty) = empty(own) else { return (None, Vec::new()) };
     let row = match &own.task.method {
-        Method::Constant { .. } => of_curve(own, level, empty),
+        Method::Constant { .. } => of_curve(own, parameters, empty),
         Method::Staircase(plan) => {
             let (row, reversals) = of_staircases(own, plan, empty);
             return (Some(row), reversals);
         }
         Method::QuestPlus { .. } => of_quest(own, empty),
-        Method::Adjustment { .. } => of_settings(own, level, empty),
+        Method::Adjustment { .. } => of_settings(own, parameters.level, empty),
     };
     (Some(row), Vec::new())
 }
@@ -159,19 +166,20 @@ fn refused(row: PsychometricFit, why: impl std::fmt::Display) -> PsychometricFit
 }
 
 /// Constant stimuli: the curve with its intervals, and whether it describes the answers.
-fn of_curve(own: &Own, level: f64, row: PsychometricFit) -> PsychometricFit {
+fn of_curve(own: &Own, parameters: &Parameters, row: PsychometricFit) -> PsychometricFit {
     let Some(model) = plans::model(own.task) else {
         return refused(row, "the person set the level, which constant stimuli do not allow");
     };
     let answers = levels::answers(own);
-    let fit = match fit::fit(&answers, &model, level) {
+    let fit = match fit::fit(&answers, &model, parameters.level) {
         Ok(fit) => fit,
         Err(error) => return refused(row, error),
     };
     let row = PsychometricFit { verdict: verdict(fit.verdict), ..row };
     let Some(fitted) = fit.fitted else { return row };
-    let sampling = Sampling { draws: deviance::DRAWS, seed: SEED };
+    let sampling = Sampling { draws: parameters.draws, seed: SEED };
     let p_value = deviance::p_value(&answers, &model, &fitted.curve, sampling);
+    let p_value = p_value.ok().filter(|_| parameters.draws > 0);
     let Fitted { curve, threshold, jnd, .. } = fitted;
     PsychometricFit {
         threshold: Some(threshold.estimate),
@@ -184,7 +192,7 @@ fn of_curve(own: &Own, level: f64, row: PsychometricFit) -> PsychometricFit {
         ln_jnd_std_error: fitted.ln_jnd_error,
         dispersion: Some(fitted.dispersion),
         deviance: Some(fitted.deviance),
-        deviance_p_value: p_value.ok(),
+        deviance_p_value: p_value,
         ..with_curve(own, row, &curve)
     }
 }

@@ -23,7 +23,7 @@ mod values;
 pub use answered::{Answered, Response};
 pub use fits::{Found, Parameters, thresholds};
 pub use notes::notes;
-pub use over_people::{Means, over_people};
+pub use over_people::{Means, measured, over_people};
 pub use values::{value, values};
 
 /// Version of the algorithms here: a change of any number they give raises it.

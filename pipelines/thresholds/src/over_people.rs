@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use zwidth_results::{Mean, ModeDifference, PeopleThreshold, PsychometricFit, UnitOfAnalysis};
 use zwidth_stats::heterogeneity::{TwoLevel, two_level};
 use zwidth_stats::interval;
-use zwidth_study::{MetricId, ModeId, ParticipantId, SessionId, Task, TaskQuantity};
+use zwidth_study::{MeasuredJnd, MetricId, ModeId, ParticipantId, SessionId, Task, TaskQuantity};
 
 /// What the stage `compare` found; nothing where modes are not compared.
 #[derive(Debug, Clone, Copy)]
@@ -157,6 +157,37 @@ fn difference(
         between_sd: weighted.found.map(|found| found.between.sqrt()),
         weighted_n: weighted.n,
     }
+}
+
+/// What people just notice by each task that tells a JND: the geometric mean over people of everybody's over sessions and
+/// modes, as a share of the standard, of an angle in rad. Of several tasks of one unit the first counts.
+pub fn measured(tasks: &[Task], fits: &[PsychometricFit], level: f64) -> Vec<MeasuredJnd> {
+    let mut all: Vec<MeasuredJnd> = Vec::new();
+    for task in tasks {
+        let Some(unit) = MeasuredJnd::unit_of(task.unit()) else { continue };
+        let standard = task.standard.map_or(0.0, |standard| standard.value());
+        let over = match task.unit() {
+            "rad" => 1.0,
+            "°" => 1_f64.to_degrees(),
+            _ => standard,
+        };
+        if over <= 0.0 || all.iter().any(|own| own.unit == unit) {
+            continue;
+        }
+        let mut people: BTreeMap<&ParticipantId, Vec<f64>> = BTreeMap::new();
+        for fit in fits.iter().filter(|fit| fit.task == task.id) {
+            people.entry(&fit.participant).or_default().extend(value(fit, TaskQuantity::Jnd));
+        }
+        people.retain(|_, own| !own.is_empty());
+        let of_person = |own: &Vec<f64>| own.iter().sum::<f64>() / own.len() as f64;
+        let values: Vec<f64> = people.values().map(of_person).collect();
+        let Ok(found) = interval::mean(&values, level) else { continue };
+        let back = |compared: f64| libm::exp(compared) / over;
+        let Some(jnd) = found.estimate.map(back) else { continue };
+        let ends = found.interval.map(|ends| [back(ends.ci_low), back(ends.ci_high)]);
+        all.push(MeasuredJnd { unit: unit.to_owned(), jnd, ends, n: values.len() });
+    }
+    all
 }
 
 /// A number as it is shown: of a JND no logarithm, so that a difference is a ratio.

@@ -1,6 +1,8 @@
 //! The stage from answers to thresholds over people, held against the values that others computed.
 
-use crate::{Answered, Found, Means, Parameters, Response, notes, over_people, thresholds, values};
+use crate::{
+    Answered, Found, Means, Parameters, Response, measured, notes, over_people, thresholds, values,
+};
 use zwidth_results::{
     FitVerdict, Mean, ModeDifference, PeopleThreshold, PsychometricFit, UnitOfAnalysis, Verdict,
 };
@@ -41,7 +43,7 @@ fn task(asks: Asks, varies: &str, standard: f64, method: Method) -> Task {
 }
 
 fn parameters(task: Task) -> Parameters {
-    Parameters { tasks: vec![task], modes: vec![mode(0), mode(1)], level: 0.95 }
+    Parameters { tasks: vec![task], modes: vec![mode(0), mode(1)], level: 0.95, draws: 199 }
 }
 
 /// An answer of a person in a mode; its number is that of presentation and trial.
@@ -253,6 +255,18 @@ fn over_people_jnds_are_compared_as_ratios_and_weighed_beside() {
     near(difference.weighted_p_value.unwrap(), 0.0075530821, 1e-3);
     assert_eq!((difference.between_sd, difference.weighted_n), (Some(0.0), 8));
     assert_eq!((&*difference.unit, difference.weber_fraction), ("N/m", None));
+}
+
+/// The geometric mean over people of their geometric means over modes, of which Python has each.
+#[test]
+fn what_people_notice_is_a_share_of_the_standard_over_people_and_modes() {
+    let found = eight_people();
+    let [own] = &measured(&[stiffer()], &found.fits, 0.95)[..] else { panic!("one task") };
+    near(own.jnd, (0.0901216351_f64 * 0.125999272).sqrt(), 1e-5);
+    assert_eq!((own.unit.as_str(), own.n), ("N/rad", 8));
+    let [low, high] = own.ends.unwrap();
+    assert!(low < own.jnd && own.jnd < high, "{own:?}");
+    assert!(measured(&[stiffer()], &[], 0.95).is_empty());
 }
 
 /// Counts of right answers of 40 at seven forces, and what a Weibull function makes of them.

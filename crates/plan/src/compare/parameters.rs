@@ -2,7 +2,7 @@
 
 use super::asked::{claims_of_both, compared, compares_curves, took_part};
 use crate::page::preregistered::preregistered;
-use crate::thresholds::ThresholdColumn;
+use crate::thresholds::{self, ThresholdColumn};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use zwidth_compare::{
@@ -96,6 +96,7 @@ impl Comparing<OfMetrics> {
         let curves = compares_curves(data).then_some(&compare.curves).into_iter().flatten();
         let measured: Vec<String> =
             compared.iter().cloned().chain(curves.map(|curve| curve.as_str().to_owned())).collect();
+        let perception = thresholds::perception(data);
         let mut metrics = Vec::new();
         for metric in &compared {
             let mut bounds = compare.bounds.iter();
@@ -118,7 +119,7 @@ impl Comparing<OfMetrics> {
                 bounds: bounds.collect(),
                 // What cannot be felt is not noticed from any difference on.
                 noticed: is_felt(study, metric).then(|| Noticed {
-                    perception: study.perception.clone(),
+                    perception: perception.clone(),
                     lever_m: study.device.lever_m.unwrap_or(0.0),
                     is_slide: matches!(study.coordinate, Coordinate::Linear { .. }),
                     commanded: study
@@ -130,7 +131,7 @@ impl Comparing<OfMetrics> {
             });
         }
         let scores = ScoreColumn::compared(study, &compared);
-        let thresholds = ThresholdColumn::compared(study, &compared);
+        let of_tasks = ThresholdColumn::compared(study, &compared);
         let parameters = Parameters {
             metrics,
             environments: study.environments.iter().map(|e| e.id.clone()).collect(),
@@ -151,7 +152,7 @@ impl Comparing<OfMetrics> {
         let trials = data.counting().any(|trial| trial.meta.source.is_simulated());
         let sessions = data.sessions.iter().any(|log| log.record.source.is_simulated());
         Ok(Self {
-            stage: OfMetrics { parameters, scores, thresholds },
+            stage: OfMetrics { parameters, scores, thresholds: of_tasks },
             simulated: trials || sessions,
         })
     }

@@ -87,7 +87,7 @@ pub(crate) fn jobs(data: &StudyData, findings: &Findings, figures: &[Drawing]) -
             families: settings.families,
             curve_claims: compare::claims_of_both(&data.study)[0],
             has_groups: settings.groups.is_some() && people::participants(data) > 1,
-            perception: data.study.perception.clone(),
+            perception: crate::thresholds::perception(data),
             of_plant: compare::compared(data)
                 .into_iter()
                 .filter(|metric| zwidth_metrics::is_of_plant(metric))

@@ -28,7 +28,7 @@ use zwidth_results::{
 };
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, ORIGIN, Stage, strip_root};
 use zwidth_store::{Findings, Signal, StoreError, StudyData};
-use zwidth_study::{Kind, Scene, Setup, Task};
+use zwidth_study::{Kind, MetricId, Scene, Setup, Task};
 use zwidth_tables::{About, Format, Measured, NoteKind, Table, TableError};
 
 /// Its version is raised when the page would be written differently from the same data.
@@ -249,9 +249,11 @@ pub(crate) fn gather(page: &Page, files: &Files, making: &Making) -> Result<Gath
         });
         all.any(|metric| metric == own.metric.metric)
     };
-    let of_compared: Vec<ComparedMetric> =
-        of_compared.into_iter().filter(|own| !is_of_tasks(own)).collect();
-    let felt = felt(page, files)?;
+    let (of_tasks, of_compared) =
+        of_compared.into_iter().partition::<Vec<ComparedMetric>, _>(|own| is_of_tasks(own));
+    let primary = of_tasks.iter().filter(|own| own.metric.role == Role::Primary);
+    let felt =
+        felt(page, files, &primary.map(|own| own.metric.metric.clone()).collect::<Vec<_>>())?;
     let mut sentences = zwidth_report::contrasts(&page.planned, &of_compared);
     let [primary, others] = primary_first(&of_compared);
     for primary in primary {
@@ -330,12 +332,12 @@ fn list_findings(
 }
 
 /// What tasks tell can be felt.
-fn felt(page: &Page, files: &Files) -> Result<Vec<Finding>, TableError> {
+fn felt(page: &Page, files: &Files, primary: &[MetricId]) -> Result<Vec<Finding>, TableError> {
     let Some((fits, over)) = &files.thresholds else { return Ok(Vec::new()) };
     let fits = fits.read_if_made()?.unwrap_or_default();
     let over = over.as_ref().map(Derived::read_if_made).transpose()?.flatten();
     let rows = over.unwrap_or_default();
-    Ok(zwidth_report::felt_thresholds(&page.planned, &page.tasks, &fits, &rows))
+    Ok(zwidth_report::felt_thresholds(&page.planned, &page.tasks, &fits, &rows, primary))
 }
 
 /// What runs of the model show: the cheapest that could not be told from the right one, and the

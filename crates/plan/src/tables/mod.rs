@@ -33,7 +33,7 @@ pub fn printed(data: &StudyData) -> Vec<Printed> {
     [
         mark(of_trials(data), trials),
         mark(likert::printed(data), answers),
-        mark(thresholds::printed(data), answers),
+        thresholds::printed(data),
         // These are marked by themselves.
         compare::tables(data),
         curves::tables(data),

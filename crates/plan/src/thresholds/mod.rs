@@ -8,6 +8,7 @@ use crate::compare;
 use crate::shared::handle::{Derived, write_named};
 use crate::shared::making::derived;
 use crate::shared::trials::origins;
+use crate::tables::printed::Printed;
 use serde::Serialize;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -16,7 +17,7 @@ use zwidth_results::{
 };
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, Stage};
 use zwidth_store::{StudyData, TaskAnswer};
-use zwidth_study::{Asks, Method, MetricId, Study, Task, TaskQuantity};
+use zwidth_study::{Asks, Method, MetricId, Perception, Study, Task, TaskQuantity};
 use zwidth_tables::{Column, Measured, Table, TableError};
 use zwidth_thresholds::{Answered, Means, Parameters, Response};
 
@@ -69,9 +70,13 @@ pub(crate) fn has_answers(data: &StudyData, metric: &str) -> bool {
 }
 
 /// The tables that people read.
-pub(crate) fn printed(data: &StudyData) -> Vec<PathBuf> {
+pub(crate) fn printed(data: &StudyData) -> Vec<Printed> {
     let Some(tables) = of_study(data) else { return Vec::new() };
-    [over_people(data).files(), tables.fits.files(), tables.by_level.files()].concat()
+    let files = [over_people(data).files(), tables.fits.files(), tables.by_level.files()].concat();
+    let simulated = is_simulated(&answered(data));
+    // A method has no numbers of another.
+    let table = |file: &PathBuf| Printed::without_empty_columns(file).marked(simulated);
+    files.iter().map(table).collect()
 }
 
 /// The answers that count, as the stage takes them. Of adaptive methods without those of the presentations at the standard
@@ -152,7 +157,8 @@ impl ThresholdColumn {
         use zwidth_results::Row as _;
         let (keys, values) = zwidth_thresholds::values(fits, &self.task, self.quantity);
         let mut columns = zwidth_results::TrialKey::columns(&keys);
-        let mut column = Column::float("", &self.unit, "", values);
+        let mut column = Column::float("", "", "", values);
+        column.field.unit = self.unit.clone().into();
         column.field.name = self.metric.to_string().into();
         column.field.description = self.words.clone().into();
         columns.push(column);
@@ -184,15 +190,31 @@ fn is_simulated(answers: &[Answered]) -> bool {
     answers.iter().any(|answer| answer.source.is_simulated())
 }
 
+fn fitting(study: &Study, draws: usize) -> Parameters {
+    Parameters {
+        tasks: study.tasks.clone(),
+        modes: study.modes.iter().map(|mode| mode.id.clone()).collect(),
+        level: study.analysis.confidence,
+        draws,
+    }
+}
+
+/// What people of the study can feel: others' findings, or where `[perception] jnd` says so what its tasks measured.
+pub fn perception(data: &StudyData) -> Perception {
+    let own = &data.study.perception;
+    if !own.is_measured || data.study.tasks.is_empty() {
+        return own.clone();
+    }
+    let found = zwidth_thresholds::thresholds(&answered(data), &fitting(&data.study, 0));
+    let level = data.study.compare.level;
+    own.with_measured(zwidth_thresholds::measured(&data.study.tasks, &found.fits, level))
+}
+
 pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
     let Some(tables) = of_study(data) else { return Vec::new() };
     let answers = answered(data);
     let parameters = Fitting {
-        parameters: Parameters {
-            tasks: data.study.tasks.clone(),
-            modes: data.study.modes.iter().map(|mode| mode.id.clone()).collect(),
-            level: data.study.analysis.confidence,
-        },
+        parameters: fitting(&data.study, Parameters::DRAWS),
         simulated: is_simulated(&answers),
         answers,
     };

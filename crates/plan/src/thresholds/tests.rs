@@ -1,6 +1,6 @@
 //! A study of eight people whose answers to two tasks come from formulas, from its sessions to the summary.
 
-use crate::thresholds::{answered, fits, over_people};
+use crate::thresholds::{answered, fits, over_people, perception};
 use std::fs;
 use std::path::Path;
 use std::sync::Mutex;
@@ -8,8 +8,9 @@ use zwidth_results::{LevelMethod, Mean, PeopleThreshold, PsychometricFit};
 use zwidth_runner::{JobEnd, Options, Results};
 use zwidth_store::{Answer, Findings, Layout, RealFiles, SessionLog, StudyData};
 use zwidth_study::{
-    Asks, Condition, Kind, Method, PlannedTrial, QuestionId, SessionRecord, Source, StaircasePlan,
-    Study, Task, TaskEstimate, TaskFit, TaskLevel, TaskPlace, TaskQuantity,
+    AnswerScale, Asks, Condition, Kind, Method, Perception, PlannedTrial, Question, QuestionId,
+    SessionRecord, Source, StaircasePlan, Study, Task, TaskEstimate, TaskFit, TaskLevel, TaskPlace,
+    TaskQuantity,
 };
 use zwidth_tables::Table;
 
@@ -63,6 +64,17 @@ fn study() -> Study {
         task("stiffer", "Was it stiffer than before?", constant),
         task("equal", "Was it more?", staircase),
     ];
+    for task in &study.tasks {
+        study.questions.push(Question {
+            id: task.id.clone(),
+            text: task.text.clone(),
+            group: None,
+            scale: AnswerScale::Task(task.asks),
+            reversed: false,
+            label: None,
+            is_weight: false,
+        });
+    }
     study
 }
 
@@ -218,11 +230,12 @@ fn thresholds_go_from_answers_to_the_comparison_and_the_summary() {
     assert_eq!(ratio.n, 8);
     let mean: Vec<Mean> = crate::compare::of_study(&data).unwrap().table().read().unwrap();
     let metrics: Vec<&str> = mean.iter().map(|row| row.metric.as_str()).collect();
-    assert_eq!(metrics.len(), 6, "{metrics:?}");
+    assert_eq!(metrics.len(), 3 * 2, "{metrics:?}");
     let summary = fs::read_to_string(data.layout.reports().join("summary.md")).unwrap();
-    let told = "the JND with hybrid is 1.40 times that with active [1.24, 1.57], t(7) = 6.7, p = 0.000269; \
+    let told = "the JND with hybrid is 1.40 times that with active [1.24, 1.57], t(7) = 6.7, p < 0.001; \
                 Weber fractions 0.13 and 0.09";
-    assert!(summary.contains(told), "{summary}");
+    // Brackets are escaped in Markdown.
+    assert!(summary.replace('\\', "").contains(told), "{summary}");
     let tables = data.layout.reports().join("tables");
     for table in ["psychometric", "thresholds", "answers_by_level"] {
         let table = Table::from_parquet(&tables.join(format!("{table}.parquet"))).unwrap();
@@ -246,4 +259,19 @@ fn a_study_without_tasks_has_no_job_of_this_stage() {
     let jobs = crate::jobs(&data, &Findings::default());
     assert!(jobs.iter().all(|job| job.stage.name != "thresholds"));
     assert!(super::printed(&data).is_empty());
+}
+
+#[test]
+fn what_people_notice_takes_the_place_of_others_findings_where_it_is_asked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut data = data(folder.path());
+    assert_eq!(perception(&data), data.study.perception);
+    data.study.perception.is_measured = true;
+    let own = perception(&data);
+    let expected = (0.090_121_635_1_f64 * 0.125_999_272).sqrt();
+    assert!((own.compliance_share - expected).abs() < 1e-6, "{own:?}");
+    let source = own.source("N/rad").unwrap();
+    assert!(source.contains("measured: 8 participants of this study"), "{source}");
+    let usual = Perception::default();
+    assert_eq!(own.source("N"), usual.source("N"));
 }

@@ -1285,7 +1285,7 @@ mod tests {
             Study::from_toml(&format!("{text}\n[[tasks]]\n{keys}\n"))
         };
         let study = imported("varies = \"grating_um\"").unwrap();
-        assert_eq!(study.task_unit(&study.tasks[0]), "um");
+        assert_eq!(study.task_unit(&study.tasks[0]), "µm");
         check_refused(imported("varies = \"Grating\""), "tasks[0].varies", "end in its unit");
         let own = with(&constant("", "")).unwrap();
         assert_eq!(own.task_unit(&own.tasks[0]), "N/rad");

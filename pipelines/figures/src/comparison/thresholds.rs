@@ -1,7 +1,7 @@
 //! What can be felt: shares of answers with their curves, staircases, and thresholds over people.
 
-use super::compared::{or_note, zero};
-use crate::words::{logarithm, mark, percent, plain};
+use super::compared::or_note;
+use crate::words::{mark, percent, plain};
 use crate::{About, FigureKind};
 use std::collections::{BTreeMap, BTreeSet};
 use zwidth_draw::style::{self, Stroke};
@@ -32,6 +32,8 @@ pub const THRESHOLDS: FigureKind =
 
 /// Height of a panel, mm.
 const PANEL_MM: f64 = 50.0;
+/// Height of one of differences, mm.
+const DIFFERENCE_MM: f64 = 34.0;
 /// So many panels stand beside each other.
 const COLUMNS: usize = 3;
 /// Diameter of a point of one answer, pt; areas are in proportion to the answers.
@@ -318,8 +320,8 @@ pub fn staircases(about: &About, of: OfPerson, presentations: &[Presentation]) -
     of.figure(about, panels, "levels over presentations", notes)
 }
 
-/// Everybody's thresholds of a task by mode, and their JNDs on a logarithmic axis: dots of people joined over modes, means
-/// with intervals beside them; below each the differences between modes.
+/// Everybody's thresholds of a task by mode, and their JNDs: dots of people joined over modes, means with intervals beside
+/// them (of JNDs geometric ones); below each the differences between modes, of JNDs the ratios.
 pub fn thresholds(
     about: &About,
     task: &Task,
@@ -332,10 +334,7 @@ pub fn thresholds(
     let mut notes = Vec::new();
     for (column, quantity) in task.quantities().into_iter().enumerate() {
         let is_ratio = quantity == TaskQuantity::Jnd;
-        let shown = |value: f64| {
-            let value = levels.of_value(value);
-            if is_ratio { logarithm(value) } else { value }
-        };
+        let shown = |value: f64| levels.of_value(value);
         let value = |fit: &PsychometricFit| {
             let own = if is_ratio { fit.jnd } else { fit.threshold };
             own.filter(|_| fit.verdict.is_estimated())
@@ -350,7 +349,14 @@ pub fn thresholds(
             own[at].extend(value(fit).map(shown));
         }
         let mut layers = Vec::new();
-        let of_mode = |own: &Vec<f64>| own.iter().sum::<f64>() / own.len() as f64;
+        // Over a person's sessions as they are compared: JNDs by their logarithms.
+        let of_mode = |own: &Vec<f64>| {
+            let n = own.len() as f64;
+            match is_ratio {
+                true => libm::exp(own.iter().map(|jnd| libm::log(*jnd)).sum::<f64>() / n),
+                false => own.iter().sum::<f64>() / n,
+            }
+        };
         for own in people.values() {
             layers.push(Layer::Line(Line {
                 x: (0..own.len()).map(|place| place as f64).collect(),
@@ -374,16 +380,12 @@ pub fn thresholds(
             }
         }
         let modes = Axis::categories(about.modes.iter().map(|mode| plain(&mode.label)));
-        let y = match is_ratio {
-            true => crate::words::powers_axis("JND", &levels.unit),
-            false => Axis::new(quantity.in_words(), levels.unit.as_str()),
-        };
+        let y = Axis::new(quantity.in_words(), levels.unit.as_str());
         panels.push(Panel::new(Cell::at(0, column), modes, y, layers).tall(PANEL_MM));
         let contrasts: Vec<&PeopleThreshold> =
             rows().filter(|row| row.contrast.is_some()).collect();
         if !contrasts.is_empty() {
-            let factor = if is_ratio { 1.0 } else { levels.factor };
-            let number = |value: f64| if is_ratio { libm::log10(value) } else { value * factor };
+            let number = |value: f64| if is_ratio { value } else { levels.of_value(value) };
             let names = contrasts.iter().filter_map(|row| {
                 let contrast = row.contrast.as_ref()?;
                 Some(plain(&contrast_label(&about.modes, contrast)))
@@ -398,20 +400,24 @@ pub fn thresholds(
             ];
             let at = (0..contrasts.len()).map(|place| place as f64).collect();
             let marks = Intervals::new(Direction::Vertical, at, estimates);
-            let layers = vec![zero(Direction::Horizontal), Layer::Intervals(marks)];
+            // Alike are differences of 0 and ratios of 1.
+            let at = if is_ratio { 1.0 } else { 0.0 };
+            let alike = Reference::new(Direction::Horizontal, at, style::zero());
+            let layers = vec![Layer::Reference(alike), Layer::Intervals(marks)];
             let y = match is_ratio {
-                true => crate::words::powers_axis("ratio of JNDs", ""),
+                true => Axis::new("ratio of JNDs", ""),
                 false => Axis::new("difference", levels.unit.as_str()),
             };
             let x = Axis::categories(names);
-            panels.push(Panel::new(Cell::at(1, column), x, y, layers).tall(PANEL_MM));
+            panels.push(Panel::new(Cell::at(1, column), x, y, layers).tall(DIFFERENCE_MM));
             notes.extend(contrasts.iter().filter_map(|row| told(about, row, &levels)));
         }
     }
     let columns = task.quantities().len();
     notes.push(format!(
-        "A line joins one person's values. Whiskers: {} intervals, not adjusted; of JNDs of their logarithms.",
-        percent(about.confidence)
+        "A line joins one person's values. Whiskers: {} intervals, not adjusted.{}",
+        percent(about.confidence),
+        if task.has_jnd() { " Means of JNDs are geometric." } else { "" }
     ));
     Figure {
         title: Some(plain(&format!("{}: {}", about.title, task.text))),

@@ -135,7 +135,7 @@ fn add_study(
         title: traded.scene.name.clone(),
         scene: traded.scene.clone(),
         traded: Some(traded),
-        perception: data.study.perception.clone(),
+        perception: zwidth_plan::perception(data),
         folder: folder.clone(),
     }));
     requested.studies.push(Study { data, folder, name });
