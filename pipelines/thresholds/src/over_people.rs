@@ -5,15 +5,19 @@
 //! by the errors of their own, where they answered unequally often. It stands beside, and no claim rests on it.
 
 use crate::values::{std_error, value};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use zwidth_results::{Mean, ModeDifference, PeopleThreshold, PsychometricFit, UnitOfAnalysis};
 use zwidth_stats::heterogeneity::{TwoLevel, two_level};
 use zwidth_stats::interval;
-use zwidth_study::{MeasuredJnd, MetricId, ModeId, ParticipantId, SessionId, Task, TaskQuantity};
+use zwidth_study::{
+    Contrast, MeasuredJnd, MetricId, ModeId, ParticipantId, SessionId, Task, TaskQuantity,
+};
 
-/// What the stage `compare` found; nothing where modes are not compared.
+/// What the stage `compare` found; nothing where modes are not compared, or of one person.
 #[derive(Debug, Clone, Copy)]
 pub struct Means<'a> {
+    /// Differences between modes that the study asks for.
+    pub asked: &'a [Contrast],
     /// Means by condition.
     pub means: &'a [Mean],
     /// Differences between modes.
@@ -48,7 +52,16 @@ pub fn over_people(
             }
             rows.extend(means.iter().map(|row| mean(&measured, row, &own, level)));
             let contrasts = found.contrasts.iter().filter(|row| row.metric == measured.metric);
+            let before = rows.len();
             rows.extend(contrasts.map(|row| difference(&measured, row, &own, level)));
+            if rows.len() == before {
+                rows.extend(
+                    found
+                        .asked
+                        .iter()
+                        .filter_map(|own_contrast| described(&measured, own_contrast, &own)),
+                );
+            }
         }
     }
     rows
@@ -188,6 +201,54 @@ pub fn measured(tasks: &[Task], fits: &[PsychometricFit], level: f64) -> Vec<Mea
         all.push(MeasuredJnd { unit: unit.to_owned(), jnd, ends, n: values.len() });
     }
     all
+}
+
+/// A difference that nothing is compared for: one person's two values describe that person.
+fn described(
+    measured: &Measured,
+    contrast: &Contrast,
+    fits: &[&PsychometricFit],
+) -> Option<PeopleThreshold> {
+    let Measured { task, quantity, metric } = measured;
+    let is_of = |fit: &&&PsychometricFit, mode: &ModeId| fit.mode == *mode;
+    let mut differences = Vec::new();
+    for fit in fits.iter().filter(|fit| is_of(fit, &contrast.mode)) {
+        let mut others = fits.iter().filter(|fit| is_of(fit, &contrast.against));
+        let key = (&fit.participant, &fit.session);
+        let other = others.find(|other| (&other.participant, &other.session) == key);
+        let pair = other.and_then(|other| value(fit, *quantity).zip(value(other, *quantity)));
+        differences.extend(pair.map(|(own, other)| (key.0, own - other)));
+    }
+    let people: BTreeSet<&ParticipantId> = differences.iter().map(|(who, _)| *who).collect();
+    if people.len() != 1 {
+        return None;
+    }
+    let sum: f64 = differences.iter().map(|(_, difference)| difference).sum();
+    let is_ratio = *quantity == TaskQuantity::Jnd;
+    Some(PeopleThreshold {
+        task: task.id.clone(),
+        quantity: *quantity,
+        metric: metric.clone(),
+        environment: task.environment.clone(),
+        mode: None,
+        contrast: Some(contrast.clone()),
+        unit: if is_ratio { "1".into() } else { task.unit().into() },
+        n: 1,
+        estimate: back(*quantity, sum / differences.len() as f64),
+        ci_low: None,
+        ci_high: None,
+        statistic: None,
+        df: None,
+        p_value: None,
+        p_adjusted: None,
+        weber_fraction: None,
+        weighted: None,
+        weighted_ci_low: None,
+        weighted_ci_high: None,
+        weighted_p_value: None,
+        between_sd: None,
+        weighted_n: 0,
+    })
 }
 
 /// A number as it is shown: of a JND no logarithm, so that a difference is a ratio.

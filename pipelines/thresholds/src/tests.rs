@@ -189,7 +189,7 @@ fn compared(found: &Found, quantity: TaskQuantity) -> (Vec<Mean>, ModeDifference
 
 fn of_people(found: &Found, quantity: TaskQuantity) -> Vec<PeopleThreshold> {
     let (means, difference) = compared(found, quantity);
-    let found_by = Means { means: &means, contrasts: &[difference] };
+    let found_by = Means { asked: &[], means: &means, contrasts: &[difference] };
     over_people(&[stiffer()], &found.fits, found_by, 0.95)
 }
 
@@ -255,6 +255,19 @@ fn over_people_jnds_are_compared_as_ratios_and_weighed_beside() {
     near(difference.weighted_p_value.unwrap(), 0.0075530821, 1e-3);
     assert_eq!((difference.between_sd, difference.weighted_n), (Some(0.0), 8));
     assert_eq!((&*difference.unit, difference.weber_fraction), ("N/m", None));
+}
+
+#[test]
+fn one_person_is_described_without_a_test() {
+    let both = [0, 1].map(|in_mode| answers(1, in_mode, &counts(1, in_mode))).concat();
+    let found = thresholds(&both, &parameters(stiffer()));
+    let asked = ["hybrid − active".parse().unwrap()];
+    let nothing = Means { asked: &asked, means: &[], contrasts: &[] };
+    let rows = over_people(&[stiffer()], &found.fits, nothing, 0.95);
+    assert_eq!(rows.len(), 2 * 3);
+    let ratio = rows.iter().find(|row| &*row.unit == "1").unwrap();
+    near(ratio.estimate, 37.552 / 27.262, 1e-4);
+    assert!(rows.iter().all(|row| row.n == 1 && row.p_value.is_none() && row.ci_low.is_none()));
 }
 
 /// The geometric mean over people of their geometric means over modes, of which Python has each.

@@ -17,7 +17,7 @@ use zwidth_results::{
 };
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, Stage};
 use zwidth_store::{StudyData, TaskAnswer};
-use zwidth_study::{Asks, Method, MetricId, Perception, Study, Task, TaskQuantity};
+use zwidth_study::{Asks, Contrast, Method, MetricId, Perception, Study, Task, TaskQuantity};
 use zwidth_tables::{Column, Measured, Table, TableError};
 use zwidth_thresholds::{Answered, Means, Parameters, Response};
 
@@ -56,17 +56,16 @@ pub(crate) fn fits(data: &StudyData) -> Option<Derived<PsychometricFit>> {
     of_study(data).map(|tables| tables.fits)
 }
 
-/// Thresholds over people, if several answered a task.
+/// Thresholds over people, if a task was answered.
 pub(crate) fn over_people(data: &StudyData) -> Option<Derived<PeopleThreshold>> {
-    let answers = if data.study.tasks.is_empty() { Vec::new() } else { answered(data) };
-    let people: BTreeSet<_> = answers.iter().map(|answer| &answer.participant).collect();
-    (people.len() > 1).then(|| Derived::within(&derived(&data.layout, STAGE.name)))
+    of_study(data).map(|_| Derived::within(&derived(&data.layout, STAGE.name)))
 }
 
-/// Whether somebody answered the task of a metric.
+/// Whether several people answered the task of a metric: one has a value in each mode, of which there is no test.
 pub(crate) fn has_answers(data: &StudyData, metric: &str) -> bool {
-    let task = data.study.task_metric(metric).map(|(task, _)| &task.id);
-    task.is_some_and(|id| data.answers.iter().any(|answer| answer.question == *id))
+    let Some((task, _)) = data.study.task_metric(metric) else { return false };
+    let own = data.answers.iter().filter(|answer| answer.question == task.id);
+    own.map(|answer| &answer.participant).collect::<BTreeSet<_>>().len() > 1
 }
 
 /// The tables that people read.
@@ -179,6 +178,7 @@ struct Fitting {
 #[derive(Serialize)]
 struct OverPeople {
     tasks: Vec<Task>,
+    contrasts: Vec<Contrast>,
     level: f64,
     simulated: bool,
 }
@@ -227,6 +227,7 @@ pub(crate) fn jobs_over_people(data: &StudyData) -> Vec<Job> {
     let (Some(fits), Some(results)) = (fits(data), over_people(data)) else { return Vec::new() };
     let parameters = OverPeople {
         tasks: data.study.tasks.clone(),
+        contrasts: data.study.compare.contrasts.clone(),
         level: data.study.compare.level,
         simulated: is_simulated(&answered(data)),
     };
@@ -262,8 +263,8 @@ fn make_over(
         Some((means, contrasts)) => (means.read()?, contrasts.read()?),
         None => (Vec::new(), Vec::new()),
     };
-    let OverPeople { tasks, level, simulated } = parameters;
-    let found = Means { means: &means, contrasts: &contrasts };
+    let OverPeople { tasks, contrasts: asked, level, simulated } = parameters;
+    let found = Means { asked, means: &means, contrasts: &contrasts };
     let rows = zwidth_thresholds::over_people(tasks, &fits, found, *level);
     let table = Table::of_rows(&rows)?.with_note(
         "Of a JND means are geometric and differences of modes are ratios: it is compared by its natural logarithm. The \

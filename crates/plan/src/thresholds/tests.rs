@@ -262,6 +262,20 @@ fn a_study_without_tasks_has_no_job_of_this_stage() {
 }
 
 #[test]
+fn one_person_is_told_and_not_tested() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut data = data(folder.path());
+    data.sessions.truncate(1);
+    data.answers.retain(|answer| answer.participant.as_str() == "P01");
+    run(&data);
+    let rows: Vec<PeopleThreshold> = over_people(&data).unwrap().read().unwrap();
+    assert_eq!(rows.len(), 3 * 3);
+    assert!(rows.iter().all(|row| row.n == 1 && row.p_adjusted.is_none()), "{rows:?}");
+    let summary = fs::read_to_string(data.layout.reports().join("summary.md")).unwrap();
+    assert!(summary.contains("the JND with hybrid is 1.38 times that with active"), "{summary}");
+}
+
+#[test]
 fn what_people_notice_takes_the_place_of_others_findings_where_it_is_asked_for() {
     let folder = tempfile::tempdir().unwrap();
     let mut data = data(folder.path());

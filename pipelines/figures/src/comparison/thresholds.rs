@@ -43,7 +43,7 @@ const LARGEST_PT: f64 = 11.0;
 /// How far a mean stands beside what it is the mean of, in categories.
 const ASIDE: f64 = 0.16;
 
-/// What people do with the level of a task: its unit as on axes, and what values are multiplied by.
+/// The levels of a task as they stand on axes: what they are, their unit, and what values are multiplied by.
 struct Levels {
     unit: String,
     factor: f64,
@@ -54,7 +54,7 @@ impl Levels {
     fn of(about: &About, task: &Task) -> Self {
         let (unit, factor) = shown_unit(task.unit(), about.coordinate);
         let unit = if unit == "1" { String::new() } else { unit };
-        // The last part of a key's name before its unit says what it is.
+        // The first word of a key says what it is.
         let label = match task.varies.split('_').next() {
             Some("stiffness") => "stiffness",
             Some("force") => "force",
