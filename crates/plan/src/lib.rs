@@ -79,7 +79,7 @@ const OF_DATA: [OfData; 18] = [
     ("compare", curves::jobs),
     ("compare", relations::jobs),
     ("compare", people::jobs),
-    ("thresholds", thresholds::jobs_over_people),
+    ("thresholds", thresholds::over_people::jobs),
     ("trade", trade::jobs),
     ("simulate", scenes::jobs),
 ];

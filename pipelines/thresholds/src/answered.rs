@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 use zwidth_study::{
-    EnvironmentId, ModeId, ParticipantId, QuestionId, SessionId, Source, TaskLevel,
+    EnvironmentId, ModeId, ParticipantId, QuestionId, SessionId, Source, Task, TaskLevel,
 };
 
 /// What was answered about the level of a presentation.
@@ -42,4 +42,10 @@ pub struct Answered {
     pub response: Response,
     /// Where it is from.
     pub source: Source,
+}
+
+/// The answers of one person in one session and mode, in the order of presentations.
+pub(crate) struct Own<'a> {
+    pub(crate) task: &'a Task,
+    pub(crate) answers: Vec<&'a Answered>,
 }

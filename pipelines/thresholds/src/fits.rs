@@ -1,7 +1,7 @@
 //! What the answers of one person tell in one session and mode.
 
-use crate::plans;
-use crate::{Answered, Response, levels};
+use crate::answered::Own;
+use crate::{Answered, Response, levels, plans};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -51,12 +51,6 @@ pub struct Found {
     pub curves: Vec<FittedShare>,
     /// What they tell of everybody in each session and mode.
     pub fits: Vec<PsychometricFit>,
-}
-
-/// The answers of one person in one session and mode, in the order of presentations.
-pub(crate) struct Own<'a> {
-    pub(crate) task: &'a Task,
-    pub(crate) answers: Vec<&'a Answered>,
 }
 
 /// Presentations, answers by level and fits, by task, participant, session and mode. Answers to a task that the study

@@ -1,12 +1,11 @@
 //! The answers by level.
 
-use crate::fits::Own;
+use crate::Response;
+use crate::answered::Own;
 use std::collections::BTreeMap;
 use zwidth_results::LevelTally;
 use zwidth_stats::psychometric::LevelAnswers;
 use zwidth_study::TaskLevel;
-
-use crate::Response;
 
 /// How often each level was answered, and how often positively, from the lowest.
 pub(crate) fn counts(own: &Own) -> BTreeMap<TaskLevel, [usize; 2]> {

@@ -1,10 +1,10 @@
 //! Stage `thresholds`: what the answers to tasks tell of everybody, and over people.
 
 pub(crate) mod figures;
+pub(crate) mod over_people;
 #[cfg(test)]
 mod tests;
 
-use crate::compare;
 use crate::shared::handle::{Derived, write_named};
 use crate::shared::making::derived;
 use crate::shared::trials::origins;
@@ -12,14 +12,12 @@ use crate::tables::printed::Printed;
 use serde::Serialize;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
-use zwidth_results::{
-    FittedShare, LevelTally, Mean, ModeDifference, PeopleThreshold, Presentation, PsychometricFit,
-};
+use zwidth_results::{FittedShare, LevelTally, PeopleThreshold, Presentation, PsychometricFit};
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, Stage};
 use zwidth_store::{StudyData, TaskAnswer};
-use zwidth_study::{Asks, Contrast, Method, MetricId, Perception, Study, Task, TaskQuantity};
+use zwidth_study::{Asks, Method, MetricId, Perception, Study, Task, TaskQuantity};
 use zwidth_tables::{Column, Measured, Table, TableError};
-use zwidth_thresholds::{Answered, Means, Parameters, Response};
+use zwidth_thresholds::{Answered, Parameters, Response};
 
 const STAGE: Stage = Stage { name: "thresholds", version: zwidth_thresholds::VERSION };
 
@@ -174,18 +172,6 @@ struct Fitting {
     simulated: bool,
 }
 
-/// What thresholds over people depend on besides tables.
-#[derive(Serialize)]
-struct OverPeople {
-    tasks: Vec<Task>,
-    contrasts: Vec<Contrast>,
-    level: f64,
-    simulated: bool,
-}
-
-/// Everybody's fits, and what was found of their numbers where modes are compared.
-type Found = (Derived<PsychometricFit>, Option<(Derived<Mean>, Derived<ModeDifference>)>);
-
 fn is_simulated(answers: &[Answered]) -> bool {
     answers.iter().any(|answer| answer.source.is_simulated())
 }
@@ -222,20 +208,6 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
     vec![job.told_by(origins(data))]
 }
 
-/// The job over people, which reads what the stage `compare` found.
-pub(crate) fn jobs_over_people(data: &StudyData) -> Vec<Job> {
-    let (Some(fits), Some(results)) = (fits(data), over_people(data)) else { return Vec::new() };
-    let parameters = OverPeople {
-        tasks: data.study.tasks.clone(),
-        contrasts: data.study.compare.contrasts.clone(),
-        level: data.study.compare.level,
-        simulated: is_simulated(&answered(data)),
-    };
-    let compared = compare::of_study(data).map(|tables| (tables.table(), tables.table()));
-    let inputs: Found = (fits, compared);
-    vec![Job::new(STAGE, "thresholds over people", parameters, inputs, results.files(), make_over)]
-}
-
 fn make(fitting: &Fitting, (): &(), making: &Making) -> Result<Made, JobError> {
     let Fitting { parameters, answers, simulated } = fitting;
     let found = zwidth_thresholds::thresholds(answers, parameters);
@@ -251,25 +223,4 @@ fn make(fitting: &Fitting, (): &(), making: &Making) -> Result<Made, JobError> {
         fits,
     ];
     write_named(tables, making, *simulated)
-}
-
-fn make_over(
-    parameters: &OverPeople,
-    (fits, compared): &Found,
-    making: &Making,
-) -> Result<Made, JobError> {
-    let fits = fits.read()?;
-    let (means, contrasts) = match compared {
-        Some((means, contrasts)) => (means.read()?, contrasts.read()?),
-        None => (Vec::new(), Vec::new()),
-    };
-    let OverPeople { tasks, contrasts: asked, level, simulated } = parameters;
-    let found = Means { asked, means: &means, contrasts: &contrasts };
-    let rows = zwidth_thresholds::over_people(tasks, &fits, found, *level);
-    let table = Table::of_rows(&rows)?.with_note(
-        "Of a JND means are geometric and differences of modes are ratios: it is compared by its natural logarithm. The \
-         test is Student's t of everybody's differences. Beside it the two-level model weighs people by the errors of \
-         their own fits (Paule–Mandel, Hartung–Knapp); no claim rests on it.",
-    );
-    write_named(vec![table], making, *simulated)
 }
