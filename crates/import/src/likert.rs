@@ -196,7 +196,8 @@ fn wide<'a>(context: &Context, trial: &'a RowTrial) -> Result<Wide<'a>, StoreErr
         return Err(StoreError::new(mapping, what, "add [[questions]] to study.toml"));
     }
     // A text that two questions share does not say whose column it heads.
-    let asked: Vec<&Question> = study.questions.iter().filter(|q| !q.is_pair()).collect();
+    let asked: Vec<&Question> =
+        study.questions.iter().filter(|q| !q.is_pair() && !q.is_of_task()).collect();
     let mut questions = asked.iter().enumerate();
     let second = questions.find(|(i, q)| asked[..*i].iter().any(|p| p.text == q.text));
     if let Some((_, question)) = second {

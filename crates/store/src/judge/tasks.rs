@@ -444,8 +444,10 @@ mod tests {
             let text = format!("{text}\n{TASK}{method}");
             std::fs::write(layout.study_toml(), &text).unwrap();
             let study = Study::from_toml(&text).unwrap();
-            let all = order::draw(&study, 1, 1, 3).into_iter();
-            let trials: Vec<PlannedTrial> = all.filter(|t| t.task.is_some()).collect();
+            // Those of the task alone, counted from 1.
+            let all = order::draw(&study, 1, 1, 3).into_iter().filter(|t| t.task.is_some());
+            let trials: Vec<PlannedTrial> =
+                (1..).zip(all).map(|(trial, t)| PlannedTrial { trial, ..t }).collect();
             let seal = is_sealed.then(|| Seal::new([9; 32], &trials));
             let shown = match &seal {
                 Some(seal) => seal.masked(&trials),
