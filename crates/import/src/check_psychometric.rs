@@ -3,7 +3,7 @@
 use super::check::Check;
 use super::convert::Zero;
 use super::label::LabelShape;
-use super::mapping::{Content, SaidFrom, TaskFrom};
+use super::mapping::{Content, EachFrom, SaidFrom, TaskFrom};
 use super::shape::{TaskShape, TrialShape};
 use super::table::ColumnRef;
 
@@ -121,12 +121,8 @@ impl Check<'_> {
                 "is not used beside standard, which is the other interval; remove one of them";
             self.error("task.comparison", what);
         }
-        (self.errors.len() == before).then_some(SaidFrom::Each {
-            answer,
-            positive,
-            correct,
-            standard,
-            comparison,
+        (self.errors.len() == before).then(|| {
+            SaidFrom::Each(Box::new(EachFrom { answer, positive, correct, standard, comparison }))
         })
     }
 }

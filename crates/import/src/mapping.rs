@@ -98,30 +98,39 @@ pub(super) struct TaskFrom {
 #[derive(Debug, Clone)]
 pub(super) enum SaidFrom {
     /// A row a presentation.
-    Each {
-        /// What was answered, whether it was positive, and whether it was right.
-        answer: Option<Label>,
-        positive: Option<Label>,
-        correct: Option<Label>,
-        /// The interval with the standard, and that with the level.
-        standard: Option<Label>,
-        comparison: Option<Label>,
-    },
+    Each(Box<EachFrom>),
     /// A row for many presentations of a level: how many there were, and how many answers were positive or right.
     Counts { presentations: ColumnRef, positive: Option<ColumnRef>, correct: Option<ColumnRef> },
+}
+
+/// Where it is said of one presentation.
+#[derive(Debug, Clone)]
+pub(super) struct EachFrom {
+    /// What was answered.
+    pub(super) answer: Option<Label>,
+    /// Whether that was positive.
+    pub(super) positive: Option<Label>,
+    /// Whether it was right.
+    pub(super) correct: Option<Label>,
+    /// The interval with the standard.
+    pub(super) standard: Option<Label>,
+    /// That with the level.
+    pub(super) comparison: Option<Label>,
 }
 
 impl SaidFrom {
     /// The columns that say what was answered, by what they say.
     pub(super) fn columns(&self) -> Vec<(&'static str, &ColumnRef)> {
         let columns = match self {
-            Self::Each { answer, positive, correct, standard, comparison } => vec![
-                ("answer", answer.as_ref().and_then(Label::column)),
-                ("positive", positive.as_ref().and_then(Label::column)),
-                ("correct", correct.as_ref().and_then(Label::column)),
-                ("standard", standard.as_ref().and_then(Label::column)),
-                ("comparison", comparison.as_ref().and_then(Label::column)),
-            ],
+            Self::Each(each) => [
+                ("answer", &each.answer),
+                ("positive", &each.positive),
+                ("correct", &each.correct),
+                ("standard", &each.standard),
+                ("comparison", &each.comparison),
+            ]
+            .map(|(what, label)| (what, label.as_ref().and_then(Label::column)))
+            .to_vec(),
             Self::Counts { presentations, positive, correct } => vec![
                 ("presentations", Some(presentations)),
                 ("positive", positive.as_ref()),

@@ -9,7 +9,7 @@ use super::judgement::{Judged, Said, judge, right_is_positive};
 use super::label::Label;
 use super::likert::loss;
 use super::limits::{Budget, MOST_NUMBER, MOST_OF_SESSION};
-use super::mapping::{Missing, SaidFrom, TaskFrom, Who};
+use super::mapping::{EachFrom, Missing, SaidFrom, TaskFrom, Who};
 use super::once;
 use super::presented::{Presentation, existing, place};
 use super::recording::Recording;
@@ -175,6 +175,8 @@ fn convert(
         rows.kept.retain(|row| recording.number(level, *row) != Ok(None));
     }
     rows.missing += before - rows.kept.len();
+    // Counted before anything is made of them.
+    budget.answers(&recording.path, answers_in(from, recording, &rows.kept)?)?;
     let mut tasks: BTreeMap<QuestionId, OfTask> = BTreeMap::new();
     let mut noticed = Noticed::default();
     let mut presentations = Vec::new();
@@ -182,10 +184,7 @@ fn convert(
     for row in &rows.kept {
         let read = read_row(context, from, &mut tasks, recording, *row, &mut noticed);
         match read {
-            Ok(read) => {
-                budget.answers(&recording.path, read.len())?;
-                presentations.extend(read);
-            }
+            Ok(read) => presentations.extend(read),
             Err(wrong) => append(&mut errors, wrong),
         }
     }
@@ -229,6 +228,15 @@ fn convert(
     let columns = from.said.columns().into_iter().map(|(_, column)| recording.find(column));
     let columns = all(columns)?.into_iter().map(|place| place + 1).collect();
     Ok(Read { presentations, report, columns })
+}
+
+/// The number of answers that rows have at most.
+fn answers_in(from: &TaskFrom, recording: &Recording, rows: &[usize]) -> Result<usize, StoreError> {
+    let SaidFrom::Counts { presentations, .. } = &from.said else { return Ok(rows.len()) };
+    let place = recording.find(presentations)?;
+    // What is no count is an error further on.
+    let counts = rows.iter().filter_map(|row| recording.number(place, *row).ok()?);
+    Ok(counts.map(|n| n as usize).fold(0, usize::saturating_add))
 }
 
 impl Noticed {
@@ -308,8 +316,8 @@ fn read_row<'a>(
         recording.row_error(row, &format!("the level {}: {what}", level.value()), remedy)
     };
     match &from.said {
-        SaidFrom::Each { .. } => {
-            let Some(said) = read_said(context, from, task, recording, row)? else {
+        SaidFrom::Each(each) => {
+            let Some(said) = read_said(context, each, task, recording, row)? else {
                 noticed.unanswered += 1;
                 return Ok(Vec::new());
             };
@@ -320,7 +328,6 @@ fn read_row<'a>(
         }
         SaidFrom::Counts { .. } => {
             let [positive, all] = read_counts(from, task, level, recording, row, &wrong)?;
-            // Counted before anything is made of them.
             let mut made = Vec::new();
             for (is_positive, n) in [(true, positive), (false, all - positive)] {
                 let said = Said { positive: Some(is_positive), ..Said::default() };
@@ -390,14 +397,12 @@ fn read_level(
 /// What a row says of its answer; `None` where a column of it is empty and such rows are left out.
 fn read_said(
     context: &Context,
-    from: &TaskFrom,
+    each: &EachFrom,
     task: &Task,
     recording: &Recording,
     row: usize,
 ) -> Result<Option<Said>, StoreError> {
-    let SaidFrom::Each { answer, positive, correct, standard, comparison } = &from.said else {
-        return Ok(None);
-    };
+    let EachFrom { answer, positive, correct, standard, comparison } = each;
     for label in [answer, positive, correct].into_iter().flatten() {
         if let Some(column) = is_unanswered(recording, label, row)? {
             if context.mapping.file.cells.missing == Missing::Drop {
@@ -446,7 +451,7 @@ fn answer_of(asks: Asks, text: &str) -> Result<i16, String> {
     let small = text.trim().to_lowercase();
     let words = asks.answers();
     let same = |word: &&str| *word == small || word.strip_prefix("the ") == Some(&small);
-    let place = words.iter().position(|word| same(&word)).map(|place| place + 1);
+    let place = words.iter().position(same).map(|place| place + 1);
     let number = plain(&small).parse::<usize>().ok();
     let place = place.or(number).filter(|place| (1..=words.len()).contains(place));
     place.and_then(|place| i16::try_from(place).ok()).ok_or_else(|| {
@@ -505,6 +510,13 @@ fn read_counts(
         Err(recording.cell_error(place, row, &what, "mend the cell"))
     };
     let all = count(presentations)?;
+    if all > MOST_OF_SESSION {
+        let what = format!(
+            "{all} presentations are more than the {MOST_OF_SESSION} that are read of a session"
+        );
+        let place = recording.find(presentations)?;
+        return Err(recording.cell_error(place, row, &what, "check the column").into());
+    }
     let mut found = None;
     for (column, is_correct) in [(positive, false), (correct, true)] {
         let Some(column) = column else { continue };
@@ -639,8 +651,11 @@ mod tests {
             let text = format!("who,mode,k,n,more\nP03,active,{row}\n");
             world.refuses(&map, &world.file("b.csv", text), words, Some((at, 1)));
         }
-        let many = "who,mode,k,n,more\nP03,active,3.6,60000,6\n";
+        let many = "who,mode,k,n,more\nP03,active,3.6,30000,6\nP03,active,4.4,30000,6\n";
         world.refuses(&map, &world.file("c.csv", many), "has more than 50000 answers", None);
+        let many = "who,mode,k,n,more\nP03,active,3.6,60000,6\n";
+        let words = "60000 presentations are more than the 50000";
+        world.refuses(&map, &world.file("c.csv", many), words, Some(("n", 1)));
         let most = "who,mode,k,n,more\nP03,active,3.6,1000000,6\nP04,active,3.6,1,0\n";
         world.refuses(&map, &world.file("d.csv", most), "more than 1000000 answers to tasks", None);
     }
