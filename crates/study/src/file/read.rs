@@ -6,6 +6,7 @@ use super::shape::*;
 use super::tasks::Around;
 use super::units::MILLI;
 use crate::form::READ_CHANNELS;
+use crate::id::COLUMNS_OF_THREE;
 use crate::model::{
     Analysis, Coordinate, Design, Device, Environment, Masses, Mode, Resistances, Study,
 };
@@ -141,6 +142,14 @@ impl Check<'_> {
             self.error("channels", problem);
         }
         for (i, channel) in file.channels.iter().enumerate() {
+            if schema >= Schema::Three && COLUMNS_OF_THREE.contains(&channel.id.as_str()) {
+                let problem = format!(
+                    "'{}' is a column of every trial file of schema {}; choose another id",
+                    channel.id,
+                    schema.number()
+                );
+                self.error(&format!("channels[{i}].id"), problem);
+            }
             for (key, text) in [("unit", &channel.unit), ("description", &channel.description)] {
                 let key = format!("channels[{i}].{key}");
                 self.line(&key, text);

@@ -968,31 +968,14 @@ impl TaskTable {
 #[cfg(test)]
 mod tests {
     use super::DOWN_OVER_UP;
-    use crate::tests::{check_refused, check_round_trip, text};
+    use crate::tests::{CONSTANT, check_refused, check_round_trip, text, with_task as with};
     use crate::{
-        AnswerScale, Asks, Method, StaircasePlan, Study, StudyError, Task, TaskEstimate, TaskLevel,
-        TaskSigmoid,
+        AnswerScale, Asks, Method, StaircasePlan, Study, Task, TaskEstimate, TaskLevel, TaskSigmoid,
     };
-
-    /// The template's study in schema 3, whose spring asks nothing, with a task.
-    fn with(keys: &str) -> Result<Study, Vec<StudyError>> {
-        let text = text().replacen("schema = 2", "schema = 3", 1).replacen(
-            "question = \"felt_spring\"\n",
-            "",
-            1,
-        );
-        Study::from_toml(&format!("{text}\n[[tasks]]\n{keys}\n"))
-    }
 
     /// A task of constant stimuli, with one line replaced or added.
     fn constant(key: &str, line: &str) -> String {
-        changed(
-            "id = \"stiffer\"\ntext = \"Which one was stiffer?\"\nasks = \"2ifc\"\nenvironment = \"spring\"\n\
-             varies = \"stiffness_n_per_rad\"\nstandard = 4.0\nmethod = \"constant\"\n\
-             levels = [2.8, 3.2, 3.6, 4.0, 4.4, 4.8, 5.2]\ntrials = 20",
-            key,
-            line,
-        )
+        changed(CONSTANT, key, line)
     }
 
     /// Lines without the one of a key, and another one at their end.
