@@ -75,7 +75,7 @@ pub(super) fn likert(
     new.retain(|(_, row)| !has_session(context, row));
     let identities: Vec<Identity> = new.iter().map(|(_, row)| row.identity.clone()).collect();
     let planned = number_trials(context, &identities, false)?;
-    once::answers(context, new.iter().map(|(file, _)| *file))?;
+    once::answers(context, new.iter().map(|(file, _)| *file), |read| &read.columns)?;
     let events = new.iter().zip(&planned).map(|((_, row), number)| {
         let events = row.answers.iter().map(|(question, answer)| Event::Answer {
             trial: number.trial,
@@ -164,7 +164,7 @@ fn file_report(
 }
 
 /// The note in a session's log about a table that could not be read whole.
-fn loss(lost: &str) -> Event {
+pub(super) fn loss(lost: &str) -> Event {
     Event::Note { trial: None, text: format!("of the table of answers, {lost}") }
 }
 
