@@ -1,7 +1,6 @@
 //! `[[tasks]]` of a `study.toml`: the keys of each method, and the way back.
 
-use super::check::Check;
-use super::read::MOST_TRIALS;
+use super::check::{Check, MOST_TRIALS};
 use crate::model::{Coordinate, Device, Environment};
 use crate::scene::SceneNumber;
 use crate::task::MOST_AXIS;
