@@ -145,6 +145,9 @@ mod tests {
         assert!(current.contains("channels[0].unit"), "{current}");
         assert!(current.contains("unit = \"A\""), "{current}");
         assert!(refused(format!("{text}\n{GRIP}\n{GRIP}")).contains("stands twice"));
+        let three = with("grip_n", "force_x_n").replacen("schema = 2", "schema = 3", 1);
+        assert!(refused(three).contains("of every trial file of schema 3"));
+        assert!(Study::from_toml(&with("grip_n", "force_x_n")).is_ok());
         let many: String = (0..9).map(|i| GRIP.replace("grip_n", &format!("g{i}"))).collect();
         assert!(refused(format!("{text}\n{many}")).contains("at most 8"));
     }

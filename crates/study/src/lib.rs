@@ -30,6 +30,7 @@ mod own_metric;
 mod people;
 mod perception;
 mod printable;
+mod random;
 mod replay;
 mod sample;
 mod scale;
@@ -40,6 +41,7 @@ mod seal;
 mod session;
 mod setup;
 mod task;
+mod task_order;
 mod template;
 mod threshold;
 mod trial;
@@ -128,6 +130,18 @@ mod tests {
     pub(crate) fn with(section: &str, lines: &str) -> Result<Study, Vec<StudyError>> {
         Study::from_toml(&format!("{}\n{section}\n{lines}\n", text()))
     }
+
+    /// The template's study in schema 3, whose spring asks nothing, with a task of these keys.
+    pub(crate) fn with_task(keys: &str) -> Result<Study, Vec<StudyError>> {
+        let three = text().replacen("schema = 2", "schema = 3", 1);
+        let silent = three.replacen("question = \"felt_spring\"\n", "", 1);
+        Study::from_toml(&format!("{silent}\n[[tasks]]\n{keys}\n"))
+    }
+
+    /// The keys of a task of constant stimuli.
+    pub(crate) const CONSTANT: &str = "id = \"stiffer\"\ntext = \"Which one was stiffer?\"\nasks = \"2ifc\"\n\
+        environment = \"spring\"\nvaries = \"stiffness_n_per_rad\"\nstandard = 4.0\nmethod = \"constant\"\n\
+        levels = [2.8, 3.2, 3.6, 4.0, 4.4, 4.8, 5.2]\ntrials = 20";
 
     /// The template's study with questions `q1` to `q6`, and their pairs as weights of a score; these keys among the
     /// score's.

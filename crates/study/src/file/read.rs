@@ -1,11 +1,12 @@
 //! From the text of a `study.toml` to a checked study in SI units.
 
-use super::check::{Check, FARTHEST_DEG};
+use super::check::{Check, FARTHEST_DEG, MOST_TRIALS};
 use super::compare::Comparable;
 use super::shape::*;
 use super::tasks::Around;
 use super::units::MILLI;
 use crate::form::READ_CHANNELS;
+use crate::id::COLUMNS_OF_THREE;
 use crate::model::{
     Analysis, Coordinate, Design, Device, Environment, Masses, Mode, Resistances, Study,
 };
@@ -23,8 +24,6 @@ const ONSET_MM_S: f64 = 5.0;
 /// As [`OFFSET_DEG_S`], for a linear coordinate.
 const OFFSET_MM_S: f64 = 2.5;
 
-/// No session has more trials of a kind than this.
-pub(super) const MOST_TRIALS: u32 = 100_000;
 /// No trial and no pause is longer, s: a day is a mistake.
 const LONGEST_S: f64 = 86_400.0;
 /// No loop ticks faster, Hz: a hundred times what hands feel.
@@ -141,6 +140,14 @@ impl Check<'_> {
             self.error("channels", problem);
         }
         for (i, channel) in file.channels.iter().enumerate() {
+            if schema >= Schema::Three && COLUMNS_OF_THREE.contains(&channel.id.as_str()) {
+                let problem = format!(
+                    "'{}' is a column of every trial file of schema {}; choose another id",
+                    channel.id,
+                    schema.number()
+                );
+                self.error(&format!("channels[{i}].id"), problem);
+            }
             for (key, text) in [("unit", &channel.unit), ("description", &channel.description)] {
                 let key = format!("channels[{i}].{key}");
                 self.line(&key, text);

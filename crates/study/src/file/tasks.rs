@@ -1,7 +1,6 @@
 //! `[[tasks]]` of a `study.toml`: the keys of each method, and the way back.
 
-use super::check::Check;
-use super::read::MOST_TRIALS;
+use super::check::{Check, MOST_TRIALS};
 use crate::model::{Coordinate, Device, Environment};
 use crate::scene::SceneNumber;
 use crate::task::MOST_AXIS;
@@ -968,31 +967,14 @@ impl TaskTable {
 #[cfg(test)]
 mod tests {
     use super::DOWN_OVER_UP;
-    use crate::tests::{check_refused, check_round_trip, text};
+    use crate::tests::{CONSTANT, check_refused, check_round_trip, text, with_task as with};
     use crate::{
-        AnswerScale, Asks, Method, StaircasePlan, Study, StudyError, Task, TaskEstimate, TaskLevel,
-        TaskSigmoid,
+        AnswerScale, Asks, Method, StaircasePlan, Study, Task, TaskEstimate, TaskLevel, TaskSigmoid,
     };
-
-    /// The template's study in schema 3, whose spring asks nothing, with a task.
-    fn with(keys: &str) -> Result<Study, Vec<StudyError>> {
-        let text = text().replacen("schema = 2", "schema = 3", 1).replacen(
-            "question = \"felt_spring\"\n",
-            "",
-            1,
-        );
-        Study::from_toml(&format!("{text}\n[[tasks]]\n{keys}\n"))
-    }
 
     /// A task of constant stimuli, with one line replaced or added.
     fn constant(key: &str, line: &str) -> String {
-        changed(
-            "id = \"stiffer\"\ntext = \"Which one was stiffer?\"\nasks = \"2ifc\"\nenvironment = \"spring\"\n\
-             varies = \"stiffness_n_per_rad\"\nstandard = 4.0\nmethod = \"constant\"\n\
-             levels = [2.8, 3.2, 3.6, 4.0, 4.4, 4.8, 5.2]\ntrials = 20",
-            key,
-            line,
-        )
+        changed(CONSTANT, key, line)
     }
 
     /// Lines without the one of a key, and another one at their end.
@@ -1055,7 +1037,7 @@ mod tests {
         assert_eq!(question.scale.worded(2), "2 (the second)");
         assert!(question.is_of_task() && !question.is_rating() && !question.is_pair());
         let at = study.environment_at(task, levels[6]).unwrap();
-        assert_eq!(at.scene.spring().unwrap().stiffness_n_per_rad, 5.2);
+        assert!((at.scene.spring().unwrap().stiffness_n_per_rad - 5.2).abs() < 1e-15);
     }
 
     #[test]
