@@ -160,7 +160,7 @@ pub fn seed(
 mod tests {
     use super::*;
     use zwidth_store::{Raw, RealFiles};
-    use zwidth_study::Source;
+    use zwidth_study::{SealedTrial, Source};
 
     fn sealed() -> (SessionRecord, Seal) {
         let mut record = SessionRecord::new(
@@ -171,7 +171,8 @@ mod tests {
             "",
             Vec::new(),
         );
-        let seal = Seal { nonce: [7; 32], order: vec![(1, "active".parse().unwrap())] };
+        let only = SealedTrial { trial: 1, mode: "active".parse().unwrap(), is_standard: None };
+        let seal = Seal { nonce: [7; 32], order: vec![only] };
         record.commitment = Some(seal.commitment());
         (record, seal)
     }

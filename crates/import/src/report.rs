@@ -92,9 +92,10 @@ pub struct ColumnDropped {
     pub why: String,
 }
 
-/// The signals that are not among these, by name.
+/// The signals that are not among these, by name. Those of space are missed where some of them are there.
 pub(super) fn null_columns(present: &[Signal]) -> Vec<String> {
-    Signal::all().filter(|s| !present.contains(s)).map(|s| s.name().to_owned()).collect()
+    let schema = present.iter().map(|signal| signal.schema()).max().unwrap_or_default();
+    Signal::of(schema).filter(|s| !present.contains(s)).map(|s| s.name().to_owned()).collect()
 }
 
 impl Report {

@@ -557,7 +557,7 @@ mod tests {
         COLUMNS, FORCE, ONE, World, close, column, template_once, trials_map,
     };
     use zwidth_store::{Signal, file_blake3, read_channels};
-    use zwidth_study::{Event, Kind, Source};
+    use zwidth_study::{Event, Kind, Schema, Source};
 
     #[test]
     fn a_time_that_starts_over_begins_another_trial_where_the_mapping_says_so() {
@@ -630,7 +630,7 @@ mod tests {
         assert_eq!((report.trials, report.sessions, report.answers), (1, 1, 0));
         assert_eq!((report.files[0].rows_read, report.files[0].rows_kept), (3, 3));
         assert_eq!(report.files[0].columns_dropped[0].column, "note");
-        assert_eq!(report.files[0].null.len(), Signal::COUNT - 2);
+        assert_eq!(report.files[0].null.len(), Signal::of(Schema::Two).count() - 2);
         let trial = world.trial("P01", "S01", 1);
         let bits: Vec<u64> = world.column(1, Signal::ForceEx).iter().map(|v| v.to_bits()).collect();
         assert_eq!(bits, [1.0, 1e-321, -0.0].map(f64::to_bits));

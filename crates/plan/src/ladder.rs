@@ -80,7 +80,7 @@ impl Condition<'_> {
             metrics: zwidth_metrics::Parameters::of(study, environment, mode),
             metrics_version: zwidth_metrics::VERSION,
             control: study.control,
-            perception: study.perception.clone(),
+            perception: crate::thresholds::perception(data),
             points,
             synthetic: trials.iter().any(|t| t.meta.source.is_simulated()),
         }

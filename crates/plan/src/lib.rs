@@ -29,6 +29,7 @@ mod shared;
 mod tables;
 #[cfg(test)]
 mod tests;
+mod thresholds;
 mod trade;
 
 pub use compare::{
@@ -48,6 +49,7 @@ pub use report::built_in;
 pub use responses::{Responses, responses};
 pub use tables::printed::Printed;
 pub use tables::{printed as printed_tables, write as write_table};
+pub use thresholds::perception;
 pub use trade::{Traded, scenes as trade_scenes};
 pub use zwidth_compare::CurveSpread;
 pub use zwidth_metrics::{in_words as metric_in_words, is_number as is_metric};
@@ -60,7 +62,7 @@ use zwidth_store::{Findings, StudyData};
 type OfData = (&'static str, fn(&StudyData) -> Vec<Job>);
 
 /// Each stage stands after those whose results it reads.
-const OF_DATA: [OfData; 16] = [
+const OF_DATA: [OfData; 18] = [
     ("characterise", characterise::jobs),
     ("identify", identify::jobs),
     // Some of them rest on the identified plant.
@@ -72,10 +74,12 @@ const OF_DATA: [OfData; 16] = [
     ("replay", replay::courses::jobs),
     ("replay", replay::runs::jobs),
     ("likert", likert::jobs),
+    ("thresholds", thresholds::jobs),
     ("compare", compare::jobs),
     ("compare", curves::jobs),
     ("compare", relations::jobs),
     ("compare", people::jobs),
+    ("thresholds", thresholds::over_people::jobs),
     ("trade", trade::jobs),
     ("simulate", scenes::jobs),
 ];
@@ -130,7 +134,7 @@ pub fn jobs(data: &StudyData, findings: &Findings) -> Vec<Job> {
 }
 
 /// The stages, in the order in which a person thinks of them.
-pub const STAGES: [&str; 17] = [
+pub const STAGES: [&str; 18] = [
     "characterise",
     "metrics",
     "average",
@@ -139,6 +143,7 @@ pub const STAGES: [&str; 17] = [
     "replay",
     "identify",
     "likert",
+    "thresholds",
     "compare",
     "trade",
     "simulate",

@@ -90,6 +90,7 @@ pub fn rehearsed(
     progress: &(dyn Fn() + Sync),
 ) -> Result<Option<OtherSetups>, JobError> {
     let calibration = scenes_calibration(data);
+    let perception = crate::thresholds::perception(data);
     let mut shifts = Vec::new();
     let mut stops = Vec::new();
     let conditions = conditions(data);
@@ -142,7 +143,7 @@ pub fn rehearsed(
             });
         }
         let lever_m = data.study.device.lever_m.unwrap_or(0.0);
-        let bounds = Bounds { perception: &data.study.perception, lever_m };
+        let bounds = Bounds { perception: &perception, lever_m };
         shifts.extend(setup_shifts(&repeats.key, &rehearsals, &bounds));
     }
     let summary = twin_summary(&shifts, &stops);

@@ -38,8 +38,8 @@ pub(crate) fn of_study(data: &StudyData) -> Option<Derived<Relation>> {
 
 /// The metrics of trials that are compared.
 fn of_trials(data: &StudyData) -> Vec<MetricId> {
-    let is_score = |metric: &String| zwidth_metrics::score_of(&data.study, metric).is_some();
-    let own = compared(data).into_iter().filter(|metric| !is_score(metric));
+    let of_answers = |metric: &String| zwidth_metrics::is_of_answers(&data.study, metric);
+    let own = compared(data).into_iter().filter(|metric| !of_answers(metric));
     own.filter_map(|metric| metric.parse().ok()).collect()
 }
 

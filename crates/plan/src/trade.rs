@@ -166,7 +166,8 @@ struct OfStudy {
 
 pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
     let mut jobs = Vec::new();
-    let parameters = OfStudy { scenes: scenes(data), perception: data.study.perception.clone() };
+    let parameters =
+        OfStudy { scenes: scenes(data), perception: crate::thresholds::perception(data) };
     if !parameters.scenes.is_empty() {
         let outputs = tables_of(&data.layout).files();
         let name = "trade of the study's conditions";
@@ -181,7 +182,7 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
             let condition = OfData {
                 condition: key.clone(),
                 metrics: zwidth_metrics::Parameters::of(&data.study, environment, mode),
-                perception: data.study.perception.clone(),
+                perception: crate::thresholds::perception(data),
             };
             let parameters = OfTrials::new(condition, trials);
             let table = Derived::at(derived(&data.layout, format!("trade/{key}.parquet")));

@@ -84,6 +84,11 @@
 //! | [`GivenAnswer`] | participant, session, trial, question | `likert` | `compare`, figures, page, statements, printed tables |
 //! | [`AnswerTally`] | environment, mode, question or group | `likert` | figures, summary, statements, printed tables |
 //! | [`BlindingIndex`] | participant, mode | `likert` | printed tables |
+//! | [`Presentation`] | participant, session, trial | `thresholds` | figures, printed tables |
+//! | [`LevelTally`] | participant, session, task, mode, level | `thresholds` | figures, printed tables |
+//! | [`FittedShare`] | participant, session, task, mode, level | `thresholds` | figures |
+//! | [`PsychometricFit`] | participant, session, task, mode | `thresholds` | `compare`, figures, summary, printed tables |
+//! | [`PeopleThreshold`] | task, quantity, mode or contrast | `thresholds` | summary, printed tables |
 //! | [`ReplayedTrial`], read as [`ReplayedPeak`] too | participant, session, trial, model, causality | `replay` | courses, agreement, statements, printed tables |
 //! | [`ReplayAgreement`] | causality, mode, model, quantity | `replay` | printed tables |
 //! | [`CourseSample`] | mode, series, place | `replay` | figures, page |
@@ -115,6 +120,7 @@ mod identification;
 mod ladder;
 mod model_run;
 mod note;
+mod psychometric;
 mod replay;
 mod row;
 mod sentence;
@@ -138,6 +144,7 @@ pub use identification::*;
 pub use ladder::*;
 pub use model_run::*;
 pub use note::NoteKind;
+pub use psychometric::*;
 pub use replay::*;
 pub use row::{ReadError, Row};
 pub use sentence::Sentence;

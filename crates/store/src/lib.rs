@@ -70,6 +70,7 @@ pub use judge::plausible::{Asked, Plateau, plateau};
 pub use judge::samples::{CHECKED, check_samples};
 pub use judge::sources::{TrialName, readable_records, sweep_sources, trial_sources};
 pub use judge::study::{Answer, LeftOutAnswer, StudyData, read_study};
+pub use judge::tasks::TaskAnswer;
 pub use judge::thin::{check_trial, read_thinned};
 pub use judge::verify::{
     Findings, against_plan, findings, verify, verify_from, verify_kept, verify_with,

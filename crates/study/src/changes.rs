@@ -45,8 +45,17 @@ impl std::fmt::Display for StudyChange {
 }
 
 /// The lists of a study, whose elements have ids.
-const LISTS: [&str; 8] =
-    ["environments", "modes", "questions", "channels", "people", "metrics", "scores", "factors"];
+const LISTS: [&str; 9] = [
+    "environments",
+    "modes",
+    "questions",
+    "channels",
+    "people",
+    "metrics",
+    "scores",
+    "tasks",
+    "factors",
+];
 
 /// Every value that differs between two versions of a study, by key. Empty if the two are equal: a
 /// file whose bytes differ all the same differs in comments and form alone.
@@ -148,6 +157,7 @@ fn affects(key: &str) -> Affects {
         | ["figures" | "scenes", ..] => Affects::Nothing,
         ["environments" | "modes", _, "label" | "factors", ..]
         | ["questions", _, "group" | "reversed"]
+        | ["tasks", _, "fit" | "estimate", ..]
         | ["questions"] => Affects::Nothing,
         // A key that nobody thought of here is better asked about in vain than overlooked.
         _ => Affects::Recording,

@@ -133,14 +133,17 @@ pub struct Given {
     pub time_ms: Option<u32>,
 }
 
-/// A trial, and the mode that was sealed.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+/// A trial, and what was sealed of it.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SealedTrial {
     /// Trial number.
     pub trial: u32,
     /// Its mode.
     pub mode: ModeId,
+    /// Whether it holds the standard, if it is an interval of two of a task.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub is_standard: Option<bool>,
 }
 
 impl Event {

@@ -15,6 +15,8 @@ pub enum Schema {
     /// channels of its own; a row group per 2²⁰ rows. Version 1 was never released.
     #[default]
     Two,
+    /// What a trial of a task presented, and positions and forces in three axes, stand in the trial file, too.
+    Three,
 }
 
 impl Schema {
@@ -25,7 +27,7 @@ impl Schema {
 
     /// The version of this number, if it is known.
     pub fn from_number(number: u32) -> Option<Self> {
-        [Self::Two].into_iter().find(|schema| schema.number() == number)
+        [Self::Two, Self::Three].into_iter().find(|schema| schema.number() == number)
     }
 }
 
@@ -33,6 +35,7 @@ impl From<Schema> for u32 {
     fn from(schema: Schema) -> u32 {
         match schema {
             Schema::Two => 2,
+            Schema::Three => 3,
         }
     }
 }
@@ -42,7 +45,7 @@ impl TryFrom<u32> for Schema {
 
     fn try_from(number: u32) -> Result<Self, String> {
         Self::from_number(number)
-            .ok_or_else(|| format!("version {number} is unknown; this software reads version 2"))
+            .ok_or_else(|| format!("version {number} is unknown; this software reads 2 and 3"))
     }
 }
 
@@ -87,8 +90,11 @@ impl Study {
     pub fn trial_form(&self) -> TrialForm {
         let schema = self.schema;
         let channels = self.channels.clone();
-        let one = self.questions.len() == 1
-            && self.questions.iter().all(|question| AnswerScale::NAMED.contains(&question.scale));
+        // The questions of tasks have no such column: their answers are events.
+        let mut questions = self.questions.iter().filter(|question| !question.is_of_task());
+        let one =
+            questions.next().is_some_and(|question| AnswerScale::NAMED.contains(&question.scale))
+                && questions.next().is_none();
         TrialForm { schema, likert: one, channels }
     }
 }
@@ -105,7 +111,7 @@ mod tests {
     fn a_version_that_is_not_read_is_named_with_the_one_that_is() {
         let other = text().replace("schema = 2", "schema = 1");
         let error = Study::from_toml(&other).unwrap_err()[0].to_string();
-        assert!(error.contains("version 1 is unknown; this software reads version 2"), "{error}");
+        assert!(error.contains("version 1 is unknown; this software reads 2 and 3"), "{error}");
     }
 
     #[test]
@@ -139,6 +145,9 @@ mod tests {
         assert!(current.contains("channels[0].unit"), "{current}");
         assert!(current.contains("unit = \"A\""), "{current}");
         assert!(refused(format!("{text}\n{GRIP}\n{GRIP}")).contains("stands twice"));
+        let three = with("grip_n", "force_x_n").replacen("schema = 2", "schema = 3", 1);
+        assert!(refused(three).contains("of every trial file of schema 3"));
+        assert!(Study::from_toml(&with("grip_n", "force_x_n")).is_ok());
         let many: String = (0..9).map(|i| GRIP.replace("grip_n", &format!("g{i}"))).collect();
         assert!(refused(format!("{text}\n{many}")).contains("at most 8"));
     }

@@ -73,6 +73,10 @@ const COLUMNS: [&str; 23] = [
     "session",
 ];
 
+/// Columns that trial files have from schema 3 on. Studies of schema 2 may have channels of these names.
+pub(crate) const COLUMNS_OF_THREE: [&str; 9] =
+    ["interval", "level", "task", "x_m", "y_m", "z_m", "force_x_n", "force_y_n", "force_z_n"];
+
 /// Why a text cannot be the name of a metric.
 fn refused_as_metric(text: &str) -> Option<&'static str> {
     let is_plain = text.bytes().all(|b| b.is_ascii_lowercase() || b.is_ascii_digit() || b == b'_')

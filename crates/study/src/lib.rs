@@ -6,6 +6,7 @@
 //! millimetres as people do, and its keys end in their unit.
 
 mod answer;
+mod axes;
 mod calibration;
 mod changes;
 mod compare;
@@ -29,6 +30,7 @@ mod own_metric;
 mod people;
 mod perception;
 mod printable;
+mod random;
 mod replay;
 mod sample;
 mod scale;
@@ -39,11 +41,14 @@ mod seal;
 mod session;
 mod setup;
 mod task;
+mod task_order;
 mod template;
+mod threshold;
 mod trial;
 mod words;
 
 pub use answer::{AnswerValue, NoAnswer};
+pub use axes::Axes;
 pub use calibration::{Basis, Calibration, CalibrationError, Characteristic};
 pub use changes::{Affects, StudyChange, study_changes};
 pub use compare::{
@@ -71,7 +76,7 @@ pub use model::{
 };
 pub use own_metric::{OwnMetric, Statistic, TrialPart};
 pub use people::{Known, People, PeopleForm, Person, PersonColumn, PersonValue};
-pub use perception::{Measured, Perception, VibrationCurve, is_felt};
+pub use perception::{Measured, MeasuredJnd, Perception, VibrationCurve, is_felt};
 pub use printable::{printable, printable_lines};
 pub use replay::ReplayModel;
 pub use sample::{Extra, Flags, MOST_CHANNELS, Sample, Voltages};
@@ -83,9 +88,11 @@ pub use seal::{Seal, SealError};
 pub use session::{AskedPair, Check, OrderRecord, PlannedTrial, SessionRecord};
 pub use setup::Setup;
 pub use task::{
-    Asks, Method, Presented, StaircasePlan, Task, TaskFit, TaskLevel, TaskPlace, TaskSigmoid,
+    Asks, Method, Presented, StaircasePlan, Task, TaskEstimate, TaskFit, TaskLevel, TaskPlace,
+    TaskSigmoid, axis,
 };
 pub use template::{template, template_of_imports};
+pub use threshold::TaskQuantity;
 pub use trial::{Kind, Source, Status, TrialMeta};
 
 /// The one version of session records that this software writes and reads.
@@ -123,6 +130,18 @@ mod tests {
     pub(crate) fn with(section: &str, lines: &str) -> Result<Study, Vec<StudyError>> {
         Study::from_toml(&format!("{}\n{section}\n{lines}\n", text()))
     }
+
+    /// The template's study in schema 3, whose spring asks nothing, with a task of these keys.
+    pub(crate) fn with_task(keys: &str) -> Result<Study, Vec<StudyError>> {
+        let three = text().replacen("schema = 2", "schema = 3", 1);
+        let silent = three.replacen("question = \"felt_spring\"\n", "", 1);
+        Study::from_toml(&format!("{silent}\n[[tasks]]\n{keys}\n"))
+    }
+
+    /// The keys of a task of constant stimuli.
+    pub(crate) const CONSTANT: &str = "id = \"stiffer\"\ntext = \"Which one was stiffer?\"\nasks = \"2ifc\"\n\
+        environment = \"spring\"\nvaries = \"stiffness_n_per_rad\"\nstandard = 4.0\nmethod = \"constant\"\n\
+        levels = [2.8, 3.2, 3.6, 4.0, 4.4, 4.8, 5.2]\ntrials = 20";
 
     /// The template's study with questions `q1` to `q6`, and their pairs as weights of a score; these keys among the
     /// score's.

@@ -1,9 +1,9 @@
 //! A study as a value: what was planned, in SI units.
 
 use crate::{
-    ActuatorKind, AnswerScale, Channel, Compare, Control, EnvironmentId, Factor, Figures, Levels,
-    ModeId, ModeLaw, OwnMetric, Perception, PersonColumn, QuestionId, ReplayModel, Scene,
-    SceneFigure, Schema, Score, StudyId, Task,
+    ActuatorKind, AnswerScale, Axes, Channel, Compare, Control, EnvironmentId, Factor, Figures,
+    Levels, ModeId, ModeLaw, OwnMetric, Perception, PersonColumn, QuestionId, ReplayModel, Scene,
+    SceneFigure, Schema, Score, StudyId, Task, TaskLevel,
 };
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -57,6 +57,8 @@ pub struct Study {
     pub scores: Vec<Score>,
     /// What can be felt, measured by answers.
     pub tasks: Vec<Task>,
+    /// The axes of space, where positions and forces are recorded in three.
+    pub axes: Option<Axes>,
     /// What modes and environments have in common, in the order of the file.
     pub factors: Vec<Factor>,
 }
@@ -75,6 +77,31 @@ impl Study {
     /// The question of that id.
     pub fn question(&self, id: &QuestionId) -> Option<&Question> {
         self.questions.iter().find(|q| q.id == *id)
+    }
+
+    /// The task of that id.
+    pub fn task(&self, id: &QuestionId) -> Option<&Task> {
+        self.tasks.iter().find(|task| task.id == *id)
+    }
+
+    /// The tasks in which an environment varies, in the order of the file.
+    pub fn tasks_in<'s>(&'s self, id: &'s EnvironmentId) -> impl Iterator<Item = &'s Task> {
+        self.tasks.iter().filter(move |task| task.environment == *id)
+    }
+
+    /// The unit of a task's levels, as [`Task::unit`] has it.
+    pub fn task_unit(&self, task: &Task) -> String {
+        task.unit().to_owned()
+    }
+
+    /// The environment of a task at a level; `None` if there is none that has the number. Where nothing is rendered, a level
+    /// changes nothing.
+    pub fn environment_at(&self, task: &Task, level: TaskLevel) -> Option<Environment> {
+        let environment = self.environment(&task.environment)?;
+        match environment.scene {
+            Scene::None => Some(environment.clone()),
+            _ => environment.varied(&task.varies, level.value(), self.coordinate),
+        }
     }
 
     /// The scores whose questions are all asked after trials of an environment, and whose pairs are
@@ -189,6 +216,10 @@ pub struct Environment {
     pub label: String,
     /// What is rendered.
     pub scene: Scene,
+    /// By how much it is rendered late, s; 0 is at once. A loop renders the nearest whole number of its ticks
+    /// ([`Environment::delivered_delay_s`]).
+    #[serde(skip_serializing_if = "is_at_once")]
+    pub delay_s: f64,
     /// The first question after each of its trials.
     pub question: Option<QuestionId>,
     /// The questions after it, in this order.
@@ -199,7 +230,28 @@ pub struct Environment {
     pub factors: Levels,
 }
 
+fn is_at_once(delay_s: &f64) -> bool {
+    *delay_s == 0.0
+}
+
 impl Environment {
+    /// The longest delay that can be asked for, s: a movement takes about as long.
+    pub const LONGEST_DELAY_S: f64 = 1.0;
+
+    /// The delay in ticks of a loop of that rate, Hz: the nearest whole number.
+    pub fn delay_ticks(&self, rate_hz: f64) -> usize {
+        // A delay or a rate that is no number above 0 is none.
+        (self.delay_s * rate_hz).round() as usize
+    }
+
+    /// The delay that a loop of that rate, Hz, renders, s: a whole number of its ticks.
+    pub fn delivered_delay_s(&self, rate_hz: f64) -> f64 {
+        match self.delay_ticks(rate_hz) {
+            0 => 0.0,
+            ticks => ticks as f64 / rate_hz,
+        }
+    }
+
     /// The questions after each of its trials, in order.
     pub fn questions(&self) -> impl Iterator<Item = &QuestionId> {
         self.question.iter().chain(&self.further)
@@ -277,7 +329,8 @@ pub struct Question {
 
 impl Question {
     /// Whether its answers rate what was felt: they have an order, and are tallied and compared.
-    /// Those to the question which mode it was do not, nor do the weights of a score.
+    /// Those to the question which mode it was do not, nor do the weights of a score and the answers
+    /// to tasks.
     pub fn is_rating(&self) -> bool {
         !self.scale.is_nominal() && !self.is_weight
     }
@@ -291,6 +344,11 @@ impl Question {
     /// ([`Score::pairs`]).
     pub fn is_pair(&self) -> bool {
         matches!(self.scale, AnswerScale::Pair(_))
+    }
+
+    /// Whether it is the question of a task: the program adds it itself, and asks it after each presentation of the task.
+    pub fn is_of_task(&self) -> bool {
+        matches!(self.scale, AnswerScale::Task(_))
     }
 }
 

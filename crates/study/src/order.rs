@@ -11,9 +11,9 @@
 //! Random numbers are those of the ChaCha8 cipher keyed with the seed: one seed gives one order, on
 //! any machine.
 
-use crate::{AskedPair, Kind, OrderScheme, PlannedTrial, Scene, Study};
+use crate::random::{Stream, below, shuffle, stream};
+use crate::{AskedPair, Kind, OrderScheme, PlannedTrial, Scene, Study, TaskPlace, task_order};
 use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -107,7 +107,8 @@ impl Rules {
 }
 
 /// Draws a session: familiarisation first, then one block of trials per environment
-/// ([`draw_modes`]).
+/// ([`draw_modes`]). An environment of tasks has their presentations in place of repeats, task by task in the order of the
+/// file.
 ///
 /// Familiarisation takes environments in the order of the blocks and all modes in turn, so that few
 /// trials cover every environment and every mode, and environments × modes of them cover every
@@ -122,11 +123,31 @@ pub fn draw(
     seed: u64,
 ) -> Vec<PlannedTrial> {
     let drawn = draw_modes(&Rules::of(study, participant_number, session_number), seed);
+    let own = u64::from(participant_number) << u32::BITS | u64::from(session_number);
+    let mut rng = stream(seed, Stream::Tasks, own);
     let mut plan = familiarisation(&drawn, study.design.familiarisation);
     for Block { environment, modes } in drawn.blocks {
-        plan.extend(modes.into_iter().map(|mode| (Kind::Trial, environment, mode)));
+        let place = |mode, task| Place { kind: Kind::Trial, environment, mode, task };
+        let mut tasks = study.tasks_in(&study.environments[environment].id).peekable();
+        if tasks.peek().is_none() {
+            plan.extend(modes.into_iter().map(|mode| place(mode, None)));
+        }
+        for task in tasks {
+            let trials = task_order::draw(task, study.modes.len(), &mut rng);
+            plan.extend(trials.into_iter().map(|(mode, own)| place(mode, Some(own))));
+        }
     }
-    numbered(study, &plan)
+    numbered(study, plan)
+}
+
+/// A trial before it has a number.
+struct Place {
+    kind: Kind,
+    /// By its number, from 0.
+    environment: usize,
+    /// By its number, from 0.
+    mode: usize,
+    task: Option<TaskPlace>,
 }
 
 /// Draws the modes of each environment's trials.
@@ -246,8 +267,8 @@ pub fn draw_pairs(
     all
 }
 
-/// Practice trials: (environment, mode) with modes in an order of the participant's own.
-fn familiarisation(order: &Order, trials: u32) -> Vec<(Kind, usize, usize)> {
+/// Practice trials, with modes in an order of the participant's own.
+fn familiarisation(order: &Order, trials: u32) -> Vec<Place> {
     let blocks = &order.blocks;
     let modes = &order.practice;
     // Both indices run in step until they meet again at their least common multiple; then the modes
@@ -255,7 +276,10 @@ fn familiarisation(order: &Order, trials: u32) -> Vec<(Kind, usize, usize)> {
     let period = blocks.len() * modes.len() / gcd(blocks.len(), modes.len());
     let pairs = (0..trials as usize)
         .map(|i| (&blocks[i % blocks.len()], modes[(i + i / period) % modes.len()]));
-    pairs.map(|(block, mode)| (Kind::Familiarisation, block.environment, mode)).collect()
+    let kind = Kind::Familiarisation;
+    pairs
+        .map(|(block, mode)| Place { kind, environment: block.environment, mode, task: None })
+        .collect()
 }
 
 fn gcd(a: usize, b: usize) -> usize {
@@ -313,12 +337,12 @@ fn can_follow(order: &[usize], left: &[usize], mode: usize) -> bool {
 }
 
 /// Trials with their numbers and repeats.
-fn numbered(study: &Study, plan: &[(Kind, usize, usize)]) -> Vec<PlannedTrial> {
+fn numbered(study: &Study, plan: Vec<Place>) -> Vec<PlannedTrial> {
     let mut repeats: BTreeMap<_, u32> = BTreeMap::new();
-    let trials = (1..).zip(plan).map(|(trial, what)| {
-        let repeat = repeats.entry(*what).or_default();
+    let trials = (1..).zip(plan).map(|(trial, place)| {
+        let Place { kind, environment, mode, task } = place;
+        let repeat = repeats.entry((kind, environment, mode)).or_default();
         *repeat += 1;
-        let (kind, environment, mode) = *what;
         let environment = &study.environments[environment];
         PlannedTrial {
             trial,
@@ -327,46 +351,10 @@ fn numbered(study: &Study, plan: &[(Kind, usize, usize)]) -> Vec<PlannedTrial> {
             environment: environment.id.clone(),
             mode: study.modes[mode].id.clone(),
             samples: environment.scene != Scene::None,
-            task: None,
+            task,
         }
     });
     trials.collect()
-}
-
-/// What random numbers are for: each use has a key of its own.
-#[derive(Clone, Copy)]
-enum Stream {
-    Study,
-    Session,
-    Person,
-    Groups,
-    Pairs,
-}
-
-/// Number of bytes of the cipher's key.
-const KEY_BYTES: usize = 32;
-
-fn stream(seed: u64, purpose: Stream, number: u64) -> ChaCha8Rng {
-    let mut key = [0; KEY_BYTES];
-    key[..8].copy_from_slice(&seed.to_le_bytes());
-    // By their order in the list: another order of it would draw other sessions.
-    key[8] = purpose as u8;
-    let mut rng = ChaCha8Rng::from_seed(key);
-    rng.set_stream(number);
-    rng
-}
-
-/// A whole number below `n`, from the high half of a 64 × 64 bit product (Lemire 2019); 0 for `n` =
-/// 0. Its bias is below n / 2⁶⁴.
-fn below(rng: &mut ChaCha8Rng, n: usize) -> usize {
-    ((u128::from(rng.next_u64()) * n as u128) >> u64::BITS) as usize
-}
-
-/// Fisher and Yates: each permutation equally likely.
-fn shuffle<T>(rng: &mut ChaCha8Rng, values: &mut [T]) {
-    for i in (1..values.len()).rev() {
-        values.swap(i, below(rng, i + 1));
-    }
 }
 
 #[cfg(test)]

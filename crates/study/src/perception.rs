@@ -24,6 +24,52 @@ pub struct Perception {
     pub excess_share: f64,
     /// Amplitudes of vibration that are just felt.
     pub vibration: VibrationCurve,
+    /// Whether the differences that these people notice take the place of others', wherever a task of the study measured
+    /// them: `jnd = "measured"`.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub is_measured: bool,
+    /// Those that did ([`Perception::with_measured`]).
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub measured: Vec<MeasuredJnd>,
+}
+
+/// What the people of a study just notice, by the answers to a task.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MeasuredJnd {
+    /// Of numbers in which unit: rad, N, N/rad or N·s/rad. What is said of a force holds for work, and of an angle for ways.
+    pub unit: String,
+    /// The geometric mean over people and modes: a share of the standard, of an angle rad.
+    pub jnd: f64,
+    /// Its interval; none of one person.
+    pub ends: Option<[f64; 2]>,
+    /// How many people.
+    pub n: usize,
+}
+
+impl MeasuredJnd {
+    /// Of numbers in which unit a JND of levels in another unit says what is noticed; `None` where it says nothing.
+    pub fn unit_of(levels: &str) -> Option<&'static str> {
+        match levels {
+            "rad" | "°" => Some("rad"),
+            "N" => Some("N"),
+            "N/rad" | "N/m" | "N/mm" => Some("N/rad"),
+            "N·s/rad" | "N·s/m" => Some("N·s/rad"),
+            _ => None,
+        }
+    }
+
+    /// `8 people of this study, 7.7 to 10.5 %`.
+    fn in_words(&self) -> String {
+        let people = crate::counted(self.n, "participants");
+        let shown = |value: f64| match self.unit.as_str() {
+            "rad" => (1e2 * value.to_degrees()).round() / 1e2,
+            _ => (1e3 * value).round() / 10.0,
+        };
+        let unit = if self.unit == "rad" { "°" } else { " %" };
+        let ends =
+            self.ends.map(|[low, high]| format!(", {} to {}{unit}", shown(low), shown(high)));
+        format!("measured: {people} of this study{}", ends.unwrap_or_default())
+    }
 }
 
 impl Default for Perception {
@@ -36,6 +82,8 @@ impl Default for Perception {
             angle_rad: 2_f64.to_radians(),
             excess_share: 0.2,
             vibration: VibrationCurve::Fingertip,
+            is_measured: false,
+            measured: Vec::new(),
         }
     }
 }
@@ -68,6 +116,26 @@ impl Perception {
         }
     }
 
+    /// The same with what the people of the study notice, where the study asks for that.
+    #[must_use]
+    pub fn with_measured(&self, measured: Vec<MeasuredJnd>) -> Self {
+        let mut own = self.clone();
+        if !self.is_measured {
+            return own;
+        }
+        for jnd in &measured {
+            match jnd.unit.as_str() {
+                "rad" => own.angle_rad = jnd.jnd,
+                "N" => own.force_share = jnd.jnd,
+                "N/rad" => own.compliance_share = jnd.jnd,
+                "N·s/rad" => own.viscosity_share = jnd.jnd,
+                _ => {}
+            }
+        }
+        own.measured = measured;
+        own
+    }
+
     /// What [`Perception::bound`] takes for a unit, and whose finding that is.
     pub fn source(&self, unit: &str) -> Option<String> {
         let usual = Self::default();
@@ -81,7 +149,18 @@ impl Perception {
             _ => return None,
         };
         // To the last bit: a study that gives the usual value itself means the same finding.
-        let source = if value.to_bits() == usual.to_bits() { paper } else { "study.toml" };
+        // What is said of a force holds for work, and of an angle for ways.
+        let of = match unit {
+            "J" => "N",
+            "m" => "rad",
+            own => own,
+        };
+        let measured = self.measured.iter().find(|jnd| jnd.unit == of).map(MeasuredJnd::in_words);
+        let source = match &measured {
+            Some(words) => words.as_str(),
+            None if value.to_bits() == usual.to_bits() => paper,
+            None => "study.toml",
+        };
         let percent = (1e4 * value).round() / 100.0;
         let degrees = (1e4 * value.to_degrees()).round() / 1e4;
         Some(match unit {
@@ -244,6 +323,35 @@ mod tests {
         for unit in ["rad", "m", "N", "J", "N/rad", "N·s/rad", "s", "1"] {
             assert_eq!(own.source(unit).is_some(), own.bound(1.0, unit, 0.05).is_some(), "{unit}");
         }
+    }
+
+    #[test]
+    fn what_the_people_of_a_study_notice_takes_the_place_of_others_findings_where_it_is_asked_for()
+    {
+        let jnd = |unit: &str, jnd: f64| MeasuredJnd {
+            unit: unit.to_owned(),
+            jnd,
+            ends: Some([0.9 * jnd, 1.2 * jnd]),
+            n: 8,
+        };
+        let all = || vec![jnd("N/rad", 0.1065), jnd("rad", 1_f64.to_radians())];
+        let usual = Perception::default();
+        assert_eq!(usual.with_measured(all()), usual);
+        let own = Perception { is_measured: true, ..usual.clone() }.with_measured(all());
+        assert_eq!(own.bound(4.0, "N/rad", 0.05), Some(0.426));
+        assert_eq!(own.force_bound_n(10.0).to_bits(), usual.force_bound_n(10.0).to_bits());
+        let told = own.source("N/rad").unwrap();
+        assert_eq!(
+            told,
+            "10.65 % of the stiffness (measured: 8 participants of this study, 9.6 to 12.8 %)"
+        );
+        let told = own.source("m").unwrap();
+        assert!(
+            told.contains("1° (measured: 8 participants of this study, 0.9 to 1.2°)"),
+            "{told}"
+        );
+        assert_eq!(MeasuredJnd::unit_of("N/m"), Some("N/rad"));
+        assert_eq!(MeasuredJnd::unit_of("s"), None);
     }
 
     #[test]

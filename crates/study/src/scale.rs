@@ -1,6 +1,6 @@
 //! What may be answered to a question: the one list of scales.
 
-use crate::AnswerValue;
+use crate::{AnswerValue, Asks};
 use serde::{Deserialize, Serialize};
 
 /// A scale of answers: whole numbers at equal distances, from the most unfavourable to the most
@@ -25,6 +25,9 @@ pub enum AnswerScale {
     /// Nominal, too.
     #[serde(skip_deserializing)]
     Pair([String; 2]),
+    /// The answers to the question of a task, numbered from 1 ([`Asks::answers`]). Nominal, too.
+    #[serde(skip_deserializing)]
+    Task(Asks),
 }
 
 /// A scale by its numbers: −3 to 3, 0 to 6, 0 to 100 in steps of 5.
@@ -67,6 +70,11 @@ impl AnswerScale {
             Self::Numbers(_) => format!("scale from {}", self.range()),
             Self::Modes(labels) => format!("{} or “{}”", labels.join(", "), Self::DO_NOT_KNOW),
             Self::Pair(labels) => format!("“{}” or “{}”", labels[0], labels[1]),
+            Self::Task(asks) => {
+                let words: Vec<String> =
+                    asks.answers().iter().map(|word| format!("“{word}”")).collect();
+                words.join(" or ")
+            }
         }
     }
 
@@ -78,6 +86,7 @@ impl AnswerScale {
             // No study with more modes than that may ask for them.
             Self::Modes(labels) => u8::try_from(labels.len() + 1).unwrap_or(Self::MOST_POINTS),
             Self::Pair(_) => 2,
+            Self::Task(asks) => u8::try_from(asks.answers().len()).unwrap_or(Self::MOST_POINTS),
         }
     }
 
@@ -86,7 +95,7 @@ impl AnswerScale {
         match self {
             Self::Numbers(scale) => (scale.from, scale.step),
             Self::Modes(_) => (0, 1),
-            Self::FivePoint | Self::Pair(_) => (1, 1),
+            Self::FivePoint | Self::Pair(_) | Self::Task(_) => (1, 1),
         }
     }
 
@@ -147,7 +156,7 @@ impl AnswerScale {
 
     /// Whether its answers are names, with no order: they are in no tally, median or model.
     pub fn is_nominal(&self) -> bool {
-        matches!(self, Self::Modes(_) | Self::Pair(_))
+        matches!(self, Self::Modes(_) | Self::Pair(_) | Self::Task(_))
     }
 
     /// Whether a screen shows every answer, and not the ends alone.
@@ -186,6 +195,7 @@ impl AnswerScale {
                 Some(mode) => labels.get(mode).map(String::as_str),
             },
             Self::Pair(labels) => labels.get(place).map(String::as_str),
+            Self::Task(asks) => asks.answers().get(place).copied(),
         }
     }
 

@@ -34,6 +34,11 @@ pub enum Scene {
         /// Where the wall begins, rad.
         wall_rad: f64,
     },
+    /// The same force everywhere.
+    Force {
+        /// Resisting force, N: above 0 it pushes towards −θ.
+        force_n: f64,
+    },
 }
 
 words! {
@@ -49,10 +54,12 @@ words! {
         Wall = "wall",
         /// [`Scene::SpringWall`].
         SpringWall = "spring_wall",
+        /// [`Scene::Force`].
+        Force = "force",
     }
 }
 
-/// What a scene takes: a number of `study.toml`.
+/// What an environment takes: a number of `study.toml`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum SceneNumber {
     /// Stiffness K at the lever, N/rad.
@@ -61,12 +68,18 @@ pub(crate) enum SceneNumber {
     Rest,
     /// Where the wall begins, rad.
     Wall,
+    /// A constant resisting force, N.
+    Force,
+    /// By how much the rendering is late, s. It is the environment's and no scene's: what is rendered is the same.
+    Delay,
 }
 
-/// The force that a scene asks for, `K (θ − θ_rest) + B θ̇` (thesis (8)), up to its wall, where
-/// there is one; from there on it asks for all that the mode's actuators have.
+/// The force that a scene asks for, `F + K (θ − θ_rest) + B θ̇` (thesis (8), with a constant F), up to its wall,
+/// where there is one; from there on it asks for all that the mode's actuators have.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ForceLaw {
+    /// F, N.
+    pub constant_n: f64,
     /// K, N/rad.
     pub stiffness_n_per_rad: f64,
     /// B, N s/rad.
@@ -79,8 +92,13 @@ pub struct ForceLaw {
 
 impl ForceLaw {
     /// No force anywhere.
-    const FREE: Self =
-        Self { stiffness_n_per_rad: 0.0, damping_ns_per_rad: 0.0, rest_rad: 0.0, wall_rad: None };
+    const FREE: Self = Self {
+        constant_n: 0.0,
+        stiffness_n_per_rad: 0.0,
+        damping_ns_per_rad: 0.0,
+        rest_rad: 0.0,
+        wall_rad: None,
+    };
 
     fn spring(spring: Spring) -> Self {
         let Spring { stiffness_n_per_rad, rest_rad } = spring;
@@ -89,12 +107,16 @@ impl ForceLaw {
 
     /// The resisting force short of the wall, N: above 0 it pushes towards −θ.
     pub fn force_n(&self, theta_rad: f64, theta_dot_rad_s: f64) -> f64 {
-        let spring_n = self.stiffness_n_per_rad * (theta_rad - self.rest_rad);
-        // Without damping no velocity counts, not even one that is no number.
-        if self.damping_ns_per_rad == 0.0 {
-            return spring_n;
+        let mut force_n = self.stiffness_n_per_rad * (theta_rad - self.rest_rad);
+        // Added only where there is one: 0 added to −0 is another number.
+        if self.constant_n != 0.0 {
+            force_n += self.constant_n;
         }
-        spring_n + self.damping_ns_per_rad * theta_dot_rad_s
+        // Without damping no velocity counts, not even one that is no number.
+        if self.damping_ns_per_rad != 0.0 {
+            force_n += self.damping_ns_per_rad * theta_dot_rad_s;
+        }
+        force_n
     }
 
     /// Whether an angle is past the wall.
@@ -104,13 +126,25 @@ impl ForceLaw {
 }
 
 impl SceneKind {
-    /// The numbers that it takes.
+    /// Whether something is there to move against: a movement has a course then, which repeats share.
+    fn pushes_back(self) -> bool {
+        !matches!(self, Self::None | Self::Free)
+    }
+
+    /// Whether an environment of that kind takes a number: one of its scene, or, where there is something to be late,
+    /// a delay.
+    pub(crate) fn takes(self, number: SceneNumber) -> bool {
+        self.quantities().contains(&number) || (number == SceneNumber::Delay && self.pushes_back())
+    }
+
+    /// The numbers that its scene is made of.
     pub(crate) fn quantities(self) -> &'static [SceneNumber] {
         match self {
             Self::None | Self::Free => &[],
             Self::Spring => &[SceneNumber::Stiffness, SceneNumber::Rest],
             Self::Wall => &[SceneNumber::Wall],
             Self::SpringWall => &[SceneNumber::Stiffness, SceneNumber::Rest, SceneNumber::Wall],
+            Self::Force => &[SceneNumber::Force],
         }
     }
 
@@ -128,6 +162,7 @@ impl SceneKind {
             Self::SpringWall => {
                 Scene::SpringWall { spring: spring(), wall_rad: value(SceneNumber::Wall) }
             }
+            Self::Force => Scene::Force { force_n: value(SceneNumber::Force) },
         }
     }
 }
@@ -141,12 +176,13 @@ impl Scene {
             Self::Spring(_) => SceneKind::Spring,
             Self::Wall { .. } => SceneKind::Wall,
             Self::SpringWall { .. } => SceneKind::SpringWall,
+            Self::Force { .. } => SceneKind::Force,
         }
     }
 
     /// Whether something is there to move against: a movement has a course then, which repeats share.
     pub fn pushes_back(&self) -> bool {
-        !matches!(self, Self::None | Self::Free)
+        self.kind().pushes_back()
     }
 
     /// The force it asks for; `None` if nothing is rendered.
@@ -161,6 +197,7 @@ impl Scene {
             Self::SpringWall { spring, wall_rad } => {
                 Some(ForceLaw { wall_rad: Some(wall_rad), ..ForceLaw::spring(spring) })
             }
+            Self::Force { force_n } => Some(ForceLaw { constant_n: force_n, ..ForceLaw::FREE }),
         }
     }
 
@@ -168,6 +205,14 @@ impl Scene {
     pub fn spring(&self) -> Option<Spring> {
         match *self {
             Self::Spring(spring) | Self::SpringWall { spring, .. } => Some(spring),
+            _ => None,
+        }
+    }
+
+    /// The scene's constant resisting force, N, if that is what it renders.
+    pub fn constant_n(&self) -> Option<f64> {
+        match *self {
+            Self::Force { force_n } => Some(force_n),
             _ => None,
         }
     }
@@ -184,6 +229,8 @@ impl Scene {
             SceneNumber::Stiffness => Some(law.stiffness_n_per_rad),
             SceneNumber::Rest => Some(law.rest_rad),
             SceneNumber::Wall => law.wall_rad,
+            SceneNumber::Force => Some(law.constant_n),
+            SceneNumber::Delay => None,
         }
     }
 }
@@ -220,5 +267,25 @@ mod tests {
         assert!((law.force_n(0.5, 0.2) - 2.1).abs() < 1e-15);
         let spring = ForceLaw { damping_ns_per_rad: 0.0, ..law };
         assert!((spring.force_n(0.5, f64::NAN) - 2.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_constant_force_is_the_same_everywhere_and_adds_to_a_springs() {
+        let law = Scene::Force { force_n: -1.5 }.law().unwrap();
+        for (theta_rad, theta_dot_rad_s) in [(0.5, 3.0), (-0.7, f64::NAN)] {
+            assert!((law.force_n(theta_rad, theta_dot_rad_s) + 1.5).abs() < 1e-15);
+        }
+        let both = ForceLaw { stiffness_n_per_rad: 4.0, ..law };
+        assert!((both.force_n(0.5, 0.0) - 0.5).abs() < 1e-15);
+        // As a spring's always was: the sign of nothing is not lost.
+        let spring = ForceLaw { stiffness_n_per_rad: 4.0, ..ForceLaw::FREE };
+        assert!(spring.force_n(-0.0, 0.0).is_sign_negative());
+    }
+
+    #[test]
+    fn what_pushes_back_can_be_late_and_nothing_else() {
+        let late = SceneKind::ALL.into_iter().filter(|kind| kind.takes(SceneNumber::Delay));
+        let words: Vec<&str> = late.map(SceneKind::as_str).collect();
+        assert_eq!(words, ["spring", "wall", "spring_wall", "force"]);
     }
 }

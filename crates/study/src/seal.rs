@@ -3,7 +3,8 @@
 //!
 //! The session's record holds codes in place of modes, and the commitment BLAKE3(nonce ‖ text),
 //! where the nonce is 32 random bytes and the text has a line `<trial> <mode>` for each trial, by
-//! number, each ended by a line feed. Opening the seal shows nonce and order: every reader of the
+//! number, each ended by a line feed. Of an interval of two of a task the line goes on with ` standard` or ` comparison`:
+//! which of them holds the standard is sealed, too. Opening the seal shows nonce and order: every reader of the
 //! log can then check that the order is the committed one. A code is BLAKE3 of the trial's number
 //! (4 bytes, little-endian) keyed with the nonce: it differs from trial to trial and does not
 //! depend on the mode.
@@ -11,7 +12,7 @@
 //! This protects against accident, not against a person with access to the disk: the voltages of a
 //! recording reveal its mode.
 
-use crate::{Event, ModeId, PlannedTrial, SealedTrial};
+use crate::{Event, ModeId, PlannedTrial, SealedTrial, TaskPlace};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -51,8 +52,8 @@ pub enum SealError {
 pub struct Seal {
     /// 32 random bytes: without them the order could be guessed from its commitment.
     pub nonce: [u8; 32],
-    /// The mode of each planned trial, by number.
-    pub order: Vec<(u32, ModeId)>,
+    /// What is sealed of each planned trial, by number.
+    pub order: Vec<SealedTrial>,
 }
 
 /// A seal as it lies in its file.
@@ -66,7 +67,12 @@ struct File {
 impl Seal {
     /// Seals the modes of `trials`.
     pub fn new(nonce: [u8; 32], trials: &[PlannedTrial]) -> Self {
-        let mut order: Vec<_> = trials.iter().map(|t| (t.trial, t.mode.clone())).collect();
+        let sealed = trials.iter().map(|t| SealedTrial {
+            trial: t.trial,
+            mode: t.mode.clone(),
+            is_standard: t.task.as_ref().and_then(|place| place.is_standard),
+        });
+        let mut order: Vec<_> = sealed.collect();
         // By number: the commitment is of one text, however the trials were listed.
         order.sort();
         Self { nonce, order }
@@ -75,9 +81,14 @@ impl Seal {
     /// The commitment, hexadecimal, which a session's record shows before the first trial.
     pub fn commitment(&self) -> String {
         let mut text = String::new();
-        for (trial, mode) in &self.order {
+        for SealedTrial { trial, mode, is_standard } in &self.order {
+            let holds = match is_standard {
+                None => "",
+                Some(true) => " standard",
+                Some(false) => " comparison",
+            };
             // Writing to a string cannot fail.
-            let _ = writeln!(text, "{trial} {mode}");
+            let _ = writeln!(text, "{trial} {mode}{holds}");
         }
         blake3::Hasher::new()
             .update(&self.nonce)
@@ -105,14 +116,21 @@ impl Seal {
     }
 
     /// The trials as a sealed session shows them: codes in place of modes, and in place of repeats
-    /// the place among the trials of the same kind and environment.
+    /// the place among the trials of the same kind and environment. Presentations of a task are counted without the mode,
+    /// too, and none says which interval holds the standard.
     #[must_use]
     pub fn masked(&self, trials: &[PlannedTrial]) -> Vec<PlannedTrial> {
         let mut places = BTreeMap::new();
+        let mut presentations = BTreeMap::new();
         // Counted without the mode: a repeat of the mode would tell which codes are alike.
         let masked = trials.iter().map(|t| PlannedTrial {
             mode: self.code(t.trial),
             repeat: count(&mut places, (t.kind, t.environment.clone())),
+            task: t.task.as_ref().map(|place| TaskPlace {
+                presentation: presentation(&mut presentations, place.task.clone(), place),
+                is_standard: None,
+                ..place.clone()
+            }),
             ..t.clone()
         });
         masked.collect()
@@ -124,18 +142,24 @@ impl Seal {
     /// [`SealError::OtherTrial`] for a trial that is not in the order, or has another code than
     /// this seal gives it.
     pub fn opened(&self, trials: &[PlannedTrial]) -> Result<Vec<PlannedTrial>, SealError> {
-        let modes: BTreeMap<u32, &ModeId> =
-            self.order.iter().map(|(trial, mode)| (*trial, mode)).collect();
+        let sealed: BTreeMap<u32, &SealedTrial> =
+            self.order.iter().map(|sealed| (sealed.trial, sealed)).collect();
         let mut repeats = BTreeMap::new();
+        let mut presentations = BTreeMap::new();
         let mut opened = Vec::with_capacity(trials.len());
         for t in trials {
             // By its code too: the seal of another session has an order for the same numbers.
-            let Some(mode) = modes.get(&t.trial).filter(|_| t.mode == self.code(t.trial)) else {
+            let Some(own) = sealed.get(&t.trial).filter(|_| t.mode == self.code(t.trial)) else {
                 return Err(SealError::OtherTrial { trial: t.trial, code: t.mode.clone() });
             };
-            let mode = (*mode).clone();
+            let mode = own.mode.clone();
             let repeat = count(&mut repeats, (t.kind, t.environment.clone(), mode.clone()));
-            opened.push(PlannedTrial { mode, repeat, ..t.clone() });
+            let task = t.task.as_ref().map(|place| {
+                let of = (place.task.clone(), mode.clone());
+                let presentation = presentation(&mut presentations, of, place);
+                TaskPlace { presentation, is_standard: own.is_standard, ..place.clone() }
+            });
+            opened.push(PlannedTrial { mode, repeat, task, ..t.clone() });
         }
         Ok(opened)
     }
@@ -153,8 +177,7 @@ impl Seal {
     pub fn from_event(nonce: &str, order: &[SealedTrial]) -> Result<Self, SealError> {
         let nonce = blake3::Hash::from_hex(nonce)
             .map_err(|e| SealError::NotASeal(format!("nonce: {e}")))?;
-        let order = order.iter().map(|t| (t.trial, t.mode.clone())).collect();
-        Ok(Self { nonce: *nonce.as_bytes(), order })
+        Ok(Self { nonce: *nonce.as_bytes(), order: order.to_vec() })
     }
 
     /// The seal as the text of its file.
@@ -178,9 +201,16 @@ impl Seal {
 
 impl From<&Seal> for File {
     fn from(seal: &Seal) -> Self {
-        let sealed = seal.order.iter().cloned().map(|(trial, mode)| SealedTrial { trial, mode });
-        Self { nonce: blake3::Hash::from(seal.nonce).to_hex().to_string(), order: sealed.collect() }
+        let nonce = blake3::Hash::from(seal.nonce).to_hex().to_string();
+        Self { nonce, order: seal.order.clone() }
     }
+}
+
+/// The number of a trial's presentation among those of a task; a new one begins with its first interval.
+fn presentation<T: Ord>(counts: &mut BTreeMap<T, u32>, of: T, place: &TaskPlace) -> u32 {
+    let number = counts.entry(of).or_default();
+    *number += u32::from(place.interval <= 1);
+    *number
 }
 
 /// Counts how often something came, this time included.
@@ -203,6 +233,10 @@ mod tests {
         order::draw(&study, 1, 1, 7)
     }
 
+    fn sealed(trial: u32, mode: &str, is_standard: Option<bool>) -> SealedTrial {
+        SealedTrial { trial, mode: mode.parse().unwrap(), is_standard }
+    }
+
     fn seal() -> Seal {
         Seal::new([7; 32], &planned(OrderScheme::Williams))
     }
@@ -214,7 +248,7 @@ mod tests {
     /// The numbers come from a separate BLAKE3 written in Python from its paper.
     #[test]
     fn commitment_and_code_are_those_of_the_documented_bytes() {
-        let order = vec![(1, "hybrid".parse().unwrap()), (2, "active".parse().unwrap())];
+        let order = vec![sealed(1, "hybrid", None), sealed(2, "active", None)];
         let seal = Seal { nonce: std::array::from_fn(|i| i as u8), order };
         assert_eq!(seal.commitment(), COMMITMENT);
         assert_eq!(seal.code(2).as_str(), CODE);
@@ -226,11 +260,11 @@ mod tests {
         let commitment = seal.commitment();
         assert_eq!(seal.verify(&commitment), Ok(()));
         let mut swapped = seal.clone();
-        let first = swapped.order[3].1.clone();
+        let first = swapped.order[3].mode.clone();
         let other =
-            swapped.order.iter().position(|(trial, mode)| *trial > 4 && *mode != first).unwrap();
-        swapped.order[3].1 = swapped.order[other].1.clone();
-        swapped.order[other].1 = first;
+            swapped.order.iter().position(|own| own.trial > 4 && own.mode != first).unwrap();
+        swapped.order[3].mode = swapped.order[other].mode.clone();
+        swapped.order[other].mode = first;
         let renonced = Seal { nonce: [8; 32], ..seal.clone() };
         for other in [swapped, renonced] {
             assert!(other.verify(&commitment).unwrap_err().to_string().contains(&commitment));
@@ -243,8 +277,7 @@ mod tests {
         let codes: BTreeSet<ModeId> = (1..=10_000).map(|trial| seal.code(trial)).collect();
         assert_eq!(codes.len(), 10_000);
         assert!(codes.iter().all(ModeId::is_code));
-        let all_active =
-            seal.order.iter().map(|(trial, _)| (*trial, "active".parse().unwrap())).collect();
+        let all_active = seal.order.iter().map(|own| sealed(own.trial, "active", None)).collect();
         let other = Seal { order: all_active, ..seal.clone() };
         assert!((1..100).all(|trial| other.code(trial) == seal.code(trial)));
     }
@@ -272,6 +305,54 @@ mod tests {
             let seal = Seal::new([7; 32], &trials);
             assert_eq!(seal.opened(&seal.masked(&trials)), Ok(trials));
         }
+    }
+
+    /// Trials of a session with a task of two intervals.
+    fn presented() -> Vec<PlannedTrial> {
+        let study = crate::tests::with_task(crate::tests::CONSTANT).unwrap();
+        order::draw(&study, 1, 1, 7)
+    }
+
+    /// The numbers come from a separate BLAKE3 of the documented text.
+    #[test]
+    fn which_interval_holds_the_standard_is_part_of_the_commitment() {
+        let order = vec![sealed(1, "hybrid", Some(true)), sealed(2, "hybrid", Some(false))];
+        let text = "1 hybrid standard\n2 hybrid comparison\n";
+        let nonce: [u8; 32] = std::array::from_fn(|i| i as u8);
+        let expect =
+            blake3::hash(&[nonce.as_slice(), text.as_bytes()].concat()).to_hex().to_string();
+        assert_eq!(Seal { nonce, order }.commitment(), expect);
+        let seal = Seal::new([7; 32], &presented());
+        let mut swapped = seal.clone();
+        let two = swapped.order.iter().position(|own| own.is_standard == Some(true)).unwrap();
+        swapped.order[two].is_standard = Some(false);
+        assert!(swapped.verify(&seal.commitment()).is_err());
+    }
+
+    #[test]
+    fn a_masked_session_does_not_show_which_interval_holds_the_standard() {
+        let trials = presented();
+        let seal = Seal::new([7; 32], &trials);
+        let masked = seal.masked(&trials);
+        let turned = |t: &PlannedTrial| PlannedTrial {
+            mode: "active".parse().unwrap(),
+            task: t.task.as_ref().map(|place| TaskPlace {
+                is_standard: place.is_standard.map(|holds| !holds),
+                ..place.clone()
+            }),
+            ..t.clone()
+        };
+        let turned: Vec<_> = trials.iter().map(turned).collect();
+        // In one mode all along, its presentations are counted through.
+        let opened = Seal::new([7; 32], &turned).opened(&masked).unwrap();
+        assert_eq!(seal.masked(&opened), masked);
+        assert!(
+            masked.iter().all(|t| t.task.as_ref().is_none_or(|place| place.is_standard.is_none()))
+        );
+        assert_eq!(seal.opened(&masked), Ok(trials));
+        let Event::Unsealed { nonce, order } = seal.event() else { panic!() };
+        assert_eq!(Seal::from_event(&nonce, &order), Ok(seal.clone()));
+        assert_eq!(Seal::from_json(&seal.to_json().unwrap()), Ok(seal));
     }
 
     #[test]

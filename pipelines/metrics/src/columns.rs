@@ -121,10 +121,18 @@ pub fn is_number(study: &Study, metric: &str) -> bool {
     names(study).any(|name| name == metric)
 }
 
-/// The names of all metrics that can be compared: zwidth's in the order of the table, the study's own, scores.
+/// The names of all metrics that can be compared: zwidth's in the order of the table, the study's own, scores, and what
+/// tasks tell.
 pub fn names(study: &Study) -> impl Iterator<Item = String> {
     let of_trials = numbers().map(|(name, _)| name).chain(own(study).map(|own| own.id.as_str()));
-    of_trials.map(str::to_owned).chain(scores(study).map(|(metric, _)| metric.to_string()))
+    let of_answers = scores(study).map(|(metric, _)| metric);
+    let of_answers = of_answers.chain(study.task_metrics().map(|(metric, ..)| metric));
+    of_trials.map(str::to_owned).chain(of_answers.map(|metric| metric.to_string()))
+}
+
+/// Whether a metric is made of answers, and not of the samples of trials: a score, or what can be felt by a task.
+pub fn is_of_answers(study: &Study, metric: &str) -> bool {
+    score_of(study, metric).is_some() || study.task_metric(metric).is_some()
 }
 
 /// Whether a metric rests on the plant that all trials together identify.
@@ -139,6 +147,9 @@ pub fn in_words(study: &Study, metric: &str) -> Option<String> {
     }
     if let Some(score) = score_of(study, metric) {
         return Some(score.in_words());
+    }
+    if let Some((task, quantity)) = study.task_metric(metric) {
+        return Some(task.metric_in_words(quantity));
     }
     let of_trial = GROUPS.into_iter().flatten().map(|spec| (spec.name, spec.description));
     let of_plant = PLANT_GROUPS.into_iter().flatten().map(|spec| (spec.name, spec.description));

@@ -59,8 +59,8 @@ mod wall;
 pub use actuator::ActuatorDiscrepancy;
 pub use by_mode::by_mode;
 pub use columns::{
-    VERSION, better, commanded, in_words, is_felt, is_number, is_of_plant, is_possible, names,
-    needs_lever, own as own_metrics, score_of, scores, taken,
+    VERSION, better, commanded, in_words, is_felt, is_number, is_of_answers, is_of_plant,
+    is_possible, names, needs_lever, own as own_metrics, score_of, scores, taken,
 };
 pub use compliance::Compliance;
 pub use conditions::{ConditionsError, by_condition, summarised};

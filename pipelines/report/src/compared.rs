@@ -9,7 +9,8 @@ use zwidth_results::{
     PersonValue, RedrawnDifference, Role, Sentence, Size, UnitOfAnalysis, Verdict,
 };
 use zwidth_study::{
-    Better, Coordinate, EnvironmentId, ModeId, Setup, Study, contrast_label, in_a_sentence,
+    Better, Coordinate, EnvironmentId, ModeId, Setup, Study, TaskQuantity, contrast_label,
+    in_a_sentence,
 };
 use zwidth_tables::{in_coordinate, number, p_value, shown_unit, with_unit};
 
@@ -102,13 +103,23 @@ pub fn matrix(study: &Setup, metrics: &[ComparedMetric]) -> Matrix {
         ..Matrix::default()
     };
     for metric in metrics {
-        let (unit, factor) = shown_unit(&metric.metric.unit, study.coordinate);
+        let logarithm_of = TaskQuantity::logarithm_of(&metric.metric.unit);
+        let own_unit = logarithm_of.unwrap_or(&metric.metric.unit);
+        let (unit, factor) = shown_unit(own_unit, study.coordinate);
         let unit = if unit == "1" { String::new() } else { format!(" ({unit})") };
         for environment in &study.environments {
             let cells = study.modes.iter().map(|mode| {
                 let mut means = metric.means.iter();
                 let mean =
                     means.find(|m| (&m.environment, &m.mode) == (&environment.id, &mode.id))?;
+                if logarithm_of.is_some() {
+                    let value = libm::exp(mean.mean) * factor;
+                    let sd = mean.sd.map(libm::exp);
+                    let spread = sd.map(|sd| format!(" ×/÷ {}", number(sd, Some(sd - 1.0))));
+                    let error = mean.sd.map(|sd| value * sd);
+                    let value = number(value, error);
+                    return Some(format!("{value}{} ({})", spread.unwrap_or_default(), mean.n));
+                }
                 let sd = mean.sd.map(|sd| sd * factor);
                 let spread = sd.map(|sd| format!(" ± {}", number(sd, Some(sd))));
                 let value = number(mean.mean * factor, sd);

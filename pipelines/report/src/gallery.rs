@@ -47,6 +47,8 @@ pub enum Shown {
     Trade(String),
     /// In the table of the terms that each condition requires.
     Ladder,
+    /// In the figure of everybody's thresholds of this task.
+    Thresholds(String),
 }
 
 /// The question that a sentence answers.
@@ -67,9 +69,11 @@ impl Shown {
     /// The question that it answers.
     pub fn question(&self) -> Asked {
         match self {
-            Self::Compared(_) | Self::Groups(_) | Self::Effects(_) | Self::Curves { .. } => {
-                Asked::Difference
-            }
+            Self::Compared(_)
+            | Self::Groups(_)
+            | Self::Effects(_)
+            | Self::Curves { .. }
+            | Self::Thresholds(_) => Asked::Difference,
             Self::Sessions(_) | Self::Learning(_) => Asked::Practice,
             Self::Answers => Asked::Answers,
             _ => Asked::Else,
@@ -140,6 +144,7 @@ impl Gallery {
             Shown::Statements => (None, "thesis"),
             Shown::Trade(scene) => (Some(format!("trade.{scene}")), "trade_summary"),
             Shown::Ladder => (None, "ladder"),
+            Shown::Thresholds(task) => (Some(format!("thresholds.{task}")), "psychometric"),
         }
     }
 }

@@ -28,6 +28,7 @@ mod runs;
 mod sessions;
 mod survey;
 mod thesis;
+mod thresholds;
 mod trials;
 mod weight;
 
@@ -55,6 +56,7 @@ pub use runs::{laddered, traded};
 pub use sessions::{changes, learned};
 pub use survey::survey;
 pub use thesis::{HOW_JUDGED, Told, replayed, replayed_columns, statements, told};
+pub use thresholds::felt_thresholds;
 pub use weight::{WEIGHT_NOTES, is_weighed, weight_facts};
 
 use people::{amounts, participants, sources};

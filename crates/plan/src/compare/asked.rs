@@ -46,6 +46,9 @@ fn is_possible(data: &StudyData, metric: &str) -> bool {
     if let Some(score) = zwidth_metrics::score_of(&data.study, metric) {
         return data.answers.iter().any(|answer| score.questions.contains(&answer.question));
     }
+    if data.study.task_metric(metric).is_some() {
+        return crate::thresholds::has_answers(data, metric);
+    }
     if data.study.device.lever_m.is_none() && zwidth_metrics::needs_lever(metric) {
         return false;
     }
@@ -66,8 +69,9 @@ fn requested_metrics(study: &Study) -> Vec<String> {
             let default = MetricId::primary().to_string();
             let own = zwidth_metrics::own_metrics(study).map(|own| own.id.to_string());
             let scores = zwidth_metrics::scores(study).map(|(metric, _)| metric.to_string());
+            let tasks = study.task_metrics().map(|(metric, ..)| metric.to_string());
             let all = std::iter::once(default).chain(OTHERS.map(str::to_owned));
-            all.chain(own).chain(scores).collect()
+            all.chain(own).chain(scores).chain(tasks).collect()
         }
     };
     let mut requested: Vec<String> =
@@ -125,6 +129,9 @@ fn families_of(study: &Study, name: &str) -> Vec<usize> {
                 score.questions.iter().all(|id| place.questions().any(|own| own == id))
             };
             return asks(environment) || !study.environments.iter().any(asks);
+        }
+        if let Some((task, _)) = study.task_metric(name) {
+            return task.environment == environment.id;
         }
         zwidth_metrics::is_possible(study, name, &environment.scene, &signals)
     };

@@ -16,7 +16,7 @@ use crate::shared::conditions::trial_sources;
 use crate::shared::handle::{Derived, file_within, write_named};
 use crate::shared::making::derived;
 use crate::tables::printed::Printed;
-use crate::{likert, metrics};
+use crate::{likert, metrics, thresholds};
 use asked::are_several;
 use parameters::{Comparing, OfMetrics};
 use serde::Serialize;
@@ -34,7 +34,7 @@ use zwidth_results::{
     EffectDifference, FactorTest, GivenAnswer, GroupDifference, GroupMean, GroupMember,
     GroupModeDifference, GroupModel, GroupModelTest, Learning, Mean, MetricNote, ModeDifference,
     Model, Omnibus, OrderTest, PersonDifference, PersonSuperiority, PersonValue, PrintedDifference,
-    RedrawnDifference, RepeatMean, Row, SessionChange, TrialScore, TrialSlope,
+    PsychometricFit, RedrawnDifference, RepeatMean, Row, SessionChange, TrialScore, TrialSlope,
 };
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, Stage};
 use zwidth_store::{Answer, Layout, StudyData};
@@ -55,6 +55,9 @@ const OF_GROUPS: [&str; 6] = [
 
 /// The tables of a study with factors, likewise.
 const OF_FACTORS: [&str; 2] = [EffectDifference::NAME, FactorTest::NAME];
+
+/// The tables that look at repeats of a condition or at the order of trials.
+const OF_REPEATS: [&str; 3] = [Model::NAME, Learning::NAME, OrderTest::NAME];
 
 /// The results of the stage on metrics: one folder, with a table for each kind of row.
 #[derive(Clone)]
@@ -314,7 +317,11 @@ pub(crate) fn tables(data: &StudyData) -> Vec<Printed> {
             (of_contrasts, OrderTest::NAME),
         ];
         for metric in compared(data) {
-            for (_, name) in kinds.iter().filter(|(is_printed, _)| *is_printed) {
+            // Everybody has one threshold in a session and mode, and no repeats.
+            let has_repeats = data.study.task_metric(&metric).is_none();
+            let is_shown = |name| has_repeats || !OF_REPEATS.contains(&name);
+            let kinds = kinds.iter().filter(|(is_printed, name)| *is_printed && is_shown(name));
+            for (_, name) in kinds {
                 tables.push(Printed::of_metric(&comparison.file(name), &metric));
             }
         }
@@ -337,15 +344,16 @@ fn answers_of(layout: &Layout) -> AnswersOf {
     (Derived::within(&folder), Derived::within(&folder))
 }
 
-/// The metrics of trials, and the scores of answers.
-type Compares = (Option<PathBuf>, Option<Derived<TrialScore>>);
+/// The metrics of trials, the scores of answers, and what tasks tell.
+type Compares = (Option<PathBuf>, Option<Derived<TrialScore>>, Option<Derived<PsychometricFit>>);
 
 pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
     let mut jobs = Vec::new();
     // Every metric that there is has a name that is an id: the parameters are never an error.
     if let (Some(tables), Ok(parameters)) = (of_study(data), Comparing::of(data)) {
         let scores = likert::scores(data).map(|(scores, _)| scores);
-        let inputs = (metrics::of_study(data), scores);
+        let fits = thresholds::fits(data).filter(|_| !parameters.stage.thresholds.is_empty());
+        let inputs = (metrics::of_study(data), scores, fits);
         jobs.push(Job::new(STAGE, "compare metrics", parameters, inputs, tables.files(), make));
     }
     if answers(data).is_some() {
@@ -368,7 +376,7 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
 
 fn make(
     Comparing { stage, simulated }: &Comparing<OfMetrics>,
-    (metrics, scores): &Compares,
+    (metrics, scores, fits): &Compares,
     making: &Making,
 ) -> Result<Made, JobError> {
     let mut tables = Vec::new();
@@ -378,11 +386,15 @@ fn make(
             tables.push(score.measured(&rows)?);
         }
     }
+    if let Some(fits) = fits {
+        let rows = fits.read()?;
+        for own in &stage.thresholds {
+            tables.push(own.measured(&rows)?);
+        }
+    }
     if let Some(metrics) = metrics {
         let names = stage.parameters.metrics.iter().map(|metric| metric.metric.as_str());
-        let is_score =
-            |name: &&str| stage.scores.iter().any(|score| score.metric.as_str() == *name);
-        let names: Vec<&str> = names.filter(|name| !is_score(name)).collect();
+        let names: Vec<&str> = names.filter(|name| !stage.is_of_answers(name)).collect();
         tables.push(Measured::read(metrics, &names)?);
     }
     let stage = &stage.parameters;
@@ -544,7 +556,13 @@ pub(crate) fn figures(data: &StudyData) -> Vec<Drawing> {
     ];
     let mut drawings = Vec::new();
     for metric in compared(data) {
-        for (_, kind, draw_metric) in kinds.into_iter().filter(|(is_shown, ..)| *is_shown) {
+        // Thresholds have figures of their own by mode.
+        let is_threshold = data.study.task_metric(&metric).is_some();
+        let by_mode = [MODES_COMPARED, PARTICIPANTS_COMPARED, REPEATS_COMPARED];
+        let kinds = kinds.into_iter().filter(|(is_shown, ..)| *is_shown);
+        for (_, kind, draw_metric) in
+            kinds.filter(|(_, kind, _)| !(is_threshold && by_mode.contains(kind)))
+        {
             let drawn = Drawn {
                 about: About::of(&data.study),
                 environments: data.study.environments.clone(),

@@ -2,6 +2,7 @@
 
 use super::asked::{claims_of_both, compared, compares_curves, took_part};
 use crate::page::preregistered::preregistered;
+use crate::thresholds::{self, ThresholdColumn};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use zwidth_compare::{
@@ -32,6 +33,18 @@ pub(crate) struct OfMetrics {
     /// The scores among the metrics.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(crate) scores: Vec<ScoreColumn>,
+    /// What tasks tell, among the metrics.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(crate) thresholds: Vec<ThresholdColumn>,
+}
+
+impl OfMetrics {
+    /// Whether a metric is made of answers.
+    pub(crate) fn is_of_answers(&self, metric: &str) -> bool {
+        let of_scores = self.scores.iter().map(|score| &score.metric);
+        let mut all = of_scores.chain(self.thresholds.iter().map(|own| &own.metric));
+        all.any(|own| own.as_str() == metric)
+    }
 }
 
 /// A score as a metric.
@@ -83,6 +96,7 @@ impl Comparing<OfMetrics> {
         let curves = compares_curves(data).then_some(&compare.curves).into_iter().flatten();
         let measured: Vec<String> =
             compared.iter().cloned().chain(curves.map(|curve| curve.as_str().to_owned())).collect();
+        let perception = thresholds::perception(data);
         let mut metrics = Vec::new();
         for metric in &compared {
             let mut bounds = compare.bounds.iter();
@@ -105,7 +119,7 @@ impl Comparing<OfMetrics> {
                 bounds: bounds.collect(),
                 // What cannot be felt is not noticed from any difference on.
                 noticed: is_felt(study, metric).then(|| Noticed {
-                    perception: study.perception.clone(),
+                    perception: perception.clone(),
                     lever_m: study.device.lever_m.unwrap_or(0.0),
                     is_slide: matches!(study.coordinate, Coordinate::Linear { .. }),
                     commanded: study
@@ -117,6 +131,7 @@ impl Comparing<OfMetrics> {
             });
         }
         let scores = ScoreColumn::compared(study, &compared);
+        let of_tasks = ThresholdColumn::compared(study, &compared);
         let parameters = Parameters {
             metrics,
             environments: study.environments.iter().map(|e| e.id.clone()).collect(),
@@ -136,14 +151,16 @@ impl Comparing<OfMetrics> {
         };
         let trials = data.counting().any(|trial| trial.meta.source.is_simulated());
         let sessions = data.sessions.iter().any(|log| log.record.source.is_simulated());
-        Ok(Self { stage: OfMetrics { parameters, scores }, simulated: trials || sessions })
+        Ok(Self {
+            stage: OfMetrics { parameters, scores, thresholds: of_tasks },
+            simulated: trials || sessions,
+        })
     }
 }
 
 /// Whether a metric describes something that a person could feel.
 fn is_felt(study: &Study, metric: &str) -> bool {
-    let is_score = zwidth_metrics::score_of(study, metric).is_some();
-    !is_score && zwidth_metrics::is_felt(&study.metrics, metric)
+    !zwidth_metrics::is_of_answers(study, metric) && zwidth_metrics::is_felt(&study.metrics, metric)
 }
 
 /// The groups of those who took part.

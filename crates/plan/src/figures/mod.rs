@@ -13,7 +13,7 @@ use crate::replay::figures as replay_figures;
 use crate::shared::conditions::{Repeats, Session, sessions};
 use crate::shared::handle::Derived;
 use crate::shared::trials::{MOST_DRAWN, Recordings, TrialLabel, files, label_trials, read_drawn};
-use crate::{average, compare, curves, freemotion, ladder, scenes, trade};
+use crate::{average, compare, curves, freemotion, ladder, scenes, thresholds, trade};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -34,7 +34,11 @@ pub(crate) fn of_run(data: &StudyData) -> Vec<Drawing> {
     let mut sessions = sessions(data);
     let n = sessions.len();
     sessions.retain(|session| data.study.figures.has_own(&session.ids(), n));
-    of_sessions(data, sessions)
+    let mut drawings = of_sessions(data, sessions);
+    let n = data.sessions.len();
+    let has_own = |ids: &[String; 2]| data.study.figures.has_own(ids, n);
+    drawings.extend(thresholds::figures::all(data, has_own));
+    drawings
 }
 
 /// How many sessions have figures that are made on demand alone.
@@ -45,7 +49,9 @@ pub(crate) fn without_own(data: &StudyData) -> usize {
 
 /// Every figure that can be made, on demand or by a run.
 fn all(data: &StudyData) -> Vec<Drawing> {
-    of_sessions(data, sessions(data))
+    let mut drawings = of_sessions(data, sessions(data));
+    drawings.extend(thresholds::figures::all(data, |_| true));
+    drawings
 }
 
 /// The job of a figure that is made on demand.

@@ -15,7 +15,8 @@ use crate::shared::conditions::{Repeats, Session, sessions};
 use crate::shared::handle::Derived;
 use crate::shared::making::read_shared;
 use crate::shared::trials::{OfTrials, Recordings, files as trial_files, read_drawn};
-use crate::{average, compare, identify, likert, metrics};
+use crate::thresholds::ThresholdColumn;
+use crate::{average, compare, identify, likert, metrics, thresholds};
 use serde::Serialize;
 use std::path::PathBuf;
 use zwidth_average::Alignment;
@@ -24,7 +25,9 @@ use zwidth_report::{
     Columns, Contents, Course, Estimating, Event, Page, TURNED, TrialValues, condition_script,
     page_html, turned_script,
 };
-use zwidth_results::{CourseSample, CourseSeries, GivenAnswer, PlantRun, TrialEvent, TrialScore};
+use zwidth_results::{
+    CourseSample, CourseSeries, GivenAnswer, PlantRun, PsychometricFit, TrialEvent, TrialScore,
+};
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, ORIGIN, Output, Stage, WriteLong};
 use zwidth_store::{Findings, Layout, Signal, StudyData, Trial};
 use zwidth_study::{Environment, EnvironmentId, ModeId};
@@ -84,7 +87,7 @@ pub(crate) fn jobs(data: &StudyData, findings: &Findings, figures: &[Drawing]) -
             families: settings.families,
             curve_claims: compare::claims_of_both(&data.study)[0],
             has_groups: settings.groups.is_some() && people::participants(data) > 1,
-            perception: data.study.perception.clone(),
+            perception: crate::thresholds::perception(data),
             of_plant: compare::compared(data)
                 .into_iter()
                 .filter(|metric| zwidth_metrics::is_of_plant(metric))
@@ -95,12 +98,14 @@ pub(crate) fn jobs(data: &StudyData, findings: &Findings, figures: &[Drawing]) -
                 .collect(),
         },
         scores: ScoreColumn::compared(&data.study, &compare::compared(data)),
+        thresholds: ThresholdColumn::compared(&data.study, &compare::compared(data)),
         version: env!("CARGO_PKG_VERSION"),
     };
     let files = IndexFiles {
         summary: files,
         answers: likert::answers(data),
         scores: likert::scores(data).map(|(scores, _)| scores),
+        fits: thresholds::fits(data),
     };
     let output = vec![file(&data.layout)];
     jobs.push(Job::new(STAGE, JOB, index, files, output, make_index).tolerant());
@@ -324,6 +329,9 @@ struct Index {
     /// The scores among the metrics compared.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     scores: Vec<ScoreColumn>,
+    /// What tasks tell, among them.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    thresholds: Vec<ThresholdColumn>,
     version: &'static str,
 }
 
@@ -332,6 +340,7 @@ struct IndexFiles {
     summary: summary::Files,
     answers: Option<Derived<GivenAnswer>>,
     scores: Option<Derived<TrialScore>>,
+    fits: Option<Derived<PsychometricFit>>,
 }
 
 impl Inputs for IndexFiles {
@@ -339,6 +348,7 @@ impl Inputs for IndexFiles {
         let mut files = self.summary.files();
         files.extend(self.answers.files());
         files.extend(self.scores.files());
+        files.extend(self.fits.files());
         files
     }
 }
@@ -353,6 +363,11 @@ fn make_index(index: &Index, files: &IndexFiles, making: &Making) -> Result<Made
     if let Some(rows) = files.scores.as_ref().map(Derived::read_if_made).transpose()?.flatten() {
         for score in &index.scores {
             scores.push(score.measured(&rows)?);
+        }
+    }
+    if let Some(rows) = files.fits.as_ref().map(Derived::read_if_made).transpose()?.flatten() {
+        for own in &index.thresholds {
+            scores.push(own.measured(&rows)?);
         }
     }
     let has_values = metrics.is_some() || !scores.is_empty();

@@ -6,7 +6,10 @@ use crate::figures::drawing::Drawing;
 use crate::page::methods::recorded;
 use crate::shared::handle::Derived;
 use crate::shared::trials::name;
-use crate::{average, compare, curves, freemotion, ladder, likert, metrics, report, tables, trade};
+use crate::{
+    average, compare, curves, freemotion, ladder, likert, metrics, report, tables, thresholds,
+    trade,
+};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
@@ -19,12 +22,13 @@ use zwidth_report::{
 };
 use zwidth_results::{
     AnswerTally, Compared, EffectDifference, FactorTest, GroupDifference, GroupMember,
-    JudgedStatement, LadderChoice, Learning, Mean, MetricNote, ModeDifference, PersonValue,
-    RedrawnDifference, Role, Row, SessionChange, TradeChoice, TrialRemark,
+    JudgedStatement, LadderChoice, Learning, Mean, MetricNote, ModeDifference, PeopleThreshold,
+    PersonValue, PsychometricFit, RedrawnDifference, Role, Row, SessionChange, TradeChoice,
+    TrialRemark,
 };
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, ORIGIN, Stage, strip_root};
 use zwidth_store::{Findings, Signal, StoreError, StudyData};
-use zwidth_study::{Kind, Scene, Setup};
+use zwidth_study::{Kind, MetricId, Scene, Setup, Task};
 use zwidth_tables::{About, Format, Measured, NoteKind, Table, TableError};
 
 /// Its version is raised when the page would be written differently from the same data.
@@ -40,6 +44,9 @@ pub(crate) struct Page {
     /// The metrics of trials that are compared, the primary ones first.
     of_trials: Vec<String>,
     pub(crate) primary: Primaries,
+    /// The tasks whose thresholds are told.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    tasks: Vec<Task>,
     /// The level below which p values count.
     alpha: f64,
     /// The trials whose clock, angle or velocity is to be read with care.
@@ -80,6 +87,8 @@ pub(crate) struct Files {
     compared: Option<Comparison>,
     /// The curves compared.
     curves: Option<OfCurves>,
+    /// Everybody's thresholds, and those over people.
+    thresholds: Option<(Derived<PsychometricFit>, Option<Derived<PeopleThreshold>>)>,
     /// Whether changes between sessions are listed.
     has_session_changes: bool,
 }
@@ -92,6 +101,9 @@ impl Inputs for Files {
             files.extend([curves.tests.path(), curves.runs.path()].map(ToOwned::to_owned));
         }
         files.extend([self.statements.files(), self.trade.files(), self.ladder.files()].concat());
+        if let Some((fits, over)) = &self.thresholds {
+            files.extend([fits.files(), over.files()].concat());
+        }
         if let Some(comparison) = &self.compared {
             let names = [
                 Compared::NAME,
@@ -131,8 +143,8 @@ pub(crate) fn job(data: &StudyData, findings: &Findings, figures: &[Drawing]) ->
 /// What the summary depends on.
 pub(crate) fn inputs(data: &StudyData, findings: &Findings, figures: &[Drawing]) -> (Page, Files) {
     let mut compared = compare::compared(data);
-    // Scores are in a table of their own.
-    compared.retain(|metric| zwidth_metrics::score_of(&data.study, metric).is_none());
+    // Scores and thresholds are in tables of their own.
+    compared.retain(|metric| !zwidth_metrics::is_of_answers(&data.study, metric));
     let files = Files {
         noted: [average::at_onset(data), freemotion::tables(data)].concat(),
         remarks: metrics::remarks(data),
@@ -145,6 +157,7 @@ pub(crate) fn inputs(data: &StudyData, findings: &Findings, figures: &[Drawing])
         ladder: ladder::of_study(data),
         compared: compare::of_study(data),
         curves: curves::of_study(data),
+        thresholds: thresholds::fits(data).map(|fits| (fits, thresholds::over_people(data))),
         has_session_changes: compare::has_session_changes(data),
     };
     let page = Page {
@@ -153,6 +166,7 @@ pub(crate) fn inputs(data: &StudyData, findings: &Findings, figures: &[Drawing])
         captions: figures.iter().map(|figure| figure.caption.clone()).collect(),
         of_trials: compared,
         primary: Primaries::of(&data.study),
+        tasks: data.study.tasks.clone(),
         alpha: data.study.compare.alpha,
         doubted: doubted(data, findings),
         gallery: report::gallery(data, figures),
@@ -228,6 +242,18 @@ pub(crate) fn gather(page: &Page, files: &Files, making: &Making) -> Result<Gath
     if let Some(metrics) = &metrics {
         summary.limits.extend(uneven_ranges(&page.planned, metrics)?);
     }
+    // JNDs are told as ratios, and thresholds in sentences of their own.
+    let is_of_tasks = |own: &ComparedMetric| {
+        let mut all = page.tasks.iter().flat_map(|task| {
+            task.quantities().into_iter().filter_map(|quantity| task.metric(quantity).ok())
+        });
+        all.any(|metric| metric == own.metric.metric)
+    };
+    let (of_tasks, of_compared) =
+        of_compared.into_iter().partition::<Vec<ComparedMetric>, _>(|own| is_of_tasks(own));
+    let primary = of_tasks.iter().filter(|own| own.metric.role == Role::Primary);
+    let felt =
+        felt(page, files, &primary.map(|own| own.metric.metric.clone()).collect::<Vec<_>>())?;
     let mut sentences = zwidth_report::contrasts(&page.planned, &of_compared);
     let [primary, others] = primary_first(&of_compared);
     for primary in primary {
@@ -256,6 +282,7 @@ pub(crate) fn gather(page: &Page, files: &Files, making: &Making) -> Result<Gath
         sentences.extend(zwidth_report::explored_groups(&page.planned, metric));
     }
     sentences.extend(other_curves);
+    sentences.extend(felt);
     summary.shown = list_findings(page, files, metrics.as_ref(), sentences, &summary)?;
     if let Some(statements) = files.statements.as_ref().filter(|table| table.path().exists()) {
         let (rows, notes) = statements.read_with_notes()?;
@@ -302,6 +329,15 @@ fn list_findings(
         ..Listed::new(page.shown_by(&finding.shown, summary), finding.text)
     });
     Ok(listed.collect())
+}
+
+/// What tasks tell can be felt.
+fn felt(page: &Page, files: &Files, primary: &[MetricId]) -> Result<Vec<Finding>, TableError> {
+    let Some((fits, over)) = &files.thresholds else { return Ok(Vec::new()) };
+    let fits = fits.read_if_made()?.unwrap_or_default();
+    let over = over.as_ref().map(Derived::read_if_made).transpose()?.flatten();
+    let rows = over.unwrap_or_default();
+    Ok(zwidth_report::felt_thresholds(&page.planned, &page.tasks, &fits, &rows, primary))
 }
 
 /// What runs of the model show: the cheapest that could not be told from the right one, and the

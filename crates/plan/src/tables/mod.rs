@@ -9,7 +9,7 @@ use crate::tables::long::for_programs;
 use crate::tables::printed::Printed;
 use crate::{
     compare, curves, freemotion, identify, ladder, likert, metrics, people, relations, replay,
-    report, trade,
+    report, thresholds, trade,
 };
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -33,6 +33,7 @@ pub fn printed(data: &StudyData) -> Vec<Printed> {
     [
         mark(of_trials(data), trials),
         mark(likert::printed(data), answers),
+        thresholds::printed(data),
         // These are marked by themselves.
         compare::tables(data),
         curves::tables(data),

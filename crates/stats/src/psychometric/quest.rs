@@ -10,6 +10,7 @@
 //! loops and all logarithms libm's, so the levels of a plan and its answers are the same on any machine.
 
 use super::curve::{Asks, Curve, Sigmoid};
+use super::{LevelAnswers, by_level};
 use crate::error::{StatsError, all_finite};
 
 /// Information, in nats, within which levels are equal; also the share within which masses are.
@@ -64,14 +65,7 @@ pub struct Track {
 /// curve of the grid makes possible.
 pub fn track(plan: &Plan, answers: &[bool]) -> Result<Track, StatsError> {
     check(plan)?;
-    let mut cells = Vec::new();
-    for threshold in &plan.thresholds {
-        for scale in &plan.scales {
-            for lapse in &plan.lapses {
-                cells.push(Cell { threshold: *threshold, scale: *scale, lapse: *lapse });
-            }
-        }
-    }
+    let cells = cells(plan);
     // By level: the shares of positive and of other answers in each cell, and their entropy.
     let shares: Vec<Vec<[f64; 2]>> = plan
         .levels
@@ -95,12 +89,100 @@ pub fn track(plan: &Plan, answers: &[bool]) -> Result<Track, StatsError> {
         posterior.iter_mut().for_each(|mass| *mass /= whole);
         place = most_telling(&posterior, &shares, &entropies);
     }
-    let mean = |read: fn(&Cell) -> f64| -> f64 {
-        cells.iter().zip(&posterior).map(|(cell, mass)| mass * read(cell)).sum()
+    let Posterior { threshold, scale, lapse, is_at_edge, .. } = summed(plan, &cells, &posterior);
+    Ok(Track {
+        levels,
+        next: plan.levels[place],
+        threshold,
+        scale,
+        lapse,
+        entropy: posterior.iter().map(|mass| information(*mass)).sum(),
+        is_at_edge,
+    })
+}
+
+/// What answers tell on the grid of a plan, whichever way their levels were chosen.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Posterior {
+    /// Posterior mean of the threshold.
+    pub threshold: f64,
+    /// Its posterior standard deviation.
+    pub threshold_sd: f64,
+    /// Posterior mean of σ.
+    pub scale: f64,
+    /// Posterior standard deviation of ln JND.
+    pub ln_jnd_sd: f64,
+    /// Posterior mean of λ.
+    pub lapse: f64,
+    /// As [`Track::is_at_edge`].
+    pub is_at_edge: bool,
+}
+
+impl Posterior {
+    /// The curve of the posterior means.
+    pub fn curve(&self, plan: &Plan) -> Curve {
+        let Self { threshold, scale, lapse, .. } = *self;
+        Cell { threshold, scale, lapse }.curve(plan)
+    }
+}
+
+/// The posterior of answers at any levels, in any order.
+///
+/// # Errors
+/// Those of [`track`], levels that are not finite, more positive answers than trials.
+pub fn posterior(plan: &Plan, answers: &[LevelAnswers]) -> Result<Posterior, StatsError> {
+    check(plan)?;
+    let answers = by_level(answers)?;
+    let cells = cells(plan);
+    let mut posterior = vec![1.0 / cells.len() as f64; cells.len()];
+    let mut trial = 0;
+    for LevelAnswers { level, trials, positive } in answers {
+        if plan.sigmoid == Sigmoid::Weibull && level < 0.0 {
+            return Err(StatsError::BelowZero { level });
+        }
+        let shares: Vec<[f64; 2]> =
+            cells.iter().map(|cell| cell.curve(plan).shares(level)).collect();
+        for number in 0..trials {
+            let answer = usize::from(number >= positive);
+            for (mass, shares) in posterior.iter_mut().zip(&shares) {
+                *mass *= shares[answer];
+            }
+            let whole: f64 = posterior.iter().sum();
+            if whole <= 0.0 {
+                return Err(StatsError::Impossible { trial });
+            }
+            posterior.iter_mut().for_each(|mass| *mass /= whole);
+            trial += 1;
+        }
+    }
+    Ok(summed(plan, &cells, &posterior))
+}
+
+/// The curves of the grid.
+fn cells(plan: &Plan) -> Vec<Cell> {
+    let mut cells = Vec::new();
+    for threshold in &plan.thresholds {
+        for scale in &plan.scales {
+            for lapse in &plan.lapses {
+                cells.push(Cell { threshold: *threshold, scale: *scale, lapse: *lapse });
+            }
+        }
+    }
+    cells
+}
+
+/// Means, deviations and ends of a posterior.
+fn summed(plan: &Plan, cells: &[Cell], posterior: &[f64]) -> Posterior {
+    let mean = |read: &dyn Fn(&Cell) -> f64| -> f64 {
+        cells.iter().zip(posterior).map(|(cell, mass)| mass * read(cell)).sum()
+    };
+    let sd = |read: &dyn Fn(&Cell) -> f64| -> f64 {
+        let middle = mean(read);
+        mean(&|cell| (read(cell) - middle).powi(2)).sqrt()
     };
     let mass_at = |read: fn(&Cell) -> f64, value: f64| -> f64 {
         let with_value = |cell: &Cell| read(cell).total_cmp(&value).is_eq();
-        let masses = cells.iter().zip(&posterior).filter(|(cell, _)| with_value(cell));
+        let masses = cells.iter().zip(posterior).filter(|(cell, _)| with_value(cell));
         masses.map(|(_, mass)| mass).sum()
     };
     let is_at_end = |axis: &[f64], read: fn(&Cell) -> f64| match axis {
@@ -111,16 +193,15 @@ pub fn track(plan: &Plan, answers: &[bool]) -> Result<Track, StatsError> {
         }
         _ => false, // one value is known, and has no end
     };
-    Ok(Track {
-        levels,
-        next: plan.levels[place],
-        threshold: mean(|cell| cell.threshold),
-        scale: mean(|cell| cell.scale),
-        lapse: mean(|cell| cell.lapse),
-        entropy: posterior.iter().map(|mass| information(*mass)).sum(),
+    Posterior {
+        threshold: mean(&|cell| cell.threshold),
+        threshold_sd: sd(&|cell| cell.threshold),
+        scale: mean(&|cell| cell.scale),
+        ln_jnd_sd: sd(&|cell| libm::log(cell.curve(plan).jnd())),
+        lapse: mean(&|cell| cell.lapse),
         is_at_edge: is_at_end(&plan.thresholds, |cell| cell.threshold)
             || is_at_end(&plan.scales, |cell| cell.scale),
-    })
+    }
 }
 
 struct Cell {
@@ -345,5 +426,38 @@ mod tests {
             ..plan()
         };
         assert_eq!(track(&certain, &[false, true]), Err(StatsError::Impossible { trial: 1 }));
+    }
+
+    #[test]
+    fn the_posterior_of_answers_is_that_of_their_track_in_any_order() {
+        let plan = plan();
+        let answers: Vec<bool> = (0..40).map(|trial| scattered([3, trial, 1, 0]) > 0.0).collect();
+        let tracked = track(&plan, &answers).unwrap();
+        let tallied: Vec<LevelAnswers> = tracked
+            .levels
+            .iter()
+            .zip(&answers)
+            .rev()
+            .map(|(level, is_positive)| LevelAnswers {
+                level: *level,
+                trials: 1,
+                positive: u64::from(*is_positive),
+            })
+            .collect();
+        let found = posterior(&plan, &tallied).unwrap();
+        let pairs = [
+            (found.threshold, tracked.threshold),
+            (found.scale, tracked.scale),
+            (found.lapse, tracked.lapse),
+        ];
+        for (found, expected) in pairs {
+            assert!((found - expected).abs() < 1e-9 * expected.abs(), "{found} {expected}");
+        }
+        assert_eq!(found.is_at_edge, tracked.is_at_edge);
+        // Answers leave less doubt than there was before the first.
+        let before = posterior(&plan, &[]).unwrap();
+        assert!(found.threshold_sd < before.threshold_sd && found.threshold_sd > 0.0);
+        assert!(found.ln_jnd_sd > 0.0);
+        assert!((found.curve(&plan).threshold() - found.threshold).abs() < 1e-9);
     }
 }

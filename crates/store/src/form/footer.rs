@@ -11,7 +11,8 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::str::FromStr;
 use zwidth_study::{
-    AnswerScale, Channel, IdError, Kind, MOST_CHANNELS, Source, Status, TrialForm, TrialMeta,
+    AnswerScale, Channel, IdError, Kind, MOST_CHANNELS, Presented, Schema, Source, Status,
+    TaskLevel, TrialForm, TrialMeta,
 };
 
 /// What a trial file says about itself, without its samples.
@@ -142,8 +143,39 @@ pub(crate) fn meta_from(
             ),
         },
         source: Source::from_word(source).ok_or_else(|| bad_value(path, "source", source))?,
-        presented: None,
+        presented: presented(path, footer, form)?,
     })
+}
+
+/// What a trial of a task presented, by its footer.
+fn presented(
+    path: &Path,
+    footer: &BTreeMap<String, String>,
+    form: &TrialForm,
+) -> Result<Option<Presented>, StoreError> {
+    if form.schema < Schema::Three || !footer.contains_key("task") {
+        return Ok(None);
+    }
+    let [task, interval, level] =
+        ["task", "interval", "level"].map(|key| required(path, footer, key, DAMAGED));
+    let (task, interval, level) = (task?, interval?, level?);
+    // A level is the number that was written, and no other near it.
+    let read = |text: &str| {
+        let level = text.parse().ok().and_then(TaskLevel::nearest)?;
+        (level.value().to_string() == text).then_some(level)
+    };
+    Ok(Some(Presented {
+        task: task.parse().map_err(|_| bad_value(path, "task", task))?,
+        interval: interval
+            .parse()
+            .ok()
+            .filter(|interval| *interval > 0)
+            .ok_or_else(|| bad_value(path, "interval", interval))?,
+        level: match level {
+            "" => None,
+            text => Some(read(text).ok_or_else(|| bad_value(path, "level", text))?),
+        },
+    }))
 }
 
 /// The value of a key that a footer must have.
@@ -164,8 +196,20 @@ fn bad_value(path: &Path, key: &str, value: &str) -> StoreError {
 }
 
 /// The keys of a footer that hold the trial's metadata.
-pub(crate) const OF_TRIAL: [&str; 9] =
-    ["trial", "repeat", "kind", "status", "environment", "mode", "likert", "source", CHANNELS];
+pub(crate) const OF_TRIAL: [&str; 12] = [
+    "trial",
+    "repeat",
+    "kind",
+    "status",
+    "environment",
+    "mode",
+    "likert",
+    "source",
+    "task",
+    "interval",
+    "level",
+    CHANNELS,
+];
 
 /// The entries of a footer besides those of every file, and `own` ones.
 pub(crate) fn rest_of(footer: &BTreeMap<String, String>, own: &[&str]) -> TrialFile {

@@ -334,9 +334,10 @@ pub(crate) fn version(
         None => "not a zwidth file: no schema version in its footer".to_owned(),
     };
     let remedy = format!(
-        "this software reads sweeps of version {TABLE_VERSION} and trials of version {}; use `zwidth import` for \
+        "this software reads sweeps of version {TABLE_VERSION} and trials of versions {} and {}; use `zwidth import` for \
          other files",
-        Schema::default().number()
+        Schema::Two.number(),
+        Schema::Three.number()
     );
     Err(StoreError::new(path, what, remedy))
 }

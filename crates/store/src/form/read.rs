@@ -196,6 +196,9 @@ impl OpenColumns {
         signal: Signal,
         room: Vec<f64>,
     ) -> Result<Option<Vec<f64>>, StoreError> {
+        if signal.schema() > self.form.schema {
+            return Ok(None);
+        }
         let column = signal.column();
         check_field(&self.file.path, &self.schema, column)?;
         let name = column.name;
@@ -208,6 +211,9 @@ impl OpenColumns {
 
     /// [`OpenColumns::signal_in`], decoded whatever the statistics say.
     fn decoded(&self, signal: Signal, room: Vec<f64>) -> Result<Option<Vec<f64>>, StoreError> {
+        if signal.schema() > self.form.schema {
+            return Ok(None);
+        }
         let column = signal.column();
         check_field(&self.file.path, &self.schema, column)?;
         column_values(&self.file, column.name, column.storage, room, false)

@@ -57,9 +57,9 @@ type Known = (Stamp, Blake3, Signals);
 /// Signals of a recording, a bit for each.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(transparent)]
-pub(crate) struct Signals(u16);
+pub(crate) struct Signals(u32);
 
-const _: () = assert!(Signal::COUNT <= u16::BITS as usize);
+const _: () = assert!(Signal::COUNT <= u32::BITS as usize);
 
 impl Signals {
     pub(crate) fn of(signals: &[Signal]) -> Self {

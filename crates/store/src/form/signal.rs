@@ -2,6 +2,7 @@
 //! `import` alike.
 
 use arrow::datatypes::DataType;
+use zwidth_study::Schema;
 
 /// A per-sample quantity of a trial. SI units; angles in radians.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -32,6 +33,18 @@ pub enum Signal {
     ForceCmd,
     /// Status bits of the sample.
     StateBits,
+    /// Position along the study's axis x.
+    X,
+    /// Position along y.
+    Y,
+    /// Position along z.
+    Z,
+    /// User force along x.
+    ForceX,
+    /// User force along y.
+    ForceY,
+    /// User force along z.
+    ForceZ,
 }
 
 /// How a column is stored in the file.
@@ -84,7 +97,7 @@ const fn column(
 use Storage::{F32, F64, U16};
 
 /// Every signal, in file order.
-pub const COLUMNS: [Column; 13] = [
+pub const COLUMNS: [Column; 19] = [
     column(Signal::Time, "t_s", "s", F64, "time since the trial's start, host clock, as measured"),
     column(Signal::DeviceTime, "t_device_s", "s", F64, "the device's own clock"),
     column(Signal::Theta, "theta_rad", "rad", F64, "lever angle"),
@@ -134,6 +147,12 @@ pub const COLUMNS: [Column; 13] = [
         U16,
         "1 saturated, 2 stale force, 4 stale angle, 8 dropout, 16 clipped, 32 past wall, 64 outside work space, 128 brake on, 256 motor on",
     ),
+    column(Signal::X, "x_m", "m", F64, "position along x, by the frame in study.toml"),
+    column(Signal::Y, "y_m", "m", F64, "position along y, by the frame in study.toml"),
+    column(Signal::Z, "z_m", "m", F64, "position along z, by the frame in study.toml"),
+    column(Signal::ForceX, "force_x_n", "N", F64, "user force along x, by the frame in study.toml"),
+    column(Signal::ForceY, "force_y_n", "N", F64, "user force along y, by the frame in study.toml"),
+    column(Signal::ForceZ, "force_z_n", "N", F64, "user force along z, by the frame in study.toml"),
 ];
 
 impl Signal {
@@ -143,6 +162,21 @@ impl Signal {
     /// Every signal, in file order.
     pub fn all() -> impl Iterator<Item = Self> + Clone {
         COLUMNS.iter().map(|c| c.signal)
+    }
+
+    /// The signals that trial files of a schema have columns for, in file order.
+    pub fn of(schema: Schema) -> impl Iterator<Item = Self> + Clone {
+        Self::all().filter(move |signal| signal.schema() <= schema)
+    }
+
+    /// The first schema whose trial files have the signal's column.
+    pub fn schema(self) -> Schema {
+        match self {
+            Self::X | Self::Y | Self::Z | Self::ForceX | Self::ForceY | Self::ForceZ => {
+                Schema::Three
+            }
+            _ => Schema::Two,
+        }
     }
 
     /// The signal's row of the schema.
@@ -169,6 +203,7 @@ impl Signal {
             "rad" => "rad",
             "rad/s" => "rad_s",
             "rad/s^2" | "rad/s²" => "rad_s2",
+            "m" => "m",
             "N" => "n",
             "N·m" => "nm",
             "V" => "v",

@@ -74,6 +74,29 @@ impl Samples {
         signals.chain(self.channels().map(|(id, values)| (id.as_str(), Storage::F64, values)))
     }
 
+    /// Checks that trial files of this form have a column for each.
+    ///
+    /// # Errors
+    /// A column that they have not.
+    pub(crate) fn check_form(&self, form: &TrialForm, path: &Path) -> Result<(), StoreError> {
+        let mut signals = COLUMNS.iter().filter(|c| self.get(c.signal).is_some());
+        if let Some(column) = signals.find(|c| c.signal.schema() > form.schema) {
+            let what =
+                format!("trial files of schema {} have no such column", form.schema.number());
+            let remedy = format!(
+                "leave it out, or begin a study with schema = {}",
+                column.signal.schema().number()
+            );
+            return Err(StoreError::new(path, what, remedy).column(column.name));
+        }
+        let mut channels = self.channels();
+        if let Some((id, _)) = channels.find(|(id, _)| form.channels.iter().all(|c| c.id != **id)) {
+            let what = "the study's trial files have no such channel";
+            return Err(StoreError::new(path, what, "leave it out").column(id.as_str()));
+        }
+        Ok(())
+    }
+
     /// Number of samples.
     pub fn len(&self) -> usize {
         self.columns.iter().flatten().chain(self.channels.values()).map(Vec::len).max().unwrap_or(0)
@@ -165,7 +188,14 @@ fn value(row: &Sample, signal: Signal) -> Option<f64> {
         Signal::ThetaRaw => row.theta_raw.map(f64::from),
         Signal::ForceCmd => Some(row.force_cmd_n),
         Signal::StateBits => Some(row.flags.0.into()),
-        Signal::ThetaDdot | Signal::TorqueEx => None,
+        Signal::ThetaDdot
+        | Signal::TorqueEx
+        | Signal::X
+        | Signal::Y
+        | Signal::Z
+        | Signal::ForceX
+        | Signal::ForceY
+        | Signal::ForceZ => None,
     }
 }
 
@@ -221,6 +251,7 @@ pub struct Trial {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use zwidth_study::Schema;
 
     fn check(columns: &[(Signal, &[f64])], words: &str, row: Option<usize>) {
         let mut samples = Samples::default();
@@ -260,7 +291,7 @@ mod tests {
         assert_eq!(samples.get(Signal::ThetaRaw), Some([1.0, 2.0, 3.0].as_slice()));
         assert_eq!(samples.get(Signal::StateBits), Some([256.0; 3].as_slice()));
         let lacks = |samples: &Samples| {
-            Signal::all().filter(|s| samples.get(*s).is_none()).collect::<Vec<_>>()
+            Signal::of(Schema::Two).filter(|s| samples.get(*s).is_none()).collect::<Vec<_>>()
         };
         assert_eq!(lacks(&samples), [Signal::DeviceTime, Signal::ThetaDdot, Signal::TorqueEx]);
         rows[1].force_age_s = None;

@@ -19,7 +19,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::Path;
 use std::sync::Arc;
-use zwidth_study::{AnswerScale, Channel, TrialForm, TrialMeta};
+use zwidth_study::{AnswerScale, Channel, Presented, Schema, TaskLevel, TrialForm, TrialMeta};
 
 /// Prefix of the footer keys that carry a column's digest.
 pub(crate) const DIGEST: &str = "blake3:";
@@ -38,15 +38,11 @@ const UNITS: &str = "units";
 /// column for the answer leaves it out: it is an event.
 ///
 /// # Errors
-/// Samples that break a promise of the schema, with column and row (`Samples::check`); a channel
-/// that the form has not. `path` only names the file in errors.
+/// Samples that break a promise of the schema, with column and row (`Samples::check`); a signal or
+/// a channel that the form has not. `path` only names the file in errors.
 pub fn trial_bytes(trial: &Trial, form: &TrialForm, path: &Path) -> Result<Vec<u8>, StoreError> {
     trial.samples.check(path)?;
-    let mut unknown = trial.samples.channels();
-    if let Some((id, _)) = unknown.find(|(id, _)| form.channels.iter().all(|c| c.id != **id)) {
-        let what = "the study's trial files have no such channel";
-        return Err(StoreError::new(path, what, "leave it out").column(id.as_str()));
-    }
+    trial.samples.check_form(form, path)?;
     let batch = trial_batch(&trial.meta, &trial.samples, form, path)?;
     let mut footer = footer(&trial.meta, &trial.file, form);
     for (name, storage, values) in trial.samples.named() {
@@ -62,8 +58,11 @@ pub(crate) fn trial_batch(
     form: &TrialForm,
     path: &Path,
 ) -> Result<RecordBatch, StoreError> {
-    let mut columns: Vec<(Field, ArrayRef)> =
-        COLUMNS.iter().map(|c| signal_column(c, samples)).collect();
+    let mut columns: Vec<(Field, ArrayRef)> = COLUMNS
+        .iter()
+        .filter(|c| c.signal.schema() <= form.schema)
+        .map(|c| signal_column(c, samples))
+        .collect();
     columns.extend(form.channels.iter().map(|c| channel_column(c, samples)));
     columns.extend(constant_columns(meta, samples.len(), form));
     let (fields, arrays): (Vec<_>, Vec<_>) = columns.into_iter().unzip();
@@ -208,7 +207,35 @@ fn constant_columns(meta: &TrialMeta, n: usize, form: &TrialForm) -> Vec<(Field,
     let mut columns = vec![trial, repeat];
     columns.extend(words);
     columns.extend(form.likert.then_some(likert));
+    if form.schema >= Schema::Three {
+        columns.extend(presented_columns(meta.presented.as_ref(), n));
+    }
     columns
+}
+
+/// What a trial of a task presented, as columns that are constant in a file; null throughout outside of tasks.
+fn presented_columns(presented: Option<&Presented>, n: usize) -> [(Field, ArrayRef); 3] {
+    let interval = presented.map(|own| i32::from(own.interval));
+    let level = presented.and_then(|own| own.level).map(TaskLevel::value);
+    let interval: ArrayRef = Arc::new(Int32Array::from(vec![interval; n]));
+    let level: ArrayRef = Arc::new(Float64Array::from(vec![level; n]));
+    let words: Vec<&str> = presented.iter().map(|own| own.task.as_str()).collect();
+    let keys = Int32Array::from(vec![presented.map(|_| 0); n]);
+    let words: ArrayRef = Arc::new(StringArray::from(words));
+    let task: ArrayRef = Arc::new(DictionaryArray::<Int32Type>::new(keys, words));
+    let columns = [
+        ("interval", interval, "which interval of a presentation, from 1; null outside of tasks"),
+        (
+            "level",
+            level,
+            "what was presented, in the unit of what the task varies (study.toml); null outside of tasks, and while it is sealed which \
+             interval holds the standard",
+        ),
+        ("task", task, "the task of the presentation; null outside of tasks"),
+    ];
+    columns.map(|(name, array, about)| {
+        (described(name, array.data_type().clone(), true, "1", about), array)
+    })
 }
 
 /// The entries of a trial's footer, except for the digests of its columns.
@@ -233,6 +260,14 @@ pub(crate) fn footer(
     if form.likert {
         let answer = meta.likert.map(|v| v.to_string()).unwrap_or_default();
         footer.insert("likert".to_owned(), answer);
+    }
+    if let Some(Presented { task, interval, level }) = &meta.presented
+        && form.schema >= Schema::Three
+    {
+        let level = level.map(|level| level.value().to_string()).unwrap_or_default();
+        let entries =
+            [("task", task.to_string()), ("interval", interval.to_string()), ("level", level)];
+        footer.extend(entries.map(|(key, value)| (key.to_owned(), value)));
     }
     if !form.channels.is_empty() {
         let channels = serde_json::to_string(&form.channels).unwrap_or_default();

@@ -16,6 +16,7 @@ pub(crate) mod sealed;
 pub(crate) mod sessions;
 pub(crate) mod sources;
 pub(crate) mod study;
+pub(crate) mod tasks;
 pub(crate) mod thin;
 pub(crate) mod verify;
 pub(crate) mod whole;

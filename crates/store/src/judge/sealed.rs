@@ -198,8 +198,8 @@ mod tests {
     fn an_unsealing_that_does_not_verify_is_an_error_and_opens_nothing() {
         let sealed = Sealed::new();
         let mut swapped = sealed.seal.clone();
-        let (a, b) = (swapped.order[1].1.clone(), swapped.order[2].1.clone());
-        (swapped.order[1].1, swapped.order[2].1) = (b, a);
+        let (a, b) = (swapped.order[1].mode.clone(), swapped.order[2].mode.clone());
+        (swapped.order[1].mode, swapped.order[2].mode) = (b, a);
         sealed.append(swapped.event());
         let data = sealed.load();
         assert!(data.sessions[0].is_sealed() && data.counting().count() == 0);

@@ -244,7 +244,7 @@ impl StudyData {
     }
 
     /// The condition of each trial of a session, with or without samples, and why it does not count.
-    fn conditions(
+    pub(crate) fn conditions(
         &self,
         log: &SessionLog,
         of_session: &[&TrialEntry],

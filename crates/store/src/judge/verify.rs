@@ -9,13 +9,14 @@ use crate::judge::people::people_findings;
 use crate::judge::plausible::Asked;
 use crate::judge::samples::{Check, check_samples, import_findings, within_limits};
 use crate::judge::study::check_folders;
+use crate::judge::tasks::{few_answers, task_findings};
 use crate::{
     Files, FirstErrors, LOST, Layout, RealFiles, SessionLog, StoreError, StudyData, SweepEntry,
     TrialEntry,
 };
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
-use zwidth_study::{Condition, Event, Question, Source, Study};
+use zwidth_study::{Condition, Event, PlannedTrial, Question, Source, Study};
 
 /// Checks a whole study: `study.toml`, every file byte by byte, every event. An empty list is a
 /// clean study.
@@ -100,6 +101,7 @@ pub fn findings(files: &dyn Files, data: &StudyData) -> Findings {
         &data.counting().map(|trial| &trial.meta.participant).collect(),
     ));
     findings.with_care.extend(against_plan(data));
+    findings.with_care.extend(few_answers(data));
     findings
 }
 
@@ -179,6 +181,10 @@ fn unplanned(data: &StudyData) -> Vec<StoreError> {
     let planned = data.study.design.repeats;
     let mut counts: BTreeMap<_, BTreeMap<Condition, u32>> = BTreeMap::new();
     for t in data.counting() {
+        // An environment of tasks has their presentations, and no repeats.
+        if data.study.tasks_in(&t.meta.environment).next().is_some() {
+            continue;
+        }
         let session = counts.entry((&t.meta.participant, &t.meta.session)).or_default();
         *session.entry(t.meta.condition()).or_default() += 1;
     }
@@ -251,6 +257,7 @@ fn session(data: &StudyData, log: &SessionLog) -> Vec<StoreError> {
         events.extend(event_finding(data, log, &trials, event).map(|e| e.row0(row)));
     }
     findings.extend(Vec::from(events));
+    findings.extend(task_findings(data, log));
     findings
 }
 
@@ -277,6 +284,13 @@ fn record(data: &StudyData, log: &SessionLog) -> Vec<StoreError> {
         let trial = t.trial;
         unblinding
             .push(format!("the session is sealed, but its record names the mode of trial {trial}"));
+    }
+    let tells = |t: &&PlannedTrial| t.task.as_ref().is_some_and(|own| own.is_standard.is_some());
+    if let Some(t) = record.trials.iter().filter(|_| commitment.is_some()).find(tells) {
+        unblinding.push(format!(
+            "the session is sealed, but its record says whether trial {} holds the standard",
+            t.trial
+        ));
     }
     if commitment.is_some() && record.seed.is_some() {
         let what = "the session is sealed, but its record holds the seed its order was drawn with";

@@ -89,6 +89,7 @@ impl TrialWriter {
         samples
             .check(&self.path)
             .map_err(|error| StoreError { row: error.row.map(|row| row + before), ..error })?;
+        samples.check_form(&self.form, &self.path)?;
         let t = samples.get(Signal::Time).unwrap_or_default();
         if let (Some(last_s), Some(first_s)) = (self.last_s, t.first().filter(|_| before > 0))
             && *first_s <= last_s

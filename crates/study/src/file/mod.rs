@@ -5,6 +5,7 @@ mod compare;
 mod environment;
 mod factors;
 mod figures;
+mod numbers;
 mod own_metrics;
 mod people;
 mod perception;
@@ -13,6 +14,7 @@ mod read;
 mod scenes;
 mod scores;
 mod shape;
+mod tasks;
 mod units;
 mod write;
 
@@ -97,7 +99,7 @@ mod tests {
         check("wall_deg = 26.6", "wall_mm = 26.6", "environments[1].wall_mm", "is not used");
         check("repeats = 6", "repeat = 6", "repeat", "unknown field");
         check("repeats = 6", "repeats = \"six\"", "repeats", "invalid type");
-        check("schema = 2", "schema = 3", "schema", "unknown");
+        check("schema = 2", "schema = 4", "schema", "unknown");
         check("rate_hz = 1000.0", "rate_hz = 0.0", "control.rate_hz", "above 0");
         check("let_go_n = 2.0", "let_go_n = -2.0", "control.let_go_n", "0 or a number above");
         check("force_limit_n = 10.0", "force_limit_n = inf", "control.force_limit_n", "above 0");

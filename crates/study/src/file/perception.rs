@@ -20,7 +20,13 @@ pub(super) struct PerceptionTable {
     angle_deg: Option<f64>,
     excess: Option<f64>,
     vibration: Option<CurveValue>,
+    jnd: Option<String>,
 }
+
+/// Whose just noticeable differences count: those of the study's people, where tasks measured them.
+const MEASURED: &str = "measured";
+/// Others' findings, and what the table says, which is the default.
+const KNOWN: &str = "known";
 
 /// The name of a curve, or Hz and µm.
 #[derive(Serialize, Deserialize, Clone, PartialEq)]
@@ -57,7 +63,14 @@ impl Check<'_> {
             .force_floor_n
             .map_or(usual.force_floor_n, |n| self.positive("perception.force_floor_n", n));
         let vibration = table.vibration.map_or(usual.vibration, |curve| self.curve(curve));
+        let jnd = table.jnd.as_deref().unwrap_or(KNOWN);
+        if ![KNOWN, MEASURED].contains(&jnd) {
+            let problem = format!("'{jnd}' is neither \"{KNOWN}\" nor \"{MEASURED}\"");
+            self.error("perception.jnd", problem);
+        }
         Perception {
+            is_measured: jnd == MEASURED,
+            measured: Vec::new(),
             force_share,
             force_floor_n,
             compliance_share,
@@ -119,6 +132,7 @@ pub(super) fn table(perception: &Perception) -> PerceptionTable {
         angle_deg: differs(perception.angle_rad, usual.angle_rad).map(degrees),
         excess: differs(perception.excess_share, usual.excess_share),
         vibration: (perception.vibration != usual.vibration).then_some(curve),
+        jnd: perception.is_measured.then(|| MEASURED.to_owned()),
     }
 }
 

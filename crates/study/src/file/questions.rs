@@ -151,7 +151,7 @@ impl QuestionTable {
     pub(super) fn of(question: &Question) -> Self {
         let (scale, numbers) = match &question.scale {
             AnswerScale::Numbers(scale) => (None, Some(scale.clone())),
-            AnswerScale::Modes(_) | AnswerScale::Pair(_) => (None, None),
+            AnswerScale::Modes(_) | AnswerScale::Pair(_) | AnswerScale::Task(_) => (None, None),
             AnswerScale::FivePoint => (Some(AnswerScale::FivePoint), None),
         };
         let asks = question.asks_mode().then_some(Asks::Mode);

@@ -1,15 +1,17 @@
 //! From the text of a `study.toml` to a checked study in SI units.
 
-use super::check::{Check, FARTHEST_DEG};
+use super::check::{Check, FARTHEST_DEG, MOST_TRIALS};
 use super::compare::Comparable;
 use super::shape::*;
+use super::tasks::Around;
 use super::units::MILLI;
 use crate::form::READ_CHANNELS;
+use crate::id::COLUMNS_OF_THREE;
 use crate::model::{
     Analysis, Coordinate, Design, Device, Environment, Masses, Mode, Resistances, Study,
 };
 use crate::{
-    ActuatorKind, Channel, Control, MOST_CHANNELS, Schema, StudyError, VelocityFilter, locate,
+    ActuatorKind, Axes, Channel, Control, MOST_CHANNELS, Schema, StudyError, VelocityFilter, locate,
 };
 use std::collections::BTreeSet;
 
@@ -22,8 +24,6 @@ const ONSET_MM_S: f64 = 5.0;
 /// As [`OFFSET_DEG_S`], for a linear coordinate.
 const OFFSET_MM_S: f64 = 2.5;
 
-/// No session has more trials of a kind than this.
-const MOST_TRIALS: u32 = 100_000;
 /// No trial and no pause is longer, s: a day is a mistake.
 const LONGEST_S: f64 = 86_400.0;
 /// No loop ticks faster, Hz: a hundred times what hands feel.
@@ -89,7 +89,12 @@ impl Check<'_> {
     /// The trials of a session, and the samples of one.
     fn sizes(&mut self, file: &File) {
         let Design { repeats, familiarisation, trial_limit_s, .. } = file.design;
-        let conditions = file.environments.len().saturating_mul(file.modes.len()) as u64;
+        // The trials of an environment of a task are the task's.
+        let repeated = file
+            .environments
+            .iter()
+            .filter(|own| file.tasks.iter().all(|task| task.environment != own.id));
+        let conditions = repeated.count().saturating_mul(file.modes.len()) as u64;
         let trials =
             conditions.saturating_mul(repeats.into()).saturating_add(familiarisation.into());
         // What is too large by itself is reported by `design`, and not twice.
@@ -119,12 +124,30 @@ impl Check<'_> {
             self.error("schema", problem);
             Schema::default()
         });
+        let needs = [("[[tasks]]", !file.tasks.is_empty()), ("[axes]", file.axes.is_some())];
+        if let Some((what, _)) = needs.into_iter().find(|(_, is_there)| *is_there)
+            && schema < Schema::Three
+        {
+            let problem = format!(
+                "trial files of schema {} have no columns for {what}; write schema = 3, before anything is recorded",
+                schema.number()
+            );
+            self.error("schema", problem);
+        }
         let n = file.channels.len();
         if n > MOST_CHANNELS {
             let problem = format!("the list has {n} entries; at most {MOST_CHANNELS} are allowed");
             self.error("channels", problem);
         }
         for (i, channel) in file.channels.iter().enumerate() {
+            if schema >= Schema::Three && COLUMNS_OF_THREE.contains(&channel.id.as_str()) {
+                let problem = format!(
+                    "'{}' is a column of every trial file of schema {}; choose another id",
+                    channel.id,
+                    schema.number()
+                );
+                self.error(&format!("channels[{i}].id"), problem);
+            }
             for (key, text) in [("unit", &channel.unit), ("description", &channel.description)] {
                 let key = format!("channels[{i}].{key}");
                 self.line(&key, text);
@@ -189,6 +212,14 @@ impl Check<'_> {
         let mut questions = self.questions(file.questions, &labels);
         self.scores(&file.scores, &questions, &file.metrics);
         self.weigh(&file.scores, &environments, &mut questions);
+        let around = Around {
+            environments: &environments,
+            coordinate,
+            device: &device,
+            force_limit_n: file.control.force_limit_n,
+            modes: file.modes.len(),
+        };
+        let tasks = self.tasks(&file.tasks, &around, &mut questions);
         Study {
             id: file.study.id,
             title: file.study.title,
@@ -218,7 +249,8 @@ impl Check<'_> {
             people,
             metrics: file.metrics,
             scores: file.scores,
-            tasks: Vec::new(),
+            tasks,
+            axes: self.axes(file.axes),
             factors: file.factors,
             analysis,
             compare,
@@ -227,6 +259,28 @@ impl Check<'_> {
             figures,
             scenes: self.scenes(file.scenes),
         }
+    }
+
+    /// The axes of space; the direction of the push has length 1.
+    fn axes(&mut self, axes: Option<Axes>) -> Option<Axes> {
+        let axes = axes?;
+        self.line("axes.frame", &axes.frame);
+        if axes.frame.trim().is_empty() {
+            let problem =
+                "is empty; say where the axes point, such as \"x right, y up, z to the person\"";
+            self.error("axes.frame", problem);
+        }
+        let [x, y, z] = axes.push;
+        let length = (x * x + y * y + z * z).sqrt();
+        if !(length > 0.0 && length.is_finite()) {
+            let problem = format!("[{x}, {y}, {z}] has no direction; give one such as [0, 0, -1]");
+            self.error("axes.push", problem);
+        } else if (length - 1.0).abs() > Axes::UNIT {
+            let [x, y, z] = axes.push.map(|part| part / length);
+            let problem = format!("has the length {length} and must have 1: write [{x}, {y}, {z}]");
+            self.error("axes.push", problem);
+        }
+        Some(axes)
     }
 
     pub(super) fn unique<'b>(&mut self, list: &str, ids: impl Iterator<Item = &'b str>) {

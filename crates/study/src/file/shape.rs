@@ -4,9 +4,11 @@
 use super::environment::EnvironmentTable;
 use super::people::PersonColumnTable;
 use super::perception::PerceptionTable;
+use super::tasks::TaskTable;
 use crate::model::{Analysis, Design, Mode, Resistances};
 use crate::{
-    AnswerScale, Better, LevelId, MetricId, ModeId, PersonColumnId, QuestionId, Score, StudyId,
+    AnswerScale, Axes, Better, LevelId, MetricId, ModeId, PersonColumnId, QuestionId, Score,
+    StudyId,
 };
 use crate::{
     Channel, Control, Curve, EffectSize, Factor, FactorId, Families, OwnMetric, Primary,
@@ -61,6 +63,10 @@ pub(super) struct File {
     pub(super) metrics: Vec<OwnMetric>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(super) scores: Vec<Score>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(super) tasks: Vec<TaskTable>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) axes: Option<Axes>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(super) factors: Vec<Factor>,
 }

@@ -3,6 +3,7 @@
 use super::environment::EnvironmentTable;
 use super::people::PersonColumnTable;
 use super::shape::*;
+use super::tasks::TaskTable;
 use super::units::{MILLI, decimal, degrees};
 use crate::model::{Analysis, Coordinate, Study};
 
@@ -58,17 +59,19 @@ impl From<&Study> for File {
                 .map(|e| EnvironmentTable::of(e, s.coordinate))
                 .collect(),
             modes: s.modes.clone(),
-            // Those about pairs follow from the scores.
+            // Those about pairs follow from the scores, and those of tasks from the tasks.
             questions: s
                 .questions
                 .iter()
-                .filter(|question| !question.is_pair())
+                .filter(|question| !question.is_pair() && !question.is_of_task())
                 .map(QuestionTable::of)
                 .collect(),
             channels: s.channels.clone(),
             people: s.people.iter().map(PersonColumnTable::of).collect(),
             metrics: s.metrics.clone(),
             scores: s.scores.clone(),
+            tasks: s.tasks.iter().map(TaskTable::of).collect(),
+            axes: s.axes.clone(),
             factors: s.factors.clone(),
         }
     }

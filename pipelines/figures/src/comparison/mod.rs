@@ -7,6 +7,7 @@ mod effects;
 pub(crate) mod groups;
 pub(crate) mod likert;
 pub(crate) mod ratings;
+mod thresholds;
 pub(crate) mod verdicts;
 
 pub use answers::*;
@@ -16,4 +17,5 @@ pub use effects::*;
 pub use groups::*;
 pub use likert::*;
 pub use ratings::*;
+pub use thresholds::*;
 pub use verdicts::*;

@@ -16,7 +16,8 @@ use zwidth_results::{
     EffectDifference, GroupDifference, Mean, ModeDifference, Role, UnitOfAnalysis,
 };
 use zwidth_study::{
-    Better, Environment, EnvironmentId, ModeId, Source, contrast_label, counted, in_a_sentence,
+    Better, Environment, EnvironmentId, ModeId, Source, TaskQuantity, contrast_label, counted,
+    in_a_sentence,
 };
 use zwidth_tables::{number, with_unit};
 
@@ -145,9 +146,6 @@ fn row(
     };
     let redrawn = found.redrawn.iter().filter(|r| of_one && (&r.environment, &r.contrast) == key);
     let ends = contrast.difference_ci_low.zip(contrast.difference_ci_high).filter(|_| !of_one);
-    let error = contrast.difference_std_error.map(|error| error * shown.factor);
-    let rounded = |value: f64| number(value * shown.factor, error);
-    let interval = ends.map(|(low, high)| format!(" ({} to {})", rounded(low), rounded(high)));
     let best = contrast.best(found.metric.better).map(|id| {
         let mode = about.modes.iter().find(|mode| mode.id == *id);
         mode.map_or_else(|| id.to_string(), |mode| in_a_sentence(&mode.label))
@@ -164,8 +162,7 @@ fn row(
         ends: ends.map(|(low, high)| [low / unit, high / unit]),
         dots: dots.into_iter().map(|dot| dot / unit).collect(),
         redrawn: redrawn.map(|r| r.difference / unit).collect(),
-        value: with_unit(&rounded(contrast.difference), &shown.unit)
-            + &interval.unwrap_or_default(),
+        value: amount(&shown, contrast.difference, ends, contrast.difference_std_error),
         verdict: format!("{}{}", contrast.verdict.as_str(), size.unwrap_or_default()),
         who: format!("{} {whose}", contrast.n),
         better: found.metric.better,
@@ -187,9 +184,6 @@ fn effect_row(
     };
     let shown = Shown::of(about, &found.metric);
     let ends = row.difference_ci_low.zip(row.difference_ci_high);
-    let error = row.difference_std_error.map(|error| error * shown.factor);
-    let rounded = |value: f64| number(value * shown.factor, error);
-    let interval = ends.map(|(low, high)| format!(" ({} to {})", rounded(low), rounded(high)));
     let size = row.size.map(|size| format!(", {}", size.as_str()));
     Some(VerdictRow {
         metric: shown.words.clone(),
@@ -200,7 +194,7 @@ fn effect_row(
         ends: ends.map(|(low, high)| [low / unit, high / unit]),
         dots: Vec::new(),
         redrawn: Vec::new(),
-        value: with_unit(&rounded(difference), &shown.unit) + &interval.unwrap_or_default(),
+        value: amount(&shown, difference, ends, row.difference_std_error),
         verdict: format!("{}{}", row.verdict.as_str(), size.unwrap_or_default()),
         who: counted(row.n, "participants"),
         better: found.metric.better,
@@ -222,9 +216,6 @@ fn group_row(
     };
     let shown = Shown::of(about, &found.metric);
     let ends = row.difference_ci_low.zip(row.difference_ci_high);
-    let error = row.difference_std_error.map(|error| error * shown.factor);
-    let rounded = |value: f64| number(value * shown.factor, error);
-    let interval = ends.map(|(low, high)| format!(" ({} to {})", rounded(low), rounded(high)));
     let size = row.size.map(|size| format!(", {}", size.as_str()));
     let effect = effect_label(&about.modes, &row.effect);
     Some(VerdictRow {
@@ -240,12 +231,35 @@ fn group_row(
         ends: ends.map(|(low, high)| [low / unit, high / unit]),
         dots: Vec::new(),
         redrawn: Vec::new(),
-        value: with_unit(&rounded(difference), &shown.unit) + &interval.unwrap_or_default(),
+        value: amount(&shown, difference, ends, row.difference_std_error),
         verdict: format!("{}{}", verdict.as_str(), size.unwrap_or_default()),
         who: format!("{} and {} people", row.n_first, row.n_second),
         better: found.metric.better,
         best: None,
     })
+}
+
+/// A difference with the ends of its interval, its standard error setting the digits: `0.94 N (0.89 to 0.99)`; of
+/// logarithms as a ratio, `1.40 times (1.24 to 1.57)`.
+fn amount(
+    shown: &Shown,
+    difference: f64,
+    ends: Option<(f64, f64)>,
+    std_error: Option<f64>,
+) -> String {
+    let is_ratio = TaskQuantity::logarithm_of(&shown.unit).is_some();
+    let value = |own: f64| if is_ratio { libm::exp(own) } else { own * shown.factor };
+    let error = std_error.map(|error| match is_ratio {
+        true => error * value(difference),
+        false => error * shown.factor,
+    });
+    let rounded = |own: f64| number(value(own), error);
+    let interval = ends.map(|(low, high)| format!(" ({} to {})", rounded(low), rounded(high)));
+    let interval = interval.unwrap_or_default();
+    match is_ratio {
+        true => format!("{} times{interval}", rounded(difference)),
+        false => with_unit(&rounded(difference), &shown.unit) + &interval,
+    }
 }
 
 /// The environment before what is compared there: `Spring: `; nothing over several.

@@ -1,7 +1,7 @@
 //! The papers from which the methods are taken.
 
 /// Each source: its key, how it is cited, the whole entry.
-pub(super) const SOURCES: [(&str, &str, &str); 24] = [
+pub(super) const SOURCES: [(&str, &str, &str); 30] = [
     (
         "balasubramanian",
         "Balasubramanian et al. 2015",
@@ -37,6 +37,20 @@ pub(super) const SOURCES: [(&str, &str, &str); 24] = [
     ("satterthwaite", "Satterthwaite 1946", "Satterthwaite 1946, Biometrics Bulletin 2:110"),
     ("chung", "Chung & Romano 2013", "Chung & Romano 2013, Ann. Stat. 41:484"),
     ("welch", "Welch 1947", "Welch 1947, Biometrika 34:28"),
+    (
+        "wichmann",
+        "Wichmann & Hill 2001",
+        "Wichmann & Hill 2001, Perception & Psychophysics 63:1293",
+    ),
+    ("garcia", "García-Pérez 1998", "García-Pérez 1998, Vision Research 38:1861"),
+    ("watson", "Watson 2017", "Watson 2017, J. Vision 17(3):10"),
+    (
+        "gescheider",
+        "Gescheider 1997",
+        "Gescheider 1997, Psychophysics: The Fundamentals, 3rd ed., Lawrence Erlbaum",
+    ),
+    ("paule", "Paule & Mandel 1982", "Paule & Mandel 1982, J. Res. NBS 87:377"),
+    ("hartung", "Hartung & Knapp 2001", "Hartung & Knapp 2001, Stat. Med. 20:3875"),
     ("wilcoxon", "Wilcoxon 1945", "Wilcoxon 1945, Biometrics Bull. 1:80"),
 ];
 

@@ -88,6 +88,17 @@ fn what_a_study_lacks_has_no_sentence() {
 }
 
 #[test]
+fn a_constant_force_and_a_delay_are_told() {
+    let mut study = zwidth_testing::study();
+    study.environments[0].scene = zwidth_study::Scene::Force { force_n: -1.5 };
+    study.environments[1].delay_s = 0.012;
+    let told = text(&study, &recorded(1));
+    for words in ["a constant force of 1.5 N into the object.", "12 ms late (to the nearest tick"] {
+        assert!(told.contains(words), "{words} is not in {told}");
+    }
+}
+
+#[test]
 fn texts_of_a_study_are_escaped_in_every_form() {
     let mut study = zwidth_testing::study();
     "a_b\\input{x} #eval(\"y\")".clone_into(&mut study.device.name);
@@ -109,4 +120,40 @@ fn of_recordings_of_others_no_loop_and_no_order_is_told() {
         assert!(own.contains(words) && !foreign.contains(words), "{words}");
     }
     assert!(foreign.contains("TODO: describe how they were taken"), "{foreign}");
+}
+
+#[test]
+fn how_thresholds_were_found_is_told_by_task_and_method() {
+    use zwidth_study::{Asks, Method, Task, TaskEstimate, TaskFit, TaskLevel};
+    let mut study = zwidth_testing::study();
+    assert!(!text(&study, &recorded(8)).contains("## Thresholds"));
+    let level = |value| TaskLevel::nearest(value).unwrap();
+    study.tasks = vec![Task {
+        id: "stiffer".parse().unwrap(),
+        text: "Which one was stiffer?".to_owned(),
+        asks: Asks::MoreOfTwo,
+        environment: study.environments[0].id.clone(),
+        varies: "stiffness_n_per_rad".to_owned(),
+        standard: Some(level(4.0)),
+        method: Method::Constant { levels: vec![level(3.0), level(4.0), level(5.0)], trials: 20 },
+        catch: 0.0,
+        feedback: false,
+        fit: TaskFit::default(),
+        estimate: TaskEstimate::Likelihood,
+    }];
+    let said = text(&study, &recorded(8));
+    for words in ["3 levels with 20 presentations", "Wichmann", "from 0 to 0.06", "Paule"] {
+        assert!(said.contains(words), "{words} in {said}");
+    }
+    study.tasks[0].asks = Asks::Set;
+    study.tasks[0].method = Method::Adjustment {
+        starts: [level(2.0), level(6.0)],
+        step: level(0.5),
+        bounds: [level(1.0), level(8.0)],
+        settings: 6,
+        most_trials: 40,
+    };
+    let said = text(&study, &recorded(1));
+    assert!(said.contains("0.6745") && said.contains("Gescheider"), "{said}");
+    assert!(!said.contains("Wichmann") && !said.contains("Paule"), "{said}");
 }

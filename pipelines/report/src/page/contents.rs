@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use zwidth_results::{Compared, GivenAnswer, Role, Size, TrialKey, Verdict};
 use zwidth_study::{
     AnswerValue, Coordinate, Effect, EnvironmentId, Families, ModeId, ParticipantId, Perception,
-    Question, QuestionId, SessionId, Setup, in_a_sentence,
+    Question, QuestionId, SessionId, Setup, TaskQuantity, in_a_sentence,
 };
 use zwidth_tables::{Column, Measured, Values, shown_unit};
 
@@ -350,7 +350,10 @@ impl MetricOf {
         let lever_m = planned.device.lever_m.unwrap_or(0.0);
         Self {
             name: id.to_string(),
-            label: metric.words(planned.coordinate),
+            label: match TaskQuantity::logarithm_of(si) {
+                Some(_) => format!("natural logarithm of the {}", metric.words(planned.coordinate)),
+                None => metric.words(planned.coordinate),
+            },
             unit: if unit == "1" { String::new() } else { unit },
             scale,
             is_primary: *role == Role::Primary,

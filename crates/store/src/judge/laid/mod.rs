@@ -83,6 +83,16 @@ pub(crate) fn contradiction(trial: &TrialEntry, log: &SessionLog) -> Option<Stri
     let planned = log.record.trials.iter().find(|t| t.trial == meta.trial);
     let repeats = planned.map(|t| (meta.repeat.to_string(), t.repeat.to_string()));
     let seed = record.seed.map(|seed| seed.to_string());
+    let place = planned.and_then(|t| t.task.as_ref());
+    let presented = meta.presented.as_ref().zip(place);
+    let intervals =
+        presented.map(|(own, place)| (own.interval.to_string(), place.interval.to_string()));
+    // A level that the record plans; others stand in the log.
+    let levels = presented.and_then(|(own, place)| {
+        let task = log.study.as_ref()?.task(&place.task)?;
+        let planned = place.presented(task, place.level?).level?;
+        Some((own.level?.value().to_string(), planned.value().to_string()))
+    });
     let [calibration, device, own_seed, study] =
         ["calibration_blake3", "device", "seed", "study_blake3"]
             .map(|key| trial.said.file.get(key).map(String::as_str));
@@ -93,6 +103,9 @@ pub(crate) fn contradiction(trial: &TrialEntry, log: &SessionLog) -> Option<Stri
         ("mode", planned.map(|t| (meta.mode.as_str(), t.mode.as_str()))),
         ("kind", planned.map(|t| (meta.kind.as_str(), t.kind.as_str()))),
         ("repeat", repeats.as_ref().map(|(own, planned)| (own.as_str(), planned.as_str()))),
+        ("task", presented.map(|(own, place)| (own.task.as_str(), place.task.as_str()))),
+        ("interval", intervals.as_ref().map(|(own, planned)| (own.as_str(), planned.as_str()))),
+        ("level", levels.as_ref().map(|(own, planned)| (own.as_str(), planned.as_str()))),
         ("calibration", calibration.zip(record.calibration_blake3.as_deref())),
         ("device", device.zip(record.device.as_deref())),
         ("seed", own_seed.zip(seed.as_deref())),
