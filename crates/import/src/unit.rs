@@ -287,6 +287,34 @@ pub(super) fn factor(
 mod tests {
     use super::*;
 
+    #[test]
+    fn a_level_becomes_one_in_the_unit_in_which_its_key_ends() {
+        for (text, varies, expect) in [
+            ("N/m", "stiffness_n_per_mm", Some(1e-3)),
+            ("N/mm", "stiffness_n_per_mm", Some(1.0)),
+            ("N/rad", "stiffness_n_per_rad", Some(1.0)),
+            ("N/deg", "stiffness_n_per_rad", Some(1.0 / DEG)),
+            ("N/m", "stiffness_n_per_rad", None),
+            ("mm", "stiffness_n_per_mm", None),
+            ("s", "delay_ms", Some(1e3)),
+            ("Newton", "force_n", Some(1.0)),
+            ("mN", "force_n", Some(1e-3)),
+            ("rad", "rest_deg", Some(1.0 / DEG)),
+            // Of what nothing renders, the name alone says the unit.
+            ("dB", "contrast_db", Some(1.0)),
+            ("%", "contrast_percent", Some(1.0)),
+            ("dB", "contrast_percent", None),
+            ("kg", "contrast_db", None),
+        ] {
+            let found = factor_of_level(text, varies);
+            let is_same = match (found, expect) {
+                (Some(found), Some(expect)) => (found / expect - 1.0).abs() < 1e-12,
+                (found, expect) => found == expect,
+            };
+            assert!(is_same, "{text} of {varies}: {found:?}");
+        }
+    }
+
     fn check(unit: &str, signal: Signal, expect: f64) {
         let (found, _) = factor(find(unit).unwrap(), signal, &zwidth_testing::study()).unwrap();
         assert!((found / expect - 1.0).abs() < 1e-12, "{unit}: {found}");
