@@ -34,6 +34,7 @@ fn ours(seconds: f64) -> LiveRun {
         id: "e".parse().unwrap(),
         label: String::new(),
         scene,
+        delay_s: 0.0,
         question: None,
         further: Vec::new(),
         factors: Levels::new(),

@@ -5,6 +5,7 @@
 //! in its voltage, and a voltage above 0 pushes towards +θ, so resisting takes a negative voltage.
 //! The brake has only a level.
 
+use std::collections::VecDeque;
 use zwidth_study::{
     ActuatorKind, Calibration, Control, Environment, Flags, Mode, ModeLaw, Scene, Voltages,
 };
@@ -51,7 +52,8 @@ fn demand(scene: &Scene, theta_rad: f64, theta_dot_rad_s: f64) -> Demand {
 /// above [`FORWARD_RAD_S`], until it is down to [`HOLDING_RAD_S`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Controller {
-    scene: Scene,
+    environment: Environment,
+    late: DelayLine,
     calibration: Calibration,
     motor_max_v: f64,
     brake_max_v: f64,
@@ -63,8 +65,38 @@ pub struct Controller {
     compressing: bool,
 }
 
+/// What was demanded and is still to be rendered: an environment with a delay is that of some ticks ago. What is not
+/// delayed is which actuator is in charge: that is the device's, and follows the lever as it is.
+#[derive(Debug, Clone, PartialEq)]
+struct DelayLine {
+    ticks: usize,
+    waiting: VecDeque<Demand>,
+}
+
+impl DelayLine {
+    /// No tick allocates up to this many ticks of delay: a second at the fastest rate that a study may ask for.
+    const RESERVED: usize = 1 << 17;
+
+    fn new(ticks: usize) -> Self {
+        Self { ticks, waiting: VecDeque::new() }
+    }
+
+    /// What was demanded so many ticks ago, for what is demanded now; nothing until then, as before the trial.
+    fn pass(&mut self, now: Demand) -> Demand {
+        if self.ticks == 0 {
+            return now;
+        }
+        self.waiting.push_back(now);
+        match self.waiting.len() > self.ticks {
+            true => self.waiting.pop_front().unwrap_or(now),
+            false => Demand { force_n: 0.0, wall: false },
+        }
+    }
+}
+
 impl Controller {
-    /// For an environment, a mode and the calibration in force.
+    /// For an environment, a mode and the calibration in force. A delay is rendered in ticks of the control loop of the
+    /// study; [`Controller::begin`] tells it another rate.
     pub fn new(
         control: &Control,
         environment: &Environment,
@@ -72,7 +104,8 @@ impl Controller {
         calibration: &Calibration,
     ) -> Self {
         Self {
-            scene: environment.scene,
+            environment: environment.clone(),
+            late: DelayLine::new(environment.delay_ticks(control.rate_hz)),
             calibration: calibration.clone(),
             motor_max_v: mode.motor_max_v.unwrap_or(0.0),
             brake_max_v: mode.brake_max_v.unwrap_or(0.0),
@@ -80,6 +113,16 @@ impl Controller {
             law: mode.law(),
             forward: false,
             compressing: false,
+        }
+    }
+
+    /// Before the first tick of a trial, in a loop of that rate, Hz: what is late is so by whole ticks of it, and nothing
+    /// of an earlier trial is left. No tick allocates afterwards.
+    pub fn begin(&mut self, rate_hz: f64) {
+        let ticks = self.environment.delay_ticks(rate_hz);
+        self.late = DelayLine::new(ticks);
+        if ticks > 0 {
+            self.late.waiting.reserve(ticks.saturating_add(1).min(DelayLine::RESERVED));
         }
     }
 
@@ -91,7 +134,8 @@ impl Controller {
         theta_dot_rad_s: f64,
         force_n: f64,
     ) -> (Voltages, Flags) {
-        let demand = demand(&self.scene, theta_rad, theta_dot_rad_s);
+        let now = demand(&self.environment.scene, theta_rad, theta_dot_rad_s);
+        let demand = self.late.pass(now);
         self.forward = theta_dot_rad_s > if self.forward { HOLDING_RAD_S } else { FORWARD_RAD_S };
         let brakes = self.law.is_some_and(|law| law.drives()[0] == ActuatorKind::Brake);
         let holds = brakes && self.compressing && force_n >= self.let_go_n;
@@ -262,6 +306,53 @@ mod tests {
         assert_eq!(voltages, Voltages { motor_v: -16.0, brake_v: 0.0 });
         assert!(flags.has(Flags::SATURATED));
         assert!(!active(walled()).step(WALL_RAD - 1e-9, 1.0, 5.0).1.has(Flags::PAST_WALL));
+    }
+
+    fn late(scene: Scene, delay_s: f64) -> Controller {
+        let environment = Environment { delay_s, ..environment(scene) };
+        let mut late = crate::trial::tests::controller(&environment, &mode_of(Some(16.0), None));
+        late.begin(1000.0);
+        late
+    }
+
+    #[test]
+    fn a_delayed_springs_force_is_the_springs_at_that_much_earlier() {
+        let theta = |tick: i32| -0.4 + 0.3 * libm::sin(0.02 * f64::from(tick));
+        let (mut at_once, mut delayed) = (active(spring()), late(spring(), 0.02));
+        let mut forces = Vec::new();
+        for tick in 0..200 {
+            let (voltages, _) = at_once.step(theta(tick), 0.0, 1.0);
+            forces.push(at_once.force_n(voltages));
+            let (voltages, _) = delayed.step(theta(tick), 0.0, 1.0);
+            let expect = if tick < 20 { 0.0 } else { forces[tick as usize - 20] };
+            close(delayed.force_n(voltages), expect);
+        }
+        assert!(forces.iter().all(|force_n| *force_n > 0.1), "or nothing was late");
+        // A trial begins with nothing of the one before.
+        delayed.begin(500.0);
+        let mut rendered = (0..12).map(|_| delayed.step(0.0, 0.0, 1.0).0.motor_v != 0.0);
+        assert_eq!(rendered.position(|is_rendered| is_rendered), Some(10), "at half the rate");
+    }
+
+    #[test]
+    fn a_wall_that_is_late_begins_and_ends_late() {
+        let mut walled = late(walled(), 0.003);
+        let mut past = |theta_rad| walled.step(theta_rad, 0.0, 1.0).1.has(Flags::PAST_WALL);
+        assert_eq!([0.5; 4].map(&mut past), [false, false, false, true]);
+        assert_eq!([0.0; 4].map(&mut past), [true, true, true, false]);
+    }
+
+    #[test]
+    fn a_constant_force_is_rendered_at_every_angle_as_far_as_the_actuator_can() {
+        let force = |force_n| Scene::Force { force_n };
+        let mut resisting = active(force(1.5));
+        for past_rest_rad in [-0.2, 0.0, 1.3] {
+            close(force_n(&mut resisting, past_rest_rad, 0.0, 1.0), 1.5);
+            close(force_n(&mut active(force(-1.5)), past_rest_rad, 0.0, 1.0), -1.5);
+            close(force_n(&mut passive(force(1.5)), past_rest_rad, 0.0, 1.0), 1.5);
+            close(force_n(&mut passive(force(-1.5)), past_rest_rad, 0.0, 1.0), 0.0);
+        }
+        assert!(active(force(5.0)).step(0.0, 0.0, 1.0).1.has(Flags::SATURATED));
     }
 
     #[test]

@@ -36,7 +36,7 @@ fn reading_on_between_trials_allocates_nothing() {
     assert_eq!((allocations_between(0.2), allocations_between(20.0)), (0, 0));
 }
 
-fn allocations(limit_s: f64, filter: VelocityFilter) -> u64 {
+fn allocations(limit_s: f64, filter: VelocityFilter, delay_s: f64) -> u64 {
     let mut device = Mock::default();
     let spring = Spring { stiffness_n_per_rad: 4.0, rest_rad: -HALF_STROKE_RAD };
     let scene = Scene::SpringWall { spring, wall_rad: 0.1 };
@@ -46,6 +46,7 @@ fn allocations(limit_s: f64, filter: VelocityFilter) -> u64 {
         id,
         label,
         scene,
+        delay_s,
         question: None,
         further: Vec::new(),
         factors: Default::default(),
@@ -93,9 +94,11 @@ fn allocations(limit_s: f64, filter: VelocityFilter) -> u64 {
 #[test]
 fn the_tick_allocates_nothing() {
     for filter in [VelocityFilter::Difference, VelocityFilter::SecondOrder { cutoff_hz: 40.0 }] {
-        let short = allocations(0.2, filter);
-        assert_eq!(allocations(2.0, filter), short);
+        let short = allocations(0.2, filter, 0.0);
+        assert_eq!(allocations(2.0, filter, 0.0), short);
         assert!(short <= 2, "{short}: two histograms"); // and the counter counts: nothing else allocates at all
         assert!(short > 0);
+        // What is late is kept in one piece more.
+        assert_eq!(allocations(2.0, filter, 0.5), short + 1);
     }
 }

@@ -108,6 +108,7 @@ pub fn check_step(
                     id,
                     label: "free motion".to_owned(),
                     scene: Scene::Free,
+                    delay_s: 0.0,
                     question: None,
                     further: Vec::new(),
                     factors: zwidth_study::Levels::new(),

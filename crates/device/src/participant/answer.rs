@@ -7,6 +7,7 @@
 //! | environment | quality |
 //! |---|---|
 //! | spring | line · (0.3 + 0.7 · returned) · (1 − (discrepancy − 0.6 N) / 4 N) |
+//! | constant force | (0.3 + 0.7 · returned) · (1 − (discrepancy − 0.6 N) / 4 N) |
 //! | wall | hardness |
 //! | spring and wall | √(spring's quality · hardness), hardness = 1 − (degrees past the wall) / 5°, 0 if not reached |
 //! | free, or nothing rendered | 1 − greatest force / 2 N |
@@ -43,6 +44,7 @@ fn quality(felt: &Felt, scene: &Scene) -> f64 {
     match scene {
         Scene::None | Scene::Free => part(1.0 - felt.greatest_n() / NOT_FREE_N),
         Scene::Spring(_) => spring(felt),
+        Scene::Force { .. } => both_ways(felt, 1.0),
         Scene::Wall { wall_rad } => hardness(felt, *wall_rad),
         Scene::SpringWall { wall_rad, .. } => (spring(felt) * hardness(felt, *wall_rad)).sqrt(),
     }
@@ -54,9 +56,13 @@ fn hardness(felt: &Felt, wall_rad: f64) -> f64 {
 }
 
 fn spring(felt: &Felt) -> f64 {
-    let line = part((felt.linearity() - NO_LINE) / (LINE - NO_LINE));
+    both_ways(felt, part((felt.linearity() - NO_LINE) / (LINE - NO_LINE)))
+}
+
+/// How much it came back with the force that it had going in, of something that was so much like it going in.
+fn both_ways(felt: &Felt, inward: f64) -> f64 {
     let back = ONE_WAY + (1.0 - ONE_WAY) * part(felt.returned());
-    line * back * part(1.0 - (felt.discrepancy_n() - OWN_N).max(0.0) / NO_SPRING_N)
+    inward * back * part(1.0 - (felt.discrepancy_n() - OWN_N).max(0.0) / NO_SPRING_N)
 }
 
 fn part(x: f64) -> f64 {
@@ -101,6 +107,14 @@ mod tests {
         assert!(quality(&walk(0.5, true, ideal, |_| 0.0), &scene) < 0.31);
         let half = quality(&walk(0.5, false, ideal, |theta| 0.5 * ideal(theta)), &scene);
         assert!((0.6..0.9).contains(&half), "{half}");
+    }
+
+    #[test]
+    fn a_constant_force_is_one_that_comes_back_whatever_its_slope() {
+        let scene = Scene::Force { force_n: 2.0 };
+        assert!(quality(&walk(0.5, false, |_| 2.0, |_| 2.0), &scene) > 0.99);
+        assert!(quality(&walk(0.5, false, |_| 4.0, |_| 1.0), &scene) < 0.5);
+        assert!(quality(&walk(0.5, true, |_| 2.0, |_| 2.0), &scene) < 0.31);
     }
 
     #[test]

@@ -112,10 +112,11 @@ pub fn run_trial(
 ) -> TrialRun {
     // Asked now: the end of the trial disarms the guard, which then allows no motor.
     let unwatched = guard.unwatched();
-    // Its buckets are allocated here, before the first tick.
+    // Its buckets are allocated here, before the first tick, and so is what a late rendering keeps.
     let mut timing = Timing::default();
     let mut output = Output::new(device, guard, clock.now_s());
     output.shown = plan.shows_moments.then(Moments::default);
+    controller.begin(plan.rate_hz);
     let end = ticks(&mut output, clock, controller, plan, stop, sink, &mut timing);
     // Writes 0 V before anything else is done.
     drop(output);

@@ -47,6 +47,7 @@ pub(crate) fn environment(scene: Scene) -> Environment {
         id,
         label: String::new(),
         scene,
+        delay_s: 0.0,
         question: None,
         further: Vec::new(),
         factors: Default::default(),
