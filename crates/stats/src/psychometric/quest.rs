@@ -10,7 +10,9 @@
 //! loops and all logarithms libm's, so the levels of a plan and its answers are the same on any machine.
 
 use super::curve::{Asks, Curve, Sigmoid};
+use super::{LevelAnswers, PARTS, by_level};
 use crate::error::{StatsError, all_finite};
+use std::sync::Arc;
 
 /// Information, in nats, within which levels are equal; also the share within which masses are.
 const EQUAL: f64 = 1e-12;
@@ -59,11 +61,171 @@ pub struct Track {
 /// The levels of a session by its plan and the answers so far: "more" or "right" are true.
 ///
 /// # Errors
-/// An empty axis, one that does not rise or is not finite, scales that are not above 0, λ outside [0, ½), levels below 0
-/// or thresholds not above it for Weibull's sigmoid, yes and no, more than 10⁷ levels times curves, an answer that no
-/// curve of the grid makes possible.
+/// As [`Quest::new`] and [`Quest::answer`].
 pub fn track(plan: &Plan, answers: &[bool]) -> Result<Track, StatsError> {
+    let mut quest = Quest::new(plan)?;
+    for is_positive in answers {
+        quest.answer(quest.place, *is_positive)?;
+    }
+    Ok(quest.track())
+}
+
+/// QUEST+ answer by answer. What follows from the plan alone is computed once, and shared by clones.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Quest {
+    grid: Arc<Grid>,
+    posterior: Vec<f64>,
+    levels: Vec<f64>,
+    /// The place of the next level among those of the plan.
+    place: usize,
+}
+
+/// What follows from a plan alone.
+#[derive(Debug, PartialEq)]
+struct Grid {
+    plan: Plan,
+    cells: Vec<Cell>,
+    /// By level: the shares of positive and of other answers in each cell.
+    shares: Vec<Vec<[f64; 2]>>,
+    /// By level: the entropy of these shares.
+    entropies: Vec<Vec<f64>>,
+}
+
+impl Quest {
+    /// Before the first answer.
+    ///
+    /// # Errors
+    /// An empty axis, one that does not rise or is not finite, scales that are not above 0, λ outside [0, ½), levels below
+    /// 0 or thresholds not above it for Weibull's sigmoid, yes and no, more than 10⁷ levels times curves.
+    pub fn new(plan: &Plan) -> Result<Self, StatsError> {
+        check(plan)?;
+        let cells = cells(plan);
+        let shares: Vec<Vec<[f64; 2]>> = plan
+            .levels
+            .iter()
+            .map(|level| cells.iter().map(|cell| cell.curve(plan).shares(*level)).collect())
+            .collect();
+        let entropies =
+            shares.iter().map(|row| row.iter().map(|shares| entropy(*shares)).collect()).collect();
+        let grid = Arc::new(Grid { plan: plan.clone(), cells, shares, entropies });
+        let mut quest = Self { grid, posterior: Vec::new(), levels: Vec::new(), place: 0 };
+        quest.restart();
+        Ok(quest)
+    }
+
+    /// Forgets every answer.
+    pub fn restart(&mut self) {
+        self.levels.clear();
+        let n = self.grid.cells.len();
+        self.posterior = vec![1.0 / n as f64; n];
+        self.place = most_telling(&self.posterior, &self.grid.shares, &self.grid.entropies);
+    }
+
+    /// The next level, in the unit of the stimulus.
+    pub fn next_level(&self) -> f64 {
+        self.grid.plan.levels[self.place]
+    }
+
+    /// The place of a level among those of the plan; `None` for one that is not of it.
+    pub fn place_of(&self, level: f64) -> Option<usize> {
+        self.grid.plan.levels.iter().position(|own| (own - level).abs() * PARTS < 0.5)
+    }
+
+    /// Takes an answer to the level at that place: another one than the next where an answer before it does not count any
+    /// more.
+    ///
+    /// # Errors
+    /// A place that the plan does not have, an answer that no curve of the grid makes possible.
+    pub fn answer(&mut self, place: usize, is_positive: bool) -> Result<(), StatsError> {
+        let shares = self.grid.shares.get(place).ok_or(StatsError::QuestGrid)?;
+        for (mass, [share, rest]) in self.posterior.iter_mut().zip(shares) {
+            *mass *= if is_positive { share } else { rest };
+        }
+        let whole: f64 = self.posterior.iter().sum();
+        if whole <= 0.0 {
+            return Err(StatsError::Impossible { trial: self.levels.len() });
+        }
+        self.posterior.iter_mut().for_each(|mass| *mass /= whole);
+        self.levels.push(self.grid.plan.levels[place]);
+        self.place = most_telling(&self.posterior, &self.grid.shares, &self.grid.entropies);
+        Ok(())
+    }
+
+    /// What the answers tell so far.
+    pub fn track(&self) -> Track {
+        let Posterior { threshold, scale, lapse, is_at_edge, .. } =
+            summed(&self.grid.plan, &self.grid.cells, &self.posterior);
+        Track {
+            levels: self.levels.clone(),
+            next: self.next_level(),
+            threshold,
+            scale,
+            lapse,
+            entropy: self.posterior.iter().map(|mass| information(*mass)).sum(),
+            is_at_edge,
+        }
+    }
+}
+
+/// What answers tell on the grid of a plan, whichever way their levels were chosen.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Posterior {
+    /// Posterior mean of the threshold.
+    pub threshold: f64,
+    /// Its posterior standard deviation.
+    pub threshold_sd: f64,
+    /// Posterior mean of σ.
+    pub scale: f64,
+    /// Posterior standard deviation of ln JND.
+    pub ln_jnd_sd: f64,
+    /// Posterior mean of λ.
+    pub lapse: f64,
+    /// As [`Track::is_at_edge`].
+    pub is_at_edge: bool,
+}
+
+impl Posterior {
+    /// The curve of the posterior means.
+    pub fn curve(&self, plan: &Plan) -> Curve {
+        let Self { threshold, scale, lapse, .. } = *self;
+        Cell { threshold, scale, lapse }.curve(plan)
+    }
+}
+
+/// The posterior of answers at any levels, in any order.
+///
+/// # Errors
+/// Those of [`track`], levels that are not finite, more positive answers than trials.
+pub fn posterior(plan: &Plan, answers: &[LevelAnswers]) -> Result<Posterior, StatsError> {
     check(plan)?;
+    let answers = by_level(answers)?;
+    let cells = cells(plan);
+    let mut posterior = vec![1.0 / cells.len() as f64; cells.len()];
+    let mut trial = 0;
+    for LevelAnswers { level, trials, positive } in answers {
+        if plan.sigmoid == Sigmoid::Weibull && level < 0.0 {
+            return Err(StatsError::BelowZero { level });
+        }
+        let shares: Vec<[f64; 2]> =
+            cells.iter().map(|cell| cell.curve(plan).shares(level)).collect();
+        for number in 0..trials {
+            let answer = usize::from(number >= positive);
+            for (mass, shares) in posterior.iter_mut().zip(&shares) {
+                *mass *= shares[answer];
+            }
+            let whole: f64 = posterior.iter().sum();
+            if whole <= 0.0 {
+                return Err(StatsError::Impossible { trial });
+            }
+            posterior.iter_mut().for_each(|mass| *mass /= whole);
+            trial += 1;
+        }
+    }
+    Ok(summed(plan, &cells, &posterior))
+}
+
+/// The curves of the grid.
+fn cells(plan: &Plan) -> Vec<Cell> {
     let mut cells = Vec::new();
     for threshold in &plan.thresholds {
         for scale in &plan.scales {
@@ -72,35 +234,21 @@ pub fn track(plan: &Plan, answers: &[bool]) -> Result<Track, StatsError> {
             }
         }
     }
-    // By level: the shares of positive and of other answers in each cell, and their entropy.
-    let shares: Vec<Vec<[f64; 2]>> = plan
-        .levels
-        .iter()
-        .map(|level| cells.iter().map(|cell| cell.curve(plan).shares(*level)).collect())
-        .collect();
-    let entropies: Vec<Vec<f64>> =
-        shares.iter().map(|row| row.iter().map(|shares| entropy(*shares)).collect()).collect();
-    let mut posterior = vec![1.0 / cells.len() as f64; cells.len()];
-    let mut levels = Vec::with_capacity(answers.len());
-    let mut place = most_telling(&posterior, &shares, &entropies);
-    for (trial, is_positive) in answers.iter().enumerate() {
-        levels.push(plan.levels[place]);
-        for (mass, [share, rest]) in posterior.iter_mut().zip(&shares[place]) {
-            *mass *= if *is_positive { share } else { rest };
-        }
-        let whole: f64 = posterior.iter().sum();
-        if whole <= 0.0 {
-            return Err(StatsError::Impossible { trial });
-        }
-        posterior.iter_mut().for_each(|mass| *mass /= whole);
-        place = most_telling(&posterior, &shares, &entropies);
-    }
-    let mean = |read: fn(&Cell) -> f64| -> f64 {
-        cells.iter().zip(&posterior).map(|(cell, mass)| mass * read(cell)).sum()
+    cells
+}
+
+/// Means, deviations and ends of a posterior.
+fn summed(plan: &Plan, cells: &[Cell], posterior: &[f64]) -> Posterior {
+    let mean = |read: &dyn Fn(&Cell) -> f64| -> f64 {
+        cells.iter().zip(posterior).map(|(cell, mass)| mass * read(cell)).sum()
+    };
+    let sd = |read: &dyn Fn(&Cell) -> f64| -> f64 {
+        let middle = mean(read);
+        mean(&|cell| (read(cell) - middle).powi(2)).sqrt()
     };
     let mass_at = |read: fn(&Cell) -> f64, value: f64| -> f64 {
         let with_value = |cell: &Cell| read(cell).total_cmp(&value).is_eq();
-        let masses = cells.iter().zip(&posterior).filter(|(cell, _)| with_value(cell));
+        let masses = cells.iter().zip(posterior).filter(|(cell, _)| with_value(cell));
         masses.map(|(_, mass)| mass).sum()
     };
     let is_at_end = |axis: &[f64], read: fn(&Cell) -> f64| match axis {
@@ -111,18 +259,18 @@ pub fn track(plan: &Plan, answers: &[bool]) -> Result<Track, StatsError> {
         }
         _ => false, // one value is known, and has no end
     };
-    Ok(Track {
-        levels,
-        next: plan.levels[place],
-        threshold: mean(|cell| cell.threshold),
-        scale: mean(|cell| cell.scale),
-        lapse: mean(|cell| cell.lapse),
-        entropy: posterior.iter().map(|mass| information(*mass)).sum(),
+    Posterior {
+        threshold: mean(&|cell| cell.threshold),
+        threshold_sd: sd(&|cell| cell.threshold),
+        scale: mean(&|cell| cell.scale),
+        ln_jnd_sd: sd(&|cell| libm::log(cell.curve(plan).jnd())),
+        lapse: mean(&|cell| cell.lapse),
         is_at_edge: is_at_end(&plan.thresholds, |cell| cell.threshold)
             || is_at_end(&plan.scales, |cell| cell.scale),
-    })
+    }
 }
 
+#[derive(Debug, Clone, PartialEq)]
 struct Cell {
     threshold: f64,
     scale: f64,
@@ -282,6 +430,29 @@ mod tests {
     }
 
     #[test]
+    fn answer_by_answer_it_is_the_same_to_the_bit_and_starts_again_from_nothing() {
+        let mut quest = Quest::new(&plan()).unwrap();
+        let mut answers = Vec::new();
+        for t in 0..12 {
+            assert_eq!(quest.track(), track(&plan(), &answers).unwrap());
+            let is_positive = t % 3 != 1;
+            let place = quest.place_of(quest.next_level()).unwrap();
+            quest.answer(place, is_positive).unwrap();
+            answers.push(is_positive);
+        }
+        quest.restart();
+        assert_eq!(quest.track(), track(&plan(), &[]).unwrap());
+        // At another level than the next: the posterior is that of this level.
+        let [low, high] = [210.0, 390.0].map(|level| quest.place_of(level).unwrap());
+        quest.answer(low, false).unwrap();
+        let told_little = quest.track().entropy;
+        quest.restart();
+        quest.answer(high, false).unwrap();
+        assert!(quest.track().entropy < told_little && quest.track().levels == [390.0]);
+        assert!(quest.place_of(211.0).is_none() && quest.answer(99, true).is_err());
+    }
+
+    #[test]
     fn equal_levels_are_decided_for_the_lowest() {
         // Around the only threshold everything is symmetrical, and 299 tells as much as 301.
         let plan =
@@ -345,5 +516,38 @@ mod tests {
             ..plan()
         };
         assert_eq!(track(&certain, &[false, true]), Err(StatsError::Impossible { trial: 1 }));
+    }
+
+    #[test]
+    fn the_posterior_of_answers_is_that_of_their_track_in_any_order() {
+        let plan = plan();
+        let answers: Vec<bool> = (0..40).map(|trial| scattered([3, trial, 1, 0]) > 0.0).collect();
+        let tracked = track(&plan, &answers).unwrap();
+        let tallied: Vec<LevelAnswers> = tracked
+            .levels
+            .iter()
+            .zip(&answers)
+            .rev()
+            .map(|(level, is_positive)| LevelAnswers {
+                level: *level,
+                trials: 1,
+                positive: u64::from(*is_positive),
+            })
+            .collect();
+        let found = posterior(&plan, &tallied).unwrap();
+        let pairs = [
+            (found.threshold, tracked.threshold),
+            (found.scale, tracked.scale),
+            (found.lapse, tracked.lapse),
+        ];
+        for (found, expected) in pairs {
+            assert!((found - expected).abs() < 1e-9 * expected.abs(), "{found} {expected}");
+        }
+        assert_eq!(found.is_at_edge, tracked.is_at_edge);
+        // Answers leave less doubt than there was before the first.
+        let before = posterior(&plan, &[]).unwrap();
+        assert!(found.threshold_sd < before.threshold_sd && found.threshold_sd > 0.0);
+        assert!(found.ln_jnd_sd > 0.0);
+        assert!((found.curve(&plan).threshold() - found.threshold).abs() < 1e-9);
     }
 }
