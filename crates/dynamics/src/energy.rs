@@ -84,7 +84,7 @@ impl System {
     pub(crate) fn rest_rad(&self, region: &Region) -> f64 {
         match self.scene.environment.zones[usize::from(region.zone_up)].demand {
             Demand::Spring { rest_rad, .. } => rest_rad,
-            Demand::Full | Demand::FullUp => 0.0,
+            Demand::Force { .. } | Demand::Full | Demand::FullUp => 0.0,
         }
     }
 

@@ -128,6 +128,7 @@ impl Check<'_> {
                 let questions = shape.questions.unwrap_or_default();
                 self.likert(shape.trial, questions, shape.condition, &groups)
             }
+            KindShape::Psychometric => self.psychometric(shape.trial, shape.task, &groups),
             KindShape::Exclusions => self.exclusions(shape.exclude, &groups),
             KindShape::Participants => self.people(shape.people, &groups),
         }?;
@@ -148,10 +149,10 @@ impl Check<'_> {
 
     /// A table that the kind gives no meaning to is a mistake.
     fn refuse_unused(&mut self, shape: &Shape) {
-        use KindShape::{Exclusions, Likert, Participants, Sweeps, Trials};
+        use KindShape::{Exclusions, Likert, Participants, Psychometric, Sweeps, Trials};
         let kind = shape.kind;
         for (table, is_present, is_used) in [
-            ("trial", shape.trial.is_some(), matches!(kind, Trials | Likert)),
+            ("trial", shape.trial.is_some(), matches!(kind, Trials | Likert | Psychometric)),
             ("time", shape.time.is_some(), matches!(kind, Trials | Sweeps)),
             ("column", !shape.column.is_empty(), kind == Trials),
             ("channel", !shape.channel.is_empty(), kind == Trials),
@@ -161,6 +162,7 @@ impl Check<'_> {
             ("wide", shape.wide.is_some(), kind == Sweeps),
             ("questions", shape.questions.is_some(), kind == Likert),
             ("condition", !shape.condition.is_empty(), kind == Likert),
+            ("task", shape.task.is_some(), kind == Psychometric),
             ("exclude", shape.exclude.is_some(), kind == Exclusions),
             ("people", shape.people.is_some(), kind == Participants),
         ] {

@@ -20,7 +20,7 @@ impl Check<'_> {
         }
         let has_times = conditions.iter().any(|condition| !condition.times.is_empty());
         let is_timed = has_times || shape.time.is_some() || !shape.times.is_empty();
-        let time_unit = self.time_unit(shape.time_unit.as_deref(), is_timed);
+        let time_unit = self.time_unit("questions.time_unit", shape.time_unit.as_deref(), is_timed);
         let translate = shape.translate.clone();
         let lowest = shape.lowest;
         let one_each =
@@ -136,8 +136,12 @@ impl Check<'_> {
     }
 
     /// The unit of the times that answers took; never guessed.
-    fn time_unit(&mut self, text: Option<&str>, is_timed: bool) -> Option<&'static Unit> {
-        let key = "questions.time_unit";
+    pub(super) fn time_unit(
+        &mut self,
+        key: &str,
+        text: Option<&str>,
+        is_timed: bool,
+    ) -> Option<&'static Unit> {
         match text {
             None if is_timed => self.error(key, "is missing; s, ms, µs, ns or min"),
             Some(_) if !is_timed => {

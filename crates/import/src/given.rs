@@ -8,6 +8,7 @@ use super::mapping::{Missing, Questionnaire};
 use super::recording::Recording;
 use super::report::FileReport;
 use super::spelling::{find, plain};
+use super::unit::Unit;
 use std::collections::BTreeSet;
 use zwidth_store::StoreError;
 use zwidth_study::{AnswerScale, AnswerValue, QuestionId};
@@ -75,7 +76,7 @@ pub(super) fn read_answer(
     };
     let value = value.map_err(wrong)?;
     let time_ms = match time {
-        Some(time) => read_time(questionnaire, recording, time, row)?,
+        Some(time) => read_time(questionnaire.time_unit, recording, time, row)?,
         None => None,
     };
     Ok(Some(Answer { value, time_ms }))
@@ -113,15 +114,15 @@ fn answer_from(lowest: i64, text: &str, scale: &AnswerScale) -> Result<AnswerVal
 }
 
 /// The time that an answer took, ms; `None` if the cell is empty.
-fn read_time(
-    questionnaire: &Questionnaire,
+pub(super) fn read_time(
+    unit: Option<&Unit>,
     recording: &Recording,
     column: usize,
     row: usize,
 ) -> Result<Option<u32>, StoreError> {
     let time_ms = recording.number(column, row).and_then(|time| {
         let Some(time) = time else { return Ok(None) };
-        let time_s = time * questionnaire.time_unit.map_or(1.0, |unit| unit.to_si);
+        let time_s = time * unit.map_or(1.0, |unit| unit.to_si);
         // A day of milliseconds is far from the highest number.
         if (0.0..=LONGEST_S).contains(&time_s) {
             return Ok(Some((time_s * 1e3).round() as u32));

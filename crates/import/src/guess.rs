@@ -10,6 +10,7 @@ use super::guess_answers::answers;
 use super::guess_apart::{Sorted, sort};
 use super::guess_names::{Names, names};
 use super::guess_read::{Looked, MOST_GUESSED, Written, first_numbers, is_number, look, quoted};
+use super::guess_task::task;
 use super::guess_words::{
     ANSWERS, COMMANDED, CURRENTS, ColumnName, LABELS, has_word, parse_name, signal_of,
 };
@@ -61,6 +62,12 @@ fn mapping(path: &Path, apart: &[StoreError], looked: &Looked, names: &Names) ->
     }
     let Looked { table, written, .. } = looked;
     let comma = written.is_some_and(|written| written.decimal_comma);
+    if let Some(task) = task(table, comma) {
+        text.push_str("kind = \"psychometric\"\n\n[file]\n");
+        write_file(&mut text, looked);
+        task.write(&mut text, table, names);
+        return text;
+    }
     if let Some(answers) = answers(table, comma) {
         text.push_str("kind = \"likert\"\n\n[file]\n");
         write_file(&mut text, looked);

@@ -13,12 +13,12 @@ use std::fmt::Write as _;
 use zwidth_store::Signal;
 
 /// Columns that PsychoPy writes beside those of a study.
-const PSYCHOPY: [&str; 4] = ["psychopyVersion", "expName", "frameRate", "expStart"];
+pub(super) const PSYCHOPY: [&str; 4] = ["psychopyVersion", "expName", "frameRate", "expStart"];
 /// The ending of PsychoPy's columns that count the rows of a loop from 0.
-const LOOP: &str = ".thisN";
+pub(super) const LOOP: &str = ".thisN";
 /// Endings of columns of answers, and of the times that they took.
 const ANSWERED: [&str; 2] = [".response", ".rating"];
-const TOOK: &str = ".rt";
+pub(super) const TOOK: &str = ".rt";
 
 /// Words of columns of numbers that are no answers.
 const ABOUT: [&str; 12] = [
@@ -334,7 +334,7 @@ impl Answers {
 }
 
 /// A column as a mapping names it: by its name, or by its position from 1.
-fn column(table: &Table, place: usize) -> String {
+pub(super) fn column(table: &Table, place: usize) -> String {
     let name = table.names.as_ref().and_then(|names| names.get(place));
     name.map_or_else(|| (place + 1).to_string(), |name| quoted(name))
 }

@@ -65,21 +65,35 @@ pub(super) struct Names {
 impl Names {
     /// Writes `[name]` and `[trial]`; `who` stands for a participant that nobody knows.
     pub(super) fn write(&self, text: &mut String, who: &str) {
+        self.write_with(text, who, "environment = \"TODO\"     # as in study.toml\n");
+        if let Some(repeat) = self.labels.get("repeat") {
+            let _ = writeln!(text, "repeat = {repeat}");
+        }
+        self.write_trial(text);
+    }
+
+    /// Writes them for answers to tasks, whose environment study.toml knows, and whose presentations are counted.
+    pub(super) fn write_of_tasks(&self, text: &mut String, who: &str) {
+        self.write_with(text, who, "");
+        self.write_trial(text);
+    }
+
+    fn write_trial(&self, text: &mut String) {
+        if let Some(trial) = self.labels.get("trial") {
+            let _ = writeln!(text, "trial = {trial}");
+        }
+    }
+
+    fn write_with(&self, text: &mut String, who: &str, environment: &str) {
         let label = |key: &str, to_do| self.labels.get(key).map_or(to_do, String::as_str);
         let _ = write!(
             text,
-            "{}\n[trial]\nparticipant = {}\nsession = {}\nenvironment = \"TODO\"     # as in study.toml\n\
-             mode = {}\n",
+            "{}\n[trial]\nparticipant = {}\nsession = {}\n{environment}mode = {}\n",
             self.block,
             label("participant", who),
             label("session", "\"S01\""),
             label("mode", "\"TODO\"            # as in study.toml"),
         );
-        for key in ["repeat", "trial"] {
-            if let Some(value) = self.labels.get(key) {
-                let _ = writeln!(text, "{key} = {value}");
-            }
-        }
     }
 }
 

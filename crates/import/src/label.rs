@@ -58,13 +58,9 @@ const MAX_DIGITS: usize = 32;
 impl LabelShape {
     /// The checked label; `Err` says what is wrong. `groups` are those of the pattern on the path.
     pub(super) fn check(self, groups: &[&str]) -> Result<Label, String> {
-        let fixed = |text| {
-            let from = From::Fixed(text);
-            Ok(Label { from, translate: BTreeMap::new(), prefix: String::new(), digits: 0 })
-        };
         let FromShape { column, name, translate, prefix, digits } = match self {
-            Self::Text(text) => return fixed(text),
-            Self::Number(number) => return fixed(number.to_string()),
+            Self::Text(text) => return Ok(Label::fixed(text)),
+            Self::Number(number) => return Ok(Label::fixed(number.to_string())),
             Self::From(shape) => shape,
         };
         let from = match (column, name) {
@@ -85,6 +81,12 @@ impl LabelShape {
 }
 
 impl Label {
+    /// The same for all files.
+    pub(super) fn fixed(text: impl Into<String>) -> Self {
+        let from = From::Fixed(text.into());
+        Self { from, translate: BTreeMap::new(), prefix: String::new(), digits: 0 }
+    }
+
     /// The column it comes from, where it comes from one.
     pub(super) fn column(&self) -> Option<&ColumnRef> {
         match &self.from {

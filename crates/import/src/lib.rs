@@ -5,13 +5,14 @@
 //! derivative, a time from a rate) are requested in the mapping, and the resulting files say so.
 //!
 //! A file goes through: `recording` (its format becomes a `table` of text and number columns) →
-//! `trials`, `sweeps` or `likert` (labels resolved, units converted) → `batch` (bytes, written).
+//! `trials`, `sweeps`, `likert` or `psychometric` (labels resolved, units converted) → `batch` (bytes, written).
 
 mod added;
 mod batch;
 mod blocks;
 mod check;
 mod check_likert;
+mod check_psychometric;
 mod check_samples;
 mod check_sweeps;
 mod clock;
@@ -31,10 +32,12 @@ mod guess_answers;
 mod guess_apart;
 mod guess_names;
 mod guess_read;
+mod guess_task;
 mod guess_words;
 mod hdf5;
 mod identity;
 mod jsonl;
+mod judgement;
 #[cfg(test)]
 mod killed;
 mod label;
@@ -58,6 +61,8 @@ mod parquet;
 mod people;
 mod plain;
 mod plan;
+mod presented;
+mod psychometric;
 #[cfg(any(test, feature = "testing"))]
 pub mod readers;
 #[cfg(test)]
@@ -153,6 +158,7 @@ pub fn import(
         }
         Content::Sweeps(sweep) => sweeps::sweeps(&context, sweep, files)?,
         Content::Likert(questionnaire) => likert::likert(&context, questionnaire, files)?,
+        Content::Psychometric(task) => psychometric::psychometric(&context, task, files)?,
         // They add to existing logs.
         Content::Exclusions(form) => return exclusions::import(&context, form, files, by.utc),
         // They add to the participants' file.

@@ -75,7 +75,7 @@ pub(super) fn likert(
     new.retain(|(_, row)| !has_session(context, row));
     let identities: Vec<Identity> = new.iter().map(|(_, row)| row.identity.clone()).collect();
     let planned = number_trials(context, &identities, false)?;
-    once::answers(context, new.iter().map(|(file, _)| *file))?;
+    once::answers(context, new.iter().map(|(file, _)| *file), |read| &read.columns)?;
     let events = new.iter().zip(&planned).map(|((_, row), number)| {
         let events = row.answers.iter().map(|(question, answer)| Event::Answer {
             trial: number.trial,
@@ -164,7 +164,7 @@ fn file_report(
 }
 
 /// The note in a session's log about a table that could not be read whole.
-fn loss(lost: &str) -> Event {
+pub(super) fn loss(lost: &str) -> Event {
     Event::Note { trial: None, text: format!("of the table of answers, {lost}") }
 }
 
@@ -196,7 +196,8 @@ fn wide<'a>(context: &Context, trial: &'a RowTrial) -> Result<Wide<'a>, StoreErr
         return Err(StoreError::new(mapping, what, "add [[questions]] to study.toml"));
     }
     // A text that two questions share does not say whose column it heads.
-    let asked: Vec<&Question> = study.questions.iter().filter(|q| !q.is_pair()).collect();
+    let asked: Vec<&Question> =
+        study.questions.iter().filter(|q| !q.is_pair() && !q.is_of_task()).collect();
     let mut questions = asked.iter().enumerate();
     let second = questions.find(|(i, q)| asked[..*i].iter().any(|p| p.text == q.text));
     if let Some((_, question)) = second {

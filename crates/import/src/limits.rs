@@ -37,6 +37,10 @@ pub(super) const MOST_TEXT: usize = 1 << 27;
 const MOST_CELLS: usize = 1 << 25;
 /// Trials, sweeps, or rows of questionnaires of an import: each has a file or an entry of its own.
 const MOST_TRIALS: usize = 1 << 14;
+/// Answers to tasks of an import: each has an entry of its own in the record of its session.
+const MOST_ANSWERS: usize = 1_000_000;
+/// Answers to tasks of a session: its record has to be read again.
+pub(super) const MOST_OF_SESSION: usize = 50_000;
 /// The highest number of a trial, a repeat or a sweep.
 pub(super) const MOST_NUMBER: u32 = 1_000_000;
 /// Rates of a recording, Hz.
@@ -53,6 +57,7 @@ const MOST_ANGLE_RAD: f64 = 1_000.0 * std::f64::consts::TAU;
 pub(super) struct Budget {
     cells: AtomicUsize,
     trials: AtomicUsize,
+    answers: AtomicUsize,
 }
 
 impl Budget {
@@ -76,6 +81,14 @@ impl Budget {
         if spend(&self.trials, n, MOST_TRIALS) { Ok(()) } else { Err(too_much(path)) }
     }
 
+    /// Takes room for answers to tasks.
+    ///
+    /// # Errors
+    /// There is none left.
+    pub(super) fn answers(&self, path: &Path, n: usize) -> Result<(), StoreError> {
+        if spend(&self.answers, n, MOST_ANSWERS) { Ok(()) } else { Err(too_much(path)) }
+    }
+
     /// Whether all there was to be taken fitted. Which of the files was one too many depends on the
     /// order in which they were read, so that all of them are named together.
     ///
@@ -85,6 +98,7 @@ impl Budget {
         let over = [
             (&self.cells, MOST_CELLS, "cells in mapped columns"),
             (&self.trials, MOST_TRIALS, "trials, sweeps or answered rows"),
+            (&self.answers, MOST_ANSWERS, "answers to tasks"),
         ]
         .into_iter()
         .find(|(spent, most, _)| spent.load(Ordering::Relaxed) > *most);

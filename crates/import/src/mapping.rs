@@ -41,6 +41,7 @@ pub(super) enum Content {
     Trials { who: Box<Who>, time: Time, columns: Vec<SignalFrom>, channels: Vec<ChannelFrom> },
     Sweeps(Box<SweepFrom>),
     Likert(Questionnaire),
+    Psychometric(Box<TaskFrom>),
     Exclusions(Exclusions),
     People(PeopleFrom),
 }
@@ -73,6 +74,87 @@ pub(super) struct RowTrial {
     /// No column listed: those whose header is a question's text.
     pub(super) columns: BTreeMap<QuestionId, AnswerFrom>,
     pub(super) times: BTreeMap<QuestionId, ColumnRef>,
+}
+
+/// Where the answers to tasks are: a row a presentation, or counts a level.
+#[derive(Debug, Clone)]
+pub(super) struct TaskFrom {
+    /// Its environment is the task's, and is set where the study is known.
+    pub(super) who: Who,
+    pub(super) id: Label,
+    pub(super) level: ColumnRef,
+    /// The unit of the levels, as the mapping spells it.
+    pub(super) unit: String,
+    pub(super) line: Linear,
+    pub(super) said: SaidFrom,
+    pub(super) track: Option<Label>,
+    pub(super) time: Option<ColumnRef>,
+    pub(super) time_unit: Option<&'static Unit>,
+    /// Rows with one of these words in each of the columns; all rows if there is none.
+    pub(super) when: Vec<(ColumnRef, Vec<String>)>,
+}
+
+/// Where it is said what was answered.
+#[derive(Debug, Clone)]
+pub(super) enum SaidFrom {
+    /// A row a presentation.
+    Each(Box<EachFrom>),
+    /// A row for many presentations of a level: how many there were, and how many answers were positive or right.
+    Counts { presentations: ColumnRef, positive: Option<ColumnRef>, correct: Option<ColumnRef> },
+}
+
+/// Where it is said of one presentation.
+#[derive(Debug, Clone)]
+pub(super) struct EachFrom {
+    /// What was answered.
+    pub(super) answer: Option<Label>,
+    /// Whether that was positive.
+    pub(super) positive: Option<Label>,
+    /// Whether it was right.
+    pub(super) correct: Option<Label>,
+    /// The interval with the standard.
+    pub(super) standard: Option<Label>,
+    /// That with the level.
+    pub(super) comparison: Option<Label>,
+}
+
+impl SaidFrom {
+    /// The columns that say what was answered, by what they say.
+    pub(super) fn columns(&self) -> Vec<(&'static str, &ColumnRef)> {
+        let columns = match self {
+            Self::Each(each) => [
+                ("answer", &each.answer),
+                ("positive", &each.positive),
+                ("correct", &each.correct),
+                ("standard", &each.standard),
+                ("comparison", &each.comparison),
+            ]
+            .map(|(what, label)| (what, label.as_ref().and_then(Label::column)))
+            .to_vec(),
+            Self::Counts { presentations, positive, correct } => vec![
+                ("presentations", Some(presentations)),
+                ("positive", positive.as_ref()),
+                ("correct", correct.as_ref()),
+            ],
+        };
+        columns.into_iter().filter_map(|(what, column)| Some((what, column?))).collect()
+    }
+}
+
+impl TaskFrom {
+    /// The columns without which nobody knows whose answer to what a row is.
+    pub(super) fn labels(&self) -> Vec<&ColumnRef> {
+        self.who.columns().into_iter().chain(self.id.column()).collect()
+    }
+
+    /// All columns that the mapping names.
+    pub(super) fn columns(&self) -> Vec<&ColumnRef> {
+        let said = self.said.columns().into_iter().map(|(_, column)| column);
+        let when = self.when.iter().map(|(column, _)| column);
+        let track = self.track.as_ref().and_then(Label::column);
+        let own = [&self.level].into_iter().chain(said).chain(track).chain(&self.time);
+        self.labels().into_iter().chain(own).chain(when).collect()
+    }
 }
 
 /// The columns of a table with a row an answer.
@@ -427,7 +509,7 @@ mod tests {
     #[test]
     fn every_mapping_in_the_documentation_is_valid() {
         let examples = examples();
-        assert_eq!(examples.len(), 6);
+        assert_eq!(examples.len(), 7);
         for text in examples {
             Mapping::from_toml(&text, Path::new("docs/import.md")).unwrap();
         }

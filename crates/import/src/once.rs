@@ -2,7 +2,6 @@
 
 use super::context::{Context, Converted};
 use super::errors::Errors;
-use super::given::Read;
 use super::identity::{Cases, Identity};
 use super::report::FileReport;
 use std::collections::BTreeSet;
@@ -52,9 +51,10 @@ pub(super) fn sweeps<T>(context: &Context, files: &[Converted<T>]) -> Result<(),
 }
 
 /// Checks that no session of the study has answers from the same columns of one of these tables.
-pub(super) fn answers<'a>(
+pub(super) fn answers<'a, T: 'a>(
     context: &Context,
-    tables: impl Iterator<Item = &'a Converted<Read>>,
+    tables: impl Iterator<Item = &'a Converted<T>>,
+    columns: impl Fn(&T) -> &BTreeSet<usize>,
 ) -> Result<(), Errors> {
     let records = readable_records(context.files, context.layout)?;
     let mut seen = BTreeSet::new();
@@ -63,7 +63,7 @@ pub(super) fn answers<'a>(
             // A record that names no columns has all of them.
             let taken = &record.answer_columns;
             record.imported_from.contains(&table.blake3)
-                && (taken.is_empty() || taken.iter().any(|at| table.parsed.columns.contains(at)))
+                && (taken.is_empty() || taken.iter().any(|at| columns(&table.parsed).contains(at)))
         })?;
         let first = format!("{} {}", record.participant, record.session);
         Some(imported_before(&table.path, &first))

@@ -15,6 +15,7 @@ pub(super) enum KindShape {
     Trials,
     Sweeps,
     Likert,
+    Psychometric,
     Exclusions,
     Participants,
 }
@@ -43,6 +44,7 @@ pub(super) struct Shape {
     pub(super) questions: Option<QuestionsShape>,
     #[serde(default)]
     pub(super) condition: Vec<ConditionShape>,
+    pub(super) task: Option<TaskShape>,
     pub(super) exclude: Option<ExcludeShape>,
     pub(super) people: Option<PeopleShape>,
 }
@@ -324,6 +326,29 @@ impl AnswerFrom {
             Self::Cell(column) | Self::Json(JsonKey { column, .. }) => column,
         }
     }
+}
+
+/// Where the answers to a task are.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct TaskShape {
+    pub(super) id: LabelShape,
+    pub(super) level: ColumnRef,
+    pub(super) unit: Option<String>,
+    pub(super) sign: Option<f64>,
+    pub(super) scale: Option<f64>,
+    pub(super) offset: Option<f64>,
+    pub(super) answer: Option<LabelShape>,
+    pub(super) positive: Option<LabelShape>,
+    pub(super) correct: Option<LabelShape>,
+    pub(super) presentations: Option<ColumnRef>,
+    pub(super) standard: Option<LabelShape>,
+    pub(super) comparison: Option<LabelShape>,
+    pub(super) track: Option<LabelShape>,
+    pub(super) time: Option<ColumnRef>,
+    pub(super) time_unit: Option<String>,
+    #[serde(default)]
+    pub(super) when: BTreeMap<String, Vec<String>>,
 }
 
 #[derive(Deserialize)]

@@ -19,11 +19,13 @@ pub(super) enum Dimension {
     Voltage,
     Counts,
     Bits,
+    Stiffness,
+    AngularStiffness,
 }
 
 use Dimension::{
-    Acceleration, Angle, AngularAcceleration, AngularVelocity, Bits, Counts, Force, Length, Mass,
-    Time, Torque, Velocity, Voltage,
+    Acceleration, Angle, AngularAcceleration, AngularStiffness, AngularVelocity, Bits, Counts,
+    Force, Length, Mass, Stiffness, Time, Torque, Velocity, Voltage,
 };
 
 /// A unit: its spellings, and the factor to SI.
@@ -123,6 +125,47 @@ const OF_PEOPLE: [Unit; 9] = [
     unit(&["st", "stone", "stones"], Mass, 14.0 * POUND),
     unit(&["oz", "ounce", "ounces"], Mass, POUND / OUNCES),
 ];
+
+/// Units of what a task varies; no recording is in them.
+const OF_LEVELS: [Unit; 7] = [
+    unit(&["N/rad"], AngularStiffness, 1.0),
+    unit(&["N/deg", "N/°"], AngularStiffness, 1.0 / DEG),
+    unit(&["N/m"], Stiffness, 1.0),
+    unit(&["N/cm"], Stiffness, 1e2),
+    unit(&["N/mm"], Stiffness, 1e3),
+    unit(&["mN/mm"], Stiffness, 1.0),
+    unit(&["kN/m"], Stiffness, 1e3),
+];
+
+/// What a level in a unit is multiplied with to be in that of `varies`, a key that ends in its unit such as
+/// `stiffness_n_per_mm`; `None` if the one does not become the other.
+pub(super) fn factor_of_level(text: &str, varies: &str) -> Option<f64> {
+    // As keys are spelled: `N/mm` ends `stiffness_n_per_mm`.
+    let spelled = |unit: &str| {
+        let small = unit.trim().to_lowercase();
+        small
+            .replace('/', "_per_")
+            .replace('°', "deg")
+            .replace(['µ', 'μ'], "u")
+            .replace('%', "percent")
+    };
+    let ends_in = |unit: &str| varies.to_lowercase().ends_with(&format!("_{}", spelled(unit)));
+    let all = || OF_LEVELS.iter().chain(&UNITS);
+    // The longest unit that the key ends in is its own: N/m, and not m.
+    let own = all().flat_map(|unit| unit.spellings.iter().map(move |spelling| (spelling, unit)));
+    let own = own.filter(|(spelling, _)| ends_in(spelling));
+    let own = own.max_by_key(|(spelling, _)| spelled(spelling).len());
+    let Some((spelling, own)) = own else {
+        // A unit that is not known here, such as dB, is the same or another.
+        return ends_in(text).then_some(1.0);
+    };
+    if spelled(spelling) == spelled(text) {
+        return Some(1.0);
+    }
+    let unit =
+        all().find(|unit| unit.spellings.contains(&text.trim())).or_else(|| declared(text))?;
+    (unit.dimension == own.dimension).then(|| unit.to_si / own.to_si)
+}
 
 /// The unit of a number of people, as people spell units.
 pub(super) fn of_people(text: &str) -> Option<&'static Unit> {

@@ -46,6 +46,8 @@ words! {
         NoVoltages = "no_voltages",
         /// No calibration, so that what the actuators can give is not known.
         NoCalibration = "no_calibration",
+        /// The environment was rendered with a delay, which the model does not have.
+        Delayed = "delayed",
         /// A questionnaire, or anything else that no device rendered.
         NotRendered = "not_rendered",
     }

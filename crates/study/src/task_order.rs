@@ -367,8 +367,7 @@ mod tests {
         for mode in &study.modes {
             let of_mode =
                 trials.iter().filter(|t| t.mode == mode.id).filter_map(|t| t.task.as_ref());
-            let starts: Vec<f64> =
-                of_mode.filter_map(|place| place.level).map(|level| level.value()).collect();
+            let starts: Vec<_> = of_mode.filter_map(|place| place.level).collect();
             assert_eq!(starts.len(), 6);
             assert!(starts.windows(2).all(|pair| pair[0] != pair[1]), "{starts:?}");
         }

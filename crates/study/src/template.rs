@@ -63,7 +63,8 @@ kind = "none"
 # kind = "spring"
 # stiffness_n_per_rad = 4.0
 # rest_deg = 0.0
-# A wall alone is kind = "wall" with wall_deg, a spring with a wall "spring_wall" with all three numbers.
+# A wall alone is kind = "wall" with wall_deg, a spring with a wall "spring_wall" with all three numbers, a constant
+# force "force" with force_n. If it was rendered late: delay_ms.
 
 # Where a trial's movement begins and ends. Set onset_deg_s well above the noise of a lever at rest.
 # [analysis]
@@ -215,7 +216,8 @@ confidence = 0.95
 # Vibration that is just felt: "fingertip", "grasped" (strict), or pairs of Hz and um: [[10.0, 10.0], [200.0, 0.1]].
 # vibration = "fingertip"
 
-# What is rendered. kind = @KINDS@ (a questionnaire alone).
+# What is rendered. kind = @KINDS@ (a questionnaire alone). "force" is a constant one: force_n, above 0
+# against a push into the object. What pushes back can be rendered late by delay_ms, to the nearest tick of the loop.
 [[environments]]
 id = "spring"
 label = "Spring"

@@ -17,6 +17,7 @@ pub struct Drive {
     recorded: Course,
     pub(crate) scene: ModelScene,
     held: Result<Held, WhyNot>,
+    is_delayed: bool,
 }
 
 /// Motion and forces against time: all as long as `t_s`.
@@ -71,7 +72,8 @@ impl Drive {
         let theta_rad = theta.to_vec();
         let recorded =
             Course { t_s, theta_rad, theta_dot_rad_s: theta_dot, force_ex_n, feedback_n };
-        Ok(Self { began_s, recorded, scene, held })
+        let is_delayed = rendering.delay_s > 0.0;
+        Ok(Self { began_s, recorded, scene, held, is_delayed })
     }
 
     /// The model's scene, with the thesis' plant.
@@ -87,7 +89,8 @@ impl Drive {
     /// The model's course, at the recording's times.
     ///
     /// # Errors
-    /// [`ReplayError::WhyNot`] in closed loop where the actuators' commands are not known;
+    /// [`ReplayError::WhyNot`] in closed loop where the actuators' commands are not known, else where the environment
+    /// was rendered late: what commands were given when is known in closed loop alone;
     /// parameters that make no model, or a model that diverges.
     pub fn run(
         &self,
@@ -96,6 +99,9 @@ impl Drive {
     ) -> Result<Course, ReplayError> {
         let Course { t_s, theta_rad, force_ex_n, .. } = &self.recorded;
         match causality {
+            Causality::ForceDriven | Causality::PositionDriven if self.is_delayed => {
+                Err(WhyNot::Delayed.into())
+            }
             Causality::ForceDriven => {
                 let system = System::new(parameters.put(&self.scene))?;
                 let run = Exact::default().run(&system, &Grid::Times(t_s.clone()))?;

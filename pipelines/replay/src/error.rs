@@ -27,6 +27,9 @@ pub enum WhyNot {
     /// No calibration, so that what the actuators can give is not known.
     #[error("the session has no calibration")]
     NoCalibration,
+    /// The rendering was late, and the model's is not.
+    #[error("the environment is rendered with a delay, which the model does not have")]
+    Delayed,
     /// A questionnaire, or anything else that no device rendered.
     #[error("nothing was rendered")]
     NotRendered,
@@ -41,6 +44,7 @@ impl From<WhyNot> for ReplayOutcome {
             WhyNot::NoLever => Self::NoLever,
             WhyNot::NoVoltages => Self::NoVoltages,
             WhyNot::NoCalibration => Self::NoCalibration,
+            WhyNot::Delayed => Self::Delayed,
             WhyNot::NotRendered => Self::NotRendered,
         }
     }

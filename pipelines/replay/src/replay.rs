@@ -245,6 +245,19 @@ mod tests {
         assert_eq!(words(&trial, &calibrated), ["replayed", "replayed", "no_voltages"]);
         trial.samples = crate::testing::without(&whole.samples, Signal::ForceEx);
         assert_eq!(words(&trial, &calibrated), ["no_force"; 3]);
+        let late = Rendering { delay_s: 0.02, ..calibrated };
+        assert_eq!(words(&whole, &late), ["delayed", "delayed", "replayed"]);
+    }
+
+    #[test]
+    fn a_constant_force_asks_for_itself_wherever_the_lever_is() {
+        let rendered = zwidth_study::Scene::Force { force_n: 1.25 };
+        let constant = Rendering { rendered, ..rendering("active") };
+        let trial = simulated("active", &Parameters::BY_EYE);
+        let drive = Drive::new(&trial, &constant).unwrap();
+        let course = drive.run(Causality::PositionDriven, &Parameters::BY_EYE).unwrap();
+        let feedback_n = course.feedback_n.unwrap();
+        assert!(feedback_n.iter().all(|force_n| (force_n - 1.25).abs() < 1e-12));
     }
 
     #[test]

@@ -82,6 +82,9 @@ impl Parameters {
 pub struct Rendering {
     /// The rendered scene.
     pub rendered: Scene,
+    /// By how much it was rendered late, s.
+    #[serde(skip_serializing_if = "is_at_once")]
+    pub delay_s: f64,
     /// Highest motor voltage of the mode, V; 0 if it does not use one.
     pub motor_max_v: f64,
     /// Highest brake voltage of the mode, V; 0 if it does not use one.
@@ -98,6 +101,10 @@ pub struct Rendering {
     pub calibration: Option<Calibration>,
 }
 
+fn is_at_once(delay_s: &f64) -> bool {
+    *delay_s == 0.0
+}
+
 impl Rendering {
     /// The rendering of a condition of a study, with the session's calibration.
     pub fn of(
@@ -109,6 +116,7 @@ impl Rendering {
         let device = &study.device;
         Self {
             rendered: environment.scene,
+            delay_s: environment.delay_s,
             motor_max_v: mode.motor_max_v.unwrap_or(0.0),
             brake_max_v: mode.brake_max_v.unwrap_or(0.0),
             law: mode.law(),
@@ -128,10 +136,12 @@ impl Rendering {
     }
 
     fn environment(&self) -> Result<Environment, WhyNot> {
-        let ForceLaw { stiffness_n_per_rad, damping_ns_per_rad, rest_rad, wall_rad } =
+        let ForceLaw { constant_n, stiffness_n_per_rad, damping_ns_per_rad, rest_rad, wall_rad } =
             self.rendered.law().ok_or(WhyNot::NotRendered)?;
         let base = match self.rendered {
             Scene::Free => Environment::free(),
+            // No scene has both a constant force and a spring.
+            Scene::Force { .. } => Environment::force(constant_n),
             _ => Environment::spring(stiffness_n_per_rad, damping_ns_per_rad, rest_rad),
         };
         Ok(match wall_rad {

@@ -9,6 +9,10 @@ pub fn model_facts(scene: &ModelScene) -> Vec<Fact> {
     let mut facts =
         vec![Fact::new("M_O, mass of the object (spring)", Some(scene.plant.mass_kg), "kg")];
     for zone in &scene.environment.zones {
+        if let Demand::Force { force_n } = zone.demand {
+            let force = Fact::new("F_O, constant force of the object", Some(force_n), "N");
+            facts.push(force.remarked("not in the thesis' table"));
+        }
         let Demand::Spring { stiffness_n_per_rad, damping_ns_per_rad, rest_rad } = zone.demand
         else {
             continue;

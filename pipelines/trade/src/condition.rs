@@ -18,7 +18,8 @@ const PUSH: f64 = 0.9;
 
 /// The scene of a condition: the study's environment, limits, lever and work space, its
 /// controller's tick as step, the plant of the thesis' Fig. 24, and its sine as push. None if the
-/// study lacks what a model needs: a lever length, a work space, a mode's law, a spring.
+/// study lacks what a model needs: a lever length, a work space, a mode's law, a spring that is
+/// rendered at once.
 pub fn condition_scene(
     study: &Study,
     environment: &zwidth_study::Environment,
@@ -27,7 +28,8 @@ pub fn condition_scene(
 ) -> Option<ModelScene> {
     let device = &study.device;
     let stops_rad = [device.theta_min_rad?, device.theta_max_rad?];
-    let law = environment.scene.law().filter(|_| environment.scene != Scene::Free)?;
+    let is_model = environment.scene != Scene::Free && environment.delay_s == 0.0;
+    let law = environment.scene.law().filter(|_| is_model)?;
     let by_motor = mode.law()?.drives().map(|drive| drive == ActuatorKind::Motor);
     let drive = DriveMode::ALL.into_iter().find(|drive| drive.by_motor() == by_motor)?;
     let spring = Environment::spring(law.stiffness_n_per_rad, law.damping_ns_per_rad, law.rest_rad);

@@ -22,9 +22,13 @@ pub fn neighbour(scene: &ModelScene, number: u64) -> ModelScene {
     let mut near = scene.clone();
     by(&mut near.plant.mass_kg);
     for zone in &mut near.environment.zones {
-        if let Demand::Spring { stiffness_n_per_rad, damping_ns_per_rad, .. } = &mut zone.demand {
-            by(stiffness_n_per_rad);
-            by(damping_ns_per_rad);
+        match &mut zone.demand {
+            Demand::Spring { stiffness_n_per_rad, damping_ns_per_rad, .. } => {
+                by(stiffness_n_per_rad);
+                by(damping_ns_per_rad);
+            }
+            Demand::Force { force_n } => by(force_n),
+            Demand::Full | Demand::FullUp => {}
         }
     }
     by(&mut near.motor.max_n);

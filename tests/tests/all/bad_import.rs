@@ -328,7 +328,7 @@ fn a_study_or_a_mapping_that_is_not_there_or_not_understood_is_told() {
         "line 5",
         "schema",
         "version 9 is unknown",
-        "this software reads version 2",
+        "this software reads 2 and 3",
     ]);
 }
 

@@ -21,6 +21,11 @@ pub enum Demand {
         /// θ_rest, rad.
         rest_rad: f64,
     },
+    /// u = F, the same everywhere.
+    Force {
+        /// F, N.
+        force_n: f64,
+    },
     /// All the actuators have, pushing towards −θ: a wall.
     Full,
     /// All the actuators have, pushing towards +θ: a wall below.
@@ -55,6 +60,12 @@ impl Environment {
         Self { name: "spring".to_owned(), zones: vec![Zone { from_rad: 0.0, demand }] }
     }
 
+    /// A constant force, N.
+    pub fn force(force_n: f64) -> Self {
+        let demand = Demand::Force { force_n };
+        Self { name: "force".to_owned(), zones: vec![Zone { from_rad: 0.0, demand }] }
+    }
+
     /// Nothing is rendered.
     pub fn free() -> Self {
         Self { name: "free".to_owned(), ..Self::spring(0.0, 0.0, 0.0) }
@@ -71,14 +82,20 @@ impl Environment {
     pub(crate) fn list(&self, list: &mut Vec<(&'static str, f64, f64)>) {
         for zone in &self.zones {
             list.push(("environment.zones.from_rad", zone.from_rad, numbers::HALF_STROKE_RAD));
-            if let Demand::Spring { stiffness_n_per_rad, damping_ns_per_rad, rest_rad } =
-                zone.demand
-            {
-                let usual =
-                    [numbers::OBJECT_STIFFNESS_N_PER_RAD, numbers::OBJECT_DAMPING_NS_PER_RAD];
-                list.push(("environment.zones.stiffness_n_per_rad", stiffness_n_per_rad, usual[0]));
-                list.push(("environment.zones.damping_ns_per_rad", damping_ns_per_rad, usual[1]));
-                list.push(("environment.zones.rest_rad", rest_rad, numbers::HALF_STROKE_RAD));
+            match zone.demand {
+                Demand::Spring { stiffness_n_per_rad: k, damping_ns_per_rad: b, rest_rad } => {
+                    let usual =
+                        [numbers::OBJECT_STIFFNESS_N_PER_RAD, numbers::OBJECT_DAMPING_NS_PER_RAD];
+                    list.push(("environment.zones.stiffness_n_per_rad", k, usual[0]));
+                    list.push(("environment.zones.damping_ns_per_rad", b, usual[1]));
+                    list.push(("environment.zones.rest_rad", rest_rad, numbers::HALF_STROKE_RAD));
+                }
+                // A spring of the usual stiffness, pressed through half the usual stroke.
+                Demand::Force { force_n } => {
+                    let usual_n = numbers::OBJECT_STIFFNESS_N_PER_RAD * numbers::HALF_STROKE_RAD;
+                    list.push(("environment.zones.force_n", force_n, usual_n));
+                }
+                Demand::Full | Demand::FullUp => {}
             }
         }
     }
@@ -92,12 +109,14 @@ impl Environment {
         for (i, zone) in self.zones.iter().enumerate() {
             let name = format!("environment.zones[{i}]");
             finite(&format!("{name}.from_rad"), zone.from_rad)?;
-            if let Demand::Spring { stiffness_n_per_rad, damping_ns_per_rad, rest_rad } =
-                zone.demand
-            {
-                not_negative(&format!("{name}.stiffness_n_per_rad"), stiffness_n_per_rad)?;
-                not_negative(&format!("{name}.damping_ns_per_rad"), damping_ns_per_rad)?;
-                finite(&format!("{name}.rest_rad"), rest_rad)?;
+            match zone.demand {
+                Demand::Spring { stiffness_n_per_rad, damping_ns_per_rad, rest_rad } => {
+                    not_negative(&format!("{name}.stiffness_n_per_rad"), stiffness_n_per_rad)?;
+                    not_negative(&format!("{name}.damping_ns_per_rad"), damping_ns_per_rad)?;
+                    finite(&format!("{name}.rest_rad"), rest_rad)?;
+                }
+                Demand::Force { force_n } => finite(&format!("{name}.force_n"), force_n)?,
+                Demand::Full | Demand::FullUp => {}
             }
         }
         // The first zone's angle is not used: it extends down without end.

@@ -84,6 +84,9 @@ impl System {
                     .plus(self.constant(-k * rest_rad - dead_zone));
                 Command { actuator, row, low, high }
             }
+            Demand::Force { force_n } => {
+                Command { actuator, row: self.constant(force_n - dead_zone), low, high }
+            }
             Demand::Full => self.fixed(actuator, high),
             Demand::FullUp if actuator == Actuator::Brake => self.fixed(actuator, high),
             Demand::FullUp => self.fixed(actuator, low),

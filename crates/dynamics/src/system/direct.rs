@@ -85,6 +85,7 @@ impl System {
             Demand::Spring { stiffness_n_per_rad: k, damping_ns_per_rad: b, rest_rad } => {
                 k * (z[THETA] - rest_rad) + if damped { b * z[OMEGA] } else { 0.0 } - offset
             }
+            Demand::Force { force_n } => force_n - offset,
             Demand::Full => high,
             // A brake cannot push: resisting with all it has is the most it can do.
             Demand::FullUp if actuator == Actuator::Brake => high,

@@ -6,7 +6,7 @@ use zwidth_replay::Rendering;
 use zwidth_store::{Signal, StudyData, TrialEntry};
 use zwidth_study::{Environment, Mode, TrialMeta};
 
-/// Whether a trial has a spring, and everything that a run of the model driven by force needs.
+/// Whether a trial has a spring or a constant force, and everything that a run of the model driven by force needs.
 pub(crate) fn is_replayable(data: &StudyData, trial: &TrialEntry) -> bool {
     is_recorded(data, trial) && calibration(data, &trial.meta).is_some()
 }
@@ -25,12 +25,15 @@ pub(crate) fn replayable(data: &StudyData) -> impl Iterator<Item = &TrialEntry> 
     })
 }
 
-/// Whether a trial has a spring, and its recording what a run of the model needs.
+/// Whether a trial has a spring or a constant force without a delay, and its recording what a run of the model needs.
+/// (The table of replays says of the others why not.)
 fn is_recorded(data: &StudyData, trial: &TrialEntry) -> bool {
     let environment = data.study.environment(&trial.meta.environment);
-    let spring = environment.is_some_and(|e| e.scene.spring().is_some());
+    let is_modelled = environment.is_some_and(|e| {
+        (e.scene.spring().is_some() || e.scene.constant_n().is_some()) && e.delay_s == 0.0
+    });
     let recorded = [Signal::Theta, Signal::ForceEx].iter().all(|s| trial.said.signals.contains(s));
-    data.study.device.lever_m.is_some() && spring && recorded
+    data.study.device.lever_m.is_some() && is_modelled && recorded
 }
 
 /// How a trial's condition was rendered in its session.

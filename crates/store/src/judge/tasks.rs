@@ -166,8 +166,10 @@ fn can_present(task: &Task, level: TaskLevel) -> bool {
         }
 }
 
-/// Levels of the record that the study's tasks do not have, and tasks that it does not have.
+/// Levels of the record that the study's tasks do not have, and tasks that it does not have. What others presented, no
+/// plan of this study decided: any level will do there.
 fn off_plan(data: &StudyData, log: &SessionLog) -> Vec<StoreError> {
+    let is_imported = log.record.source.is_imported();
     let mut findings = Vec::new();
     for planned in &log.record.trials {
         let Some(place) = &planned.task else { continue };
@@ -176,7 +178,7 @@ fn off_plan(data: &StudyData, log: &SessionLog) -> Vec<StoreError> {
                 "trial {} is of the task '{}', which study.toml does not have",
                 planned.trial, place.task
             ),
-            (Some(task), Some(level)) if !can_present(task, level) => format!(
+            (Some(task), Some(level)) if !is_imported && !can_present(task, level) => format!(
                 "trial {} is to present {} {}, which is no level of the task '{}' in study.toml",
                 planned.trial,
                 level.value(),
@@ -307,9 +309,15 @@ fn answers_to_nothing(
     shown: &Presentations,
 ) -> Vec<StoreError> {
     let mut findings = Vec::new();
+    // Practice is in no presentation that counts, and its answers are kept.
+    let practice = log.trials.iter().filter(|planned| planned.kind != Kind::Trial);
+    let practice = practice.filter(|planned| planned.task.is_some());
+    let practice: BTreeSet<u32> = practice.map(|planned| planned.trial).collect();
     for (row, event) in log.events.iter().enumerate() {
         let Event::Answer { trial, question, .. } = event else { continue };
-        let Some(task) = data.study.task(question) else { continue };
+        let Some(task) = data.study.task(question).filter(|_| !practice.contains(trial)) else {
+            continue;
+        };
         let place = shown.places.get(trial).map(|(_, place)| *place);
         if place.is_some_and(|place| place.task == task.id && place.is_last(task.asks)) {
             continue;
@@ -444,8 +452,10 @@ mod tests {
             let text = format!("{text}\n{TASK}{method}");
             std::fs::write(layout.study_toml(), &text).unwrap();
             let study = Study::from_toml(&text).unwrap();
-            let all = order::draw(&study, 1, 1, 3).into_iter();
-            let trials: Vec<PlannedTrial> = all.filter(|t| t.task.is_some()).collect();
+            // Those of the task alone, counted from 1.
+            let all = order::draw(&study, 1, 1, 3).into_iter().filter(|t| t.task.is_some());
+            let trials: Vec<PlannedTrial> =
+                (1..).zip(all).map(|(trial, t)| PlannedTrial { trial, ..t }).collect();
             let seal = is_sealed.then(|| Seal::new([9; 32], &trials));
             let shown = match &seal {
                 Some(seal) => seal.masked(&trials),

@@ -10,6 +10,8 @@ const LARGEST: f64 = 1e9;
 /// No position lies further out: a hundred turns, or a hundred metres.
 pub(super) const FARTHEST_DEG: f64 = 36_000.0;
 pub(super) const FARTHEST_MM: f64 = 100_000.0;
+/// No session has more trials of a kind than this.
+pub(super) const MOST_TRIALS: u32 = 100_000;
 /// The most problems that are reported at once.
 const MOST_ERRORS: usize = 100;
 

@@ -265,6 +265,7 @@ mod tests {
         assert_eq!(environment.delay_ticks(1000.0), 12);
         assert!((environment.delivered_delay_s(1000.0) - 0.012).abs() < 1e-15);
         assert!((environment.delivered_delay_s(120.0) - 1.0 / 120.0).abs() < 1e-15);
-        assert_eq!(environment.delivered_delay_s(30.0), 0.0);
+        assert_eq!(environment.delay_ticks(30.0), 0);
+        assert!(environment.delivered_delay_s(30.0).abs() < 1e-15);
     }
 }

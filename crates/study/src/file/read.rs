@@ -1,6 +1,6 @@
 //! From the text of a `study.toml` to a checked study in SI units.
 
-use super::check::{Check, FARTHEST_DEG};
+use super::check::{Check, FARTHEST_DEG, MOST_TRIALS};
 use super::compare::Comparable;
 use super::shape::*;
 use super::tasks::Around;
@@ -24,8 +24,6 @@ const ONSET_MM_S: f64 = 5.0;
 /// As [`OFFSET_DEG_S`], for a linear coordinate.
 const OFFSET_MM_S: f64 = 2.5;
 
-/// No session has more trials of a kind than this.
-pub(super) const MOST_TRIALS: u32 = 100_000;
 /// No trial and no pause is longer, s: a day is a mistake.
 const LONGEST_S: f64 = 86_400.0;
 /// No loop ticks faster, Hz: a hundred times what hands feel.

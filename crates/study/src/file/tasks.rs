@@ -1,7 +1,6 @@
 //! `[[tasks]]` of a `study.toml`: the keys of each method, and the way back.
 
-use super::check::Check;
-use super::read::MOST_TRIALS;
+use super::check::{Check, MOST_TRIALS};
 use crate::model::{Coordinate, Device, Environment};
 use crate::scene::SceneNumber;
 use crate::task::MOST_AXIS;
@@ -1038,7 +1037,7 @@ mod tests {
         assert_eq!(question.scale.worded(2), "2 (the second)");
         assert!(question.is_of_task() && !question.is_rating() && !question.is_pair());
         let at = study.environment_at(task, levels[6]).unwrap();
-        assert_eq!(at.scene.spring().unwrap().stiffness_n_per_rad, 5.2);
+        assert!((at.scene.spring().unwrap().stiffness_n_per_rad - 5.2).abs() < 1e-15);
     }
 
     #[test]

@@ -142,7 +142,7 @@ fn climb_all(
     let ladders = ladders.map_err(|error| anyhow!("{study}: {error}"))?;
     if ladders.is_empty() {
         bail!(
-            "{study} has no recorded trial in a spring whose force could be replayed; name a scene, or record one"
+            "{study} has no recorded trial in a spring or a constant force, without a delay, whose force could be replayed; name a scene, or record one"
         );
     }
     let ladders = ladders.into_iter().map(|(key, ladder, synthetic)| Climbed {

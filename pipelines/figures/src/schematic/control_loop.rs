@@ -234,7 +234,12 @@ fn environments(setup: &Setup) -> Vec<String> {
         });
         let wall = environment.scene.wall_rad();
         let wall = wall.map(|at| format!("all from {} on", place(setup, at)));
-        let parts: Vec<String> = spring.into_iter().chain(wall).collect();
+        let constant = environment.scene.constant_n();
+        let constant = constant.map(|force_n| given(force_n, "N", setup.coordinate));
+        let late = (environment.delay_s > 0.0)
+            .then(|| format!("{} late", with_unit(&number(environment.delay_s * 1e3, None), "ms")));
+        let parts: Vec<String> =
+            spring.into_iter().chain(constant).chain(wall).chain(late).collect();
         let force = if parts.is_empty() { "none".to_owned() } else { parts.join(", ") };
         items.push(format!("{}: {force}", plain(&environment.label)));
     }

@@ -100,7 +100,7 @@ pub fn environment(placement: &Placement) -> Option<Figure> {
         width_mm: ONE_COLUMN_MM,
         panels: vec![panel(Cell::at(0, 0), CORNERS[0], CORNERS[1], layers)],
         legend: LegendPlace::Hidden,
-        footnotes: footnotes(placement.lever_m, words, spring, wall, high),
+        footnotes: footnotes(placement.lever_m, words, spring, environment, high),
         ..Figure::default()
     })
 }
@@ -110,7 +110,7 @@ fn footnotes(
     lever_m: Option<f64>,
     words: Words,
     spring: Spring,
-    wall: Option<f64>,
+    environment: &Environment,
     high: f64,
 ) -> Vec<String> {
     let force = |theta_rad: f64| spring.stiffness_n_per_rad * (theta_rad - spring.rest_rad);
@@ -123,13 +123,16 @@ fn footnotes(
         number(force(high)),
         words.signed_place(high),
     )];
-    notes.extend(wall.map(|at| {
+    notes.extend(environment.scene.wall_rad().map(|at| {
         format!(
             "Wall: from {} on (where the spring has {} N) each actuator in use gets its full voltage.",
             words.signed_place(at),
             number(force(at))
         )
     }));
+    if environment.delay_s > 0.0 {
+        notes.push(format!("Rendered {} ms late.", number(environment.delay_s * 1e3)));
+    }
     notes
 }
 

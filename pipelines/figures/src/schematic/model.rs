@@ -109,7 +109,7 @@ impl Modelled {
             Demand::Spring { stiffness_n_per_rad, damping_ns_per_rad, .. } => {
                 Some((stiffness_n_per_rad, damping_ns_per_rad))
             }
-            Demand::Full | Demand::FullUp => None,
+            Demand::Force { .. } | Demand::Full | Demand::FullUp => None,
         });
         let (stiffness, damping) = spring.unzip();
         Body::object(stiffness, damping, Some(self.scene.plant.mass_kg))

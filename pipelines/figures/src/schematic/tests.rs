@@ -196,6 +196,17 @@ fn numbers_of_the_device_are_those_of_the_study() {
 }
 
 #[test]
+fn a_constant_force_and_a_delay_stand_in_the_control_loop() {
+    let mut study = zwidth_testing::study();
+    study.environments[0].scene = Scene::Force { force_n: 2.25 };
+    study.environments[1].delay_s = 0.0125;
+    let figures = of_device(&study);
+    for says in ["2.25 N", "12.5 ms late"] {
+        assert!(has(&figures, "schematic.control_loop", says), "{says}");
+    }
+}
+
+#[test]
 fn what_the_study_does_not_know_has_no_number() {
     let mut study = zwidth_testing::study();
     (study.masses, study.resistances) = (None, Resistances::default());

@@ -50,8 +50,12 @@ impl Loop {
         let velocity = Velocity::new(study.control.velocity).map_err(|_| WhyNot::NotRendered)?;
         let recorded = drive.recorded();
         let motor_lag_s = plant.motor_lag_s().unwrap_or(0.0);
+        let mut controller = Controller::new(&study.control, environment, mode, &calibration);
+        // A device may be slower than the study's loop: what is late is so by ticks of the recording.
+        let ticks = (recorded.t_s.len() - 1) as f64;
+        controller.begin(ticks / recorded.t_s[recorded.t_s.len() - 1]);
         Ok(Self {
-            controller: Controller::new(&study.control, environment, mode, &calibration),
+            controller,
             velocity,
             calibration,
             t_s: recorded.t_s.clone(),

@@ -156,14 +156,25 @@ fn environment(environment: &Environment, axis: Coordinate) -> Option<String> {
         )
     });
     let wall = environment.scene.wall_rad().map(|wall_rad| given(wall_rad, "rad", axis));
-    let rendered = match (spring, wall) {
+    let force = environment.scene.constant_n().map(|force_n| {
+        let way = if force_n < 0.0 { "into the object" } else { "against a push into the object" };
+        format!("a constant force of {} {way}", given(force_n.abs(), "N", axis))
+    });
+    let rendered = match (spring.or(force), wall) {
         (Some(spring), Some(wall)) => format!("{spring}, with a wall from {wall} on"),
         (Some(spring), None) => spring,
         (None, Some(wall)) => format!("no force up to a wall at {wall}"),
         (None, None) if environment.scene == Scene::None => return None,
         (None, None) => "no force".to_owned(),
     };
-    Some(format!("The environment '{}' rendered {rendered}.", environment.label))
+    let late = match environment.delay_s > 0.0 {
+        true => format!(
+            ", {} ms late (to the nearest tick of the control loop)",
+            plain(environment.delay_s * 1e3)
+        ),
+        false => String::new(),
+    };
+    Some(format!("The environment '{}' rendered {rendered}{late}.", environment.label))
 }
 
 fn mode(mode: &Mode) -> Option<String> {

@@ -88,6 +88,17 @@ fn what_a_study_lacks_has_no_sentence() {
 }
 
 #[test]
+fn a_constant_force_and_a_delay_are_told() {
+    let mut study = zwidth_testing::study();
+    study.environments[0].scene = zwidth_study::Scene::Force { force_n: -1.5 };
+    study.environments[1].delay_s = 0.012;
+    let told = text(&study, &recorded(1));
+    for words in ["a constant force of 1.5 N into the object.", "12 ms late (to the nearest tick"] {
+        assert!(told.contains(words), "{words} is not in {told}");
+    }
+}
+
+#[test]
 fn texts_of_a_study_are_escaped_in_every_form() {
     let mut study = zwidth_testing::study();
     "a_b\\input{x} #eval(\"y\")".clone_into(&mut study.device.name);

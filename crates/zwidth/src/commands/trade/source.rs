@@ -126,8 +126,8 @@ fn add_study(
     let name = layout.study().to_string();
     if scenes.is_empty() {
         screen.warn(format!(
-            "{name} has no condition that a model can be made of (a lever length, a spring, an actuator and the \
-             work space): nothing to trade"
+            "{name} has no condition that a model can be made of (a lever length, a spring without a delay, \
+             an actuator and the work space): nothing to trade"
         ));
     }
     requested.scenes.extend(scenes.into_iter().map(|traded| Source {

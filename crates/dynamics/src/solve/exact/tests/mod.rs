@@ -77,6 +77,22 @@ fn a_free_oscillation_is_the_closed_form_damped_critical_and_overdamped() {
 }
 
 #[test]
+fn a_mass_under_a_constant_force_goes_half_f_t2_over_m() {
+    for (force_n, input_n) in [(-0.5, 0.0), (0.3, 0.3), (0.3, 1.0)] {
+        let mut scene = oscillator(0.0, Input::constant(input_n), 0.1);
+        scene.environment = Environment::force(force_n);
+        let course = |t: f64| 0.1 + 0.5 * (input_n - force_n) / INERTIA * t * t;
+        check_theta(&run(scene.clone()), 1e-12, course);
+        // The same by steps, which work the command out in another place.
+        let system = System::new(scene).unwrap();
+        let stepped = crate::Rk4 { switching: crate::Switching::PerStage }
+            .run(&system, &Grid::of(&system))
+            .unwrap();
+        check_theta(&stepped, 1e-9, course);
+    }
+}
+
+#[test]
 fn a_forced_oscillation_by_a_sine_is_the_closed_form() {
     // m L x'' + K x = a + a sin(w t) from rest at 0.
     let (a, w) = (2.0, 1.5);
