@@ -56,6 +56,7 @@ fn ours(seconds: f64) -> LiveRun {
     let cue = Cue { trial: 1, environment: &environment, limit_s: seconds };
     let plan = TrialPlan {
         cue,
+        varied: None,
         rate_hz: control.rate_hz,
         velocity: Velocity::new(control.velocity).unwrap(),
         shows_moments: false,

@@ -24,8 +24,8 @@ use anyhow::{Context as _, bail};
 use soak::compared::{From, compared};
 use soak::simulate::{With, simulate};
 use soak::{
-    coverage, extremes, faults, kill, live, loops, mistakes, properties, statistics, terminals,
-    thesis, watchdog, wire,
+    coverage, extremes, faults, kill, kill_tasks, live, loops, mistakes, properties, statistics,
+    terminals, thesis, watchdog, wire,
 };
 use std::path::Path;
 
@@ -37,6 +37,7 @@ cargo xtask firmware-sessions N COMMAND… two whole sessions of N × 3 trials a
 cargo xtask firmware COMMAND…          our host at our firmware, which COMMAND runs in an emulator: readings, voltages, noise, the watchdog
 cargo xtask hx711 COMMAND…             our reader at the load cell's sketch, which COMMAND runs in an emulator with an HX711 at its pins
 cargo xtask soak kill [KILLS [SEED]]   kill -9 a running acquisition at random instants [1000, seed 1]
+cargo xtask soak kill-tasks [KILLS [SEED]] the same of sessions whose levels follow from their answers [100, seed 1]
 cargo xtask soak faults [EVERY [NAME…]] each call of every command to the file system (or one in EVERY, or of the commands named) fails: full disk, errors, kill [1]
 cargo xtask soak mistakes [STUDIES [FIRST]] recordings of others with one mistake each, and clean ones, through the import [10000, from 0]
 cargo xtask soak live [MINUTES [LINK]] record at 1 kHz in real time, from the simulated device or from a board with it over a link, and count what is lost [10]
@@ -116,6 +117,7 @@ fn soak_by_word(chore: &str, rest: &[&str]) -> anyhow::Result<()> {
     }
     match chore {
         "kill" => kill::kill(number(rest, 0, 1000)?, number(rest, 1, 1)?),
+        "kill-tasks" => kill_tasks::kill_tasks(number(rest, 0, 100)?, number(rest, 1, 1)?),
         "faults" => faults::faults(number(rest, 0, 1)?, rest.get(1..).unwrap_or_default()),
         "mistakes" => mistakes::mistakes(number(rest, 0, 10_000)?, number(rest, 1, 0)?),
         "live" => live::live(number(rest, 0, 10.0)?, rest.get(1).copied()),

@@ -37,23 +37,21 @@ impl Conditions {
             let environment = study.environments.iter().position(|e| e.label == cell.environment);
             (environment, study.modes.iter().position(|m| Some(&m.label) == cell.mode.as_ref()))
         });
-        // Before any cell is counted: they are compared whole, and a count makes them differ.
+        // They are compared whole, before any is counted: a count makes them differ.
         let cell_of_place: Vec<Option<usize>> = each
             .iter()
             .map(|wanted| cells.iter().position(|cell| Some(cell) == wanted.as_ref()))
             .collect();
-        for cell in cell_of_place.iter().flatten() {
-            cells[*cell].of += 1;
-        }
         Self { cells, cell_of_place }
     }
 
     /// What is done of each condition now.
     pub(crate) fn counted(&self, flow: &Flow) -> Vec<Cell> {
         let mut cells = self.cells.clone();
-        for (place, cell) in flow.places().iter().zip(&self.cell_of_place) {
+        for (i, (place, cell)) in flow.places().iter().zip(&self.cell_of_place).enumerate() {
             if let Some(cell) = cell {
                 cells[*cell].done += usize::from(place.is_settled());
+                cells[*cell].of += usize::from(flow.is_needed(i));
             }
         }
         cells
@@ -110,7 +108,8 @@ mod tests {
         let files: Vec<Recorded> =
             (1..=4).map(|trial| Recorded { trial, complete: true, settled: true }).collect();
         let excluded = Event::Excluded { trial: 3, reason: "x".into() };
-        let (flow, _) = Flow::begin(order, 5.0, &files, &[excluded]);
+        let (flow, _) =
+            Flow::begin(order, crate::tasks::Tasks::default(), 5.0, &files, &[excluded]);
         let counts = |modes| -> Vec<(usize, usize)> {
             Conditions::new(&flow, modes, &study)
                 .counted(&flow)

@@ -18,6 +18,7 @@ mod run;
 mod screen;
 mod session;
 mod tape;
+mod tasks;
 mod told;
 mod unsynced;
 pub mod vault;
@@ -42,6 +43,7 @@ pub use plan::Plan;
 pub use run::{Options, Outcome, Parts, run};
 pub use screen::{Look, Screen, terminal_width};
 pub use session::{Session, left_to_do, seed_of};
+pub use tasks::{Counted, Progress, TaskNow};
 pub use told::{check_value, step_words};
 pub use unsynced::Unsynced;
 pub use view::{

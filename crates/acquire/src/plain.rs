@@ -235,6 +235,9 @@ fn trial(view: &View) -> String {
     if t.kind == Kind::Familiarisation {
         words += ", familiarisation";
     }
+    if let Some(task) = &view.task {
+        words += &format!(", {}", task.in_words());
+    }
     if let Some(trial) = t.repeats {
         words += &format!(", again for trial {trial}");
     }

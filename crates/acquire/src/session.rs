@@ -4,6 +4,7 @@ use crate::flow::{Flow, Recorded};
 use crate::number::{Numbers, numbers};
 use crate::own::opening;
 use crate::plan::Plan;
+use crate::tasks::{self, Tasks};
 use crate::{AcquireError, vault};
 use std::path::Path;
 use zwidth_device::Capabilities;
@@ -13,7 +14,8 @@ use zwidth_store::{
 };
 use zwidth_study::{
     AnswerScale, AskedPair, Channel, Event, Kind, ModeId, OrderRecord, PersonValue, PlannedTrial,
-    Question, Scene, Score, Seal, SessionRecord, Status, Study, TrialMeta, order,
+    Presented, Question, Scene, Score, Seal, SessionRecord, Status, Study, TaskPlace, TrialMeta,
+    order,
 };
 
 /// A session, set up or found again.
@@ -29,6 +31,8 @@ pub struct Session {
     pub blinded: bool,
     /// The mode of each trial of the order.
     pub modes: Vec<ModeId>,
+    /// Each trial's place in a task, with the standard where it is: by the trials of the order.
+    pub places: Vec<Option<TaskPlace>>,
     /// Earlier recordings.
     pub recorded: Vec<Recorded>,
     /// The events of its log.
@@ -74,6 +78,10 @@ impl Session {
                 ));
             }
         }
+        let rate_hz = plan.rate_hz.min(device.rate_hz);
+        if let Some(why) = tasks::refuse(&plan.study, rate_hz) {
+            return Err(AcquireError::refused(why, "correct the task in study.toml"));
+        }
         if plan.study.design.blinded {
             vault::check_apart(&plan.keys, &plan.layout)?;
         }
@@ -93,9 +101,15 @@ impl Session {
     pub(crate) fn order(&self, study: &Study) -> Vec<(PlannedTrial, Vec<Question>)> {
         let trials = &self.record.trials;
         let order = trials.iter().map(|trial| {
-            let environment = study.environment(&trial.environment).into_iter();
-            let ids = environment.flat_map(|environment| environment.questions());
-            (trial.clone(), ids.filter_map(|id| study.question(id).cloned()).collect())
+            let of_task = trial.task.as_ref().map(|place| {
+                let task = study.task(&place.task).filter(|task| place.is_last(task.asks));
+                task.map(|task| &task.id).into_iter().collect::<Vec<_>>()
+            });
+            let ids = of_task.unwrap_or_else(|| {
+                let environment = study.environment(&trial.environment).into_iter();
+                environment.flat_map(|environment| environment.questions()).collect()
+            });
+            (trial.clone(), ids.into_iter().filter_map(|id| study.question(id).cloned()).collect())
         });
         let mut order: Vec<(PlannedTrial, Vec<Question>)> = order.collect();
         for score in study.scores.iter().filter(|score| score.pairs.is_some()) {
@@ -127,8 +141,35 @@ impl Session {
         questions.collect()
     }
 
-    /// What a trial's file says of it: in a sealed session its code in place of the mode.
-    pub(crate) fn meta(&self, trial: &PlannedTrial) -> TrialMeta {
+    /// What the places of the order are in tasks, after what the log says of them.
+    ///
+    /// # Errors
+    /// A plan of a task that cannot be followed; a level in the log that does not follow from it.
+    pub(crate) fn tasks(&self, study: &Study, rate_hz: f64) -> Result<Tasks, AcquireError> {
+        let SessionRecord { participant, session, trials, .. } = &self.record;
+        let opened = trials.iter().zip(&self.modes).zip(&self.places);
+        let opened: Vec<PlannedTrial> = opened
+            .map(|((trial, mode), task)| PlannedTrial {
+                mode: mode.clone(),
+                task: task.clone(),
+                ..trial.clone()
+            })
+            .collect();
+        let numbers: Vec<u32> = trials.iter().map(|trial| trial.trial).collect();
+        let mut tasks = Tasks::new(study, &opened, rate_hz)
+            .map_err(|why| AcquireError::refused(why, "correct study.toml"))?;
+        tasks.replay(&numbers, &self.events).map_err(|why| {
+            let remedy = "restore the session's log and record from copies, or begin a new session";
+            AcquireError::refused(format!("session {session} of {participant}: {why}"), remedy)
+        })?;
+        Ok(tasks)
+    }
+
+    /// What a trial's file says of it: in a sealed session its code in place of the mode, and of a task no
+    /// level.
+    pub(crate) fn meta(&self, trial: &PlannedTrial, presented: Option<Presented>) -> TrialMeta {
+        let presented = presented
+            .map(|shown| Presented { level: shown.level.filter(|_| !self.blinded), ..shown });
         let code = self.seal.as_ref().map(|seal| seal.code(trial.trial));
         TrialMeta {
             participant: self.record.participant.clone(),
@@ -141,7 +182,7 @@ impl Session {
             mode: code.unwrap_or_else(|| trial.mode.clone()),
             likert: None,
             source: self.record.source,
-            presented: None,
+            presented,
         }
     }
 
@@ -242,6 +283,7 @@ fn draw_session(
     record.pairs =
         order::draw_pairs(&plan.study, participant_number, session_number, seed_of_pairs);
     let modes = trials.iter().map(|t| t.mode.clone()).collect();
+    let places = trials.iter().map(|t| t.task.clone()).collect();
     let seal = if plan.study.design.blinded {
         let seal = Seal::new(derived(plan, "nonce"), &trials);
         record.commitment = Some(seal.commitment());
@@ -257,7 +299,17 @@ fn draw_session(
     let recorded = Vec::new();
     let events = Vec::new();
     let opening = opening.into_iter().map(|text| Event::Note { trial: None, text }).collect();
-    Ok(Session { record, laid_down: false, seal, blinded, modes, recorded, events, opening })
+    Ok(Session {
+        record,
+        laid_down: false,
+        seal,
+        blinded,
+        modes,
+        places,
+        recorded,
+        events,
+        opening,
+    })
 }
 
 /// The records of the participant's sessions; of one that is set up those before it.
@@ -339,6 +391,7 @@ fn resume_session(
         laid_down: true,
         blinded: log.is_sealed(),
         seal,
+        places: opened.iter().map(|trial| trial.task.clone()).collect(),
         modes: opened.into_iter().map(|trial| trial.mode).collect(),
         events: log.events,
         opening,
@@ -363,15 +416,38 @@ fn recorded<'t>(
 }
 
 /// How many trials of a session's order are still to be done, its own among `trials`; 0 for an
-/// imported session, which has no order.
-pub fn left_to_do<'t>(trials: impl IntoIterator<Item = &'t TrialEntry>, log: &SessionLog) -> usize {
+/// imported session, which has no order. Of tasks those count that may be needed: of a session that is
+/// sealed, whose modes and standards only its `seal` knows, without that all that are planned.
+pub fn left_to_do<'t>(
+    trials: impl IntoIterator<Item = &'t TrialEntry>,
+    log: &SessionLog,
+    study: &Study,
+    seal: Option<&Seal>,
+) -> usize {
     if log.record.order.is_none() {
         return 0;
     }
     // Without questions: one that is open is no trial to be done.
     let order = log.record.trials.iter().map(|t| (t.clone(), Vec::new())).collect();
-    let (flow, _) = Flow::begin(order, 0.0, &recorded(trials, log), &log.events);
-    flow.places().len() - flow.done()
+    let mut tasks = Tasks::default();
+    let opened = match (seal.or(log.seal.as_ref()), &log.record.commitment) {
+        (Some(seal), _) => seal.opened(&log.record.trials).ok(),
+        (None, Some(_)) => None,
+        (None, None) => Some(log.record.trials.clone()),
+    };
+    if let Some(opened) = opened.filter(|_| !study.tasks.is_empty()) {
+        // A log that does not follow from the plan is told by whoever goes on with the session.
+        let numbers: Vec<u32> = opened.iter().map(|trial| trial.trial).collect();
+        let rate_hz = log.record.rate_hz.unwrap_or(study.control.rate_hz);
+        let found = Tasks::new(study, &opened, rate_hz).ok();
+        let found = found.and_then(|mut tasks| {
+            tasks.replay(&numbers, &log.events).ok()?;
+            Some(tasks)
+        });
+        tasks = found.unwrap_or_default();
+    }
+    let (flow, _) = Flow::begin(order, tasks, 0.0, &recorded(trials, log), &log.events);
+    flow.total() - flow.done()
 }
 
 /// What a session on the disk began with that is not at hand now, in words.

@@ -3,6 +3,7 @@
 //! It contains nothing that would reveal a blinded session's mode, so no screen can show it by
 //! mistake.
 
+use crate::tasks::TaskNow;
 use std::collections::VecDeque;
 use zwidth_study::{AnswerScale, Kind, Voltages};
 
@@ -34,9 +35,13 @@ pub struct View {
     pub phase: Phase,
     /// The trial in progress, or the next one; none before homing and after the last.
     pub trial: Option<Current>,
+    /// The presentation that it belongs to, if it is of a task.
+    pub task: Option<TaskNow>,
+    /// Whether the last answer to a task was right, where the participant is to be told so now.
+    pub feedback: Option<bool>,
     /// Trials of the order that are done.
     pub done: usize,
-    /// Trials of the order.
+    /// Trials of the order that are done or still to be done.
     pub total: usize,
     /// How much is done of each part of the order: of each condition, or of each environment if
     /// modes are hidden. Familiarisation is in none.

@@ -1,6 +1,6 @@
 //! The instrument: read a sample, write two voltages.
 
-use crate::DeviceError;
+use crate::{DeviceError, Judged};
 use zwidth_study::{AnswerScale, Channel, Environment, Extra, Moment, Source, Voltages};
 
 /// What a device is and can do.
@@ -113,6 +113,11 @@ pub trait Device: Send {
     /// The answer of a device's own participant to the question of the trial that has ended, on
     /// that question's scale.
     fn answer(&mut self, _on: &AnswerScale) -> Option<i16> {
+        None
+    }
+
+    /// The answer of a device's own participant to a presentation of a task.
+    fn judge(&mut self, _judged: &Judged) -> Option<i16> {
         None
     }
 }

@@ -62,7 +62,7 @@ pub use control::{Controller, FORWARD_RAD_S, HOLDING_RAD_S};
 pub use device::{Angle, Capabilities, Cue, Device, Reading};
 pub use error::DeviceError;
 pub use guard::{AWAY_S, FORCE_RATE_HZ, Guard, Limits, MOTOR_FORCE_N, Refusal, Seen, Trip};
-pub use participant::{Felt, Goal, HAND_RANGES, Intent, Person, Task};
+pub use participant::{Felt, Goal, HAND_RANGES, Intent, Judged, Person, Task, Truth};
 pub use playback::Playback;
 pub use priority::Priority;
 pub use signals::stop_on_signals;

@@ -2,7 +2,7 @@
 //! way. The module also has a clock that two threads can share.
 
 use crate::angle::rad_per_count;
-use crate::{Angle, Capabilities, Clock, Cue, Device, DeviceError, Reading};
+use crate::{Angle, Capabilities, Clock, Cue, Device, DeviceError, Judged, Person, Reading};
 use std::f64::consts::{FRAC_PI_4, PI};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
@@ -207,6 +207,10 @@ impl Device for Mock {
 
     fn mark(&mut self, moment: Moment) {
         self.moments.push(moment);
+    }
+
+    fn judge(&mut self, judged: &Judged) -> Option<i16> {
+        Some(Person::typical(1).judge(judged))
     }
 }
 

@@ -68,7 +68,7 @@ fn allocations(limit_s: f64, filter: VelocityFilter, delay_s: f64) -> u64 {
     guard.arm(&mode, &calibration).unwrap();
     let cue = Cue { trial: 1, environment: &environment, limit_s };
     let velocity = Velocity::new(filter).unwrap();
-    let plan = TrialPlan { cue, rate_hz: 1000.0, velocity, shows_moments: true };
+    let plan = TrialPlan { cue, varied: None, rate_hz: 1000.0, velocity, shows_moments: true };
     let (mut clock, stop) = (SimulatedClock::new(1), AtomicBool::new(false));
     let mut samples = 0;
     let mut sink = |_: &Sample| {

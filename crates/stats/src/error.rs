@@ -153,6 +153,11 @@ pub enum StatsError {
         "this staircase has no end or leaves its bounds: give answers, steps, reversals and trials above 0, no more reversals to average than there are, and a start between its lowest and highest level, all three multiples of 0.000001 and above 0 on a logarithmic scale"
     )]
     Staircase,
+    /// Settings that cannot be made.
+    #[error(
+        "these settings have no end or leave their bounds: give settings and a step above 0, starts between the lowest and the highest level, and no wishes after the last setting"
+    )]
+    Adjustment,
     /// Answers beyond the end of a staircase.
     #[error(
         "{answers} answers, and the staircase ended after {trials}: give the plan that they were answered by"

@@ -49,7 +49,7 @@ pub(crate) fn kill(kills: u32, seed: u64) -> anyhow::Result<()> {
         let after = longest.mul_f64(fraction(&format!("kill {seed} {number}"))?);
         let root = folder.join("killed");
         let layout = fresh(&root, &SHORT)?;
-        let (lines, killed) = killed(program, &root, seed, live, after)?;
+        let (lines, killed) = killed(program, &root, &line(seed, live), after)?;
         let lost_s =
             inspect(program, &layout, &whole, &lines, killed, live).with_context(|| {
                 format!(
@@ -80,14 +80,13 @@ fn line(seed: u64, live: bool) -> String {
 }
 
 /// Starts a session, kills it after a while, and returns what it had said until then.
-fn killed(
+pub(super) fn killed(
     program: &Path,
     root: &Path,
-    seed: u64,
-    live: bool,
+    line: &str,
     after: Duration,
 ) -> anyhow::Result<(Vec<String>, Timestamp)> {
-    let mut child = started(program, root, &line(seed, live))?;
+    let mut child = started(program, root, line)?;
     let pipe = BufReader::new(child.stdout.take().context("the acquisition has no output")?);
     // Read while it runs: a full pipe would stop it. The pipe ends with it.
     let heard = std::thread::spawn(|| pipe.lines().map_while(Result::ok).collect());

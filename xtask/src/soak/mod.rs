@@ -6,6 +6,7 @@ pub(crate) mod coverage;
 pub(crate) mod extremes;
 pub(crate) mod faults;
 pub(crate) mod kill;
+pub(crate) mod kill_tasks;
 pub(crate) mod live;
 pub(crate) mod loops;
 pub(crate) mod mistakes;

@@ -1,6 +1,6 @@
 //! What is done with a trial that ended: it is excluded, repeated, asked about again, or annotated.
 
-use super::{About, Action, Flow, Phase, refuse};
+use super::{About, Action, Flow, Phase, UNDER_WAY, refuse};
 use zwidth_study::Event;
 
 impl Flow {
@@ -14,6 +14,7 @@ impl Flow {
             _ if matches!(self.phase, Phase::Trial { .. }) => {
                 refuse("a trial is running: that can be asked for when it has ended")
             }
+            _ if self.is_between() => refuse(UNDER_WAY),
             _ if !self.ended.contains(&trial) => {
                 refuse(format!("there is no trial {trial} that has ended"))
             }
@@ -45,6 +46,12 @@ impl Flow {
         if matches!(self.phase, Phase::Trial { .. }) {
             return refuse("a trial is running: stop it first; it is then done again");
         }
+        if self.is_between() {
+            // Nothing was asked yet: the presentation begins again, after a pause as after others.
+            let again = self.abandon();
+            self.rest_s = self.rest_s.max(self.pause_s);
+            return [again, self.go_on()].concat();
+        }
         match self.last {
             Some(place) => self.repeat_at(place),
             None => refuse("there is no trial to do again yet"),
@@ -52,21 +59,23 @@ impl Flow {
     }
 
     fn repeat_at(&mut self, place: usize) -> Vec<Action> {
+        // With the other interval of its presentation.
+        let own = self.tasks.places(place);
         // The trial whose first question is open has no file yet.
-        let waits =
-            matches!(self.phase, Phase::Question { place: open, late: false, .. } if open == place);
+        let waits = matches!(self.phase, Phase::Question { place: open, late: false, .. } if own.contains(&open));
         let mut actions: Vec<Action> =
-            waits.then(|| self.finish(place, None)).into_iter().collect();
+            waits.then(|| self.finish(own.end - 1, None)).into_iter().collect();
         if !self.places[place].done {
             let Some(trial) = self.places[place].repeats else {
                 return refuse("it is open anyway");
             };
             return refuse(format!("trial {trial} is to be done again already"));
         }
-        actions.push(self.supersede(place));
+        actions.extend(self.supersede_presentation(place));
         // What was left to ask about the trial before is asked about the new one.
-        self.open = self.open.filter(|(open, _)| *open != place);
-        let asks_other = matches!(self.phase, Phase::Question { place: open, .. } if open != place);
+        self.open = self.open.filter(|(open, _)| !own.contains(open));
+        let asks_other =
+            matches!(self.phase, Phase::Question { place: open, .. } if !own.contains(&open));
         if !asks_other && matches!(self.phase, Phase::Question { .. } | Phase::Ready | Phase::Done)
         {
             actions.extend(self.go_on());
@@ -79,6 +88,9 @@ impl Flow {
         if matches!(self.phase, Phase::Trial { .. }) {
             return refuse("a trial is running: exclude it when it has ended");
         }
+        if self.is_between() {
+            return refuse(UNDER_WAY);
+        }
         match self.subject() {
             Some(trial) => self.exclude_trial(trial, reason),
             None => refuse("there is no trial to exclude yet"),
@@ -90,11 +102,20 @@ impl Flow {
         if reason.is_empty() {
             return refuse("an exclusion needs its reason");
         }
-        let mut actions = vec![Action::Log(Event::Excluded { trial, reason })];
+        let mut actions = vec![Action::Log(Event::Excluded { trial, reason: reason.clone() })];
         // One that was done again already has no place to lose.
         let place = self.place_of(trial).ok().filter(|place| self.places[*place].counts());
         if let Some(place) = place {
-            self.places[place].excluded = true;
+            // A presentation counts whole or not at all.
+            for own in self.tasks.places(place) {
+                let other = self.places[own].trial.trial;
+                if other != trial && !self.places[own].excluded {
+                    let reason = format!("{reason} (trial {trial} of the same presentation)");
+                    actions.push(Action::Log(Event::Excluded { trial: other, reason }));
+                }
+                self.places[own].excluded = true;
+                self.tasks.forget(own);
+            }
             actions.push(Action::Tell(format!(
                 "trial {trial} is missing now: it is done again at the end, or right away if it is repeated"
             )));

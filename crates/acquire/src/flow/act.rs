@@ -1,7 +1,7 @@
 //! One input at a time: what it changes, and which actions follow.
 
 use super::about::note;
-use super::{Action, EMERGENCY_STOP, End, Flow, Halt, Input, Phase, refuse};
+use super::{Action, EMERGENCY_STOP, End, Flow, GAP_S, Halt, Input, Phase, UNDER_WAY, refuse};
 use zwidth_study::{Event, Given, Question};
 
 impl Flow {
@@ -86,6 +86,8 @@ impl Flow {
             None => Phase::Done,
             Some(_) if !self.checked => Phase::Check,
             Some(_) if self.rest_s > 0.0 || self.held => Phase::Pause,
+            // The second interval waits for nobody.
+            Some(place) if self.has_begun() => return self.run(place),
             Some(_) => Phase::Ready,
         };
         if self.phase == Phase::Check { vec![Action::Check] } else { Vec::new() }
@@ -95,6 +97,9 @@ impl Flow {
     fn hold(&mut self) -> Vec<Action> {
         if !matches!(self.phase, Phase::Pause | Phase::Ready) {
             return refuse("there is no pause to hold");
+        }
+        if self.is_between() {
+            return refuse(UNDER_WAY);
         }
         self.held = !self.held;
         self.go_on()
@@ -128,10 +133,11 @@ impl Flow {
         match (&self.phase, self.here()) {
             (Phase::Ready, Some(place)) => {
                 // One that was excluded, and is offered, gives its place away only now.
-                let again = self.places[place].done.then(|| self.supersede(place));
-                self.phase = Phase::Trial { halted: None };
-                let run = Action::Run(self.places[place].trial.clone());
-                again.into_iter().chain([run]).collect()
+                let again = match self.places[place].done {
+                    true => self.supersede_presentation(place),
+                    false => Vec::new(),
+                };
+                [again, self.run(place)].concat()
             }
             (Phase::AtStop, _) => self.home(),
             (Phase::Stopped { .. }, _) if self.checked => self.home(),
@@ -152,18 +158,31 @@ impl Flow {
         }
     }
 
+    /// Begins the trial of a place; the level of a presentation is in the log before.
+    fn run(&mut self, place: usize) -> Vec<Action> {
+        self.phase = Phase::Trial { halted: None };
+        self.feedback = None;
+        let trial = self.places[place].trial.clone();
+        let level = self.tasks.begin(place, trial.trial).map(Action::Log);
+        level.into_iter().chain([Action::Run(trial)]).collect()
+    }
+
     fn ended(&mut self, end: End) -> Vec<Action> {
         let (Phase::Trial { halted }, Some(place)) = (self.phase.clone(), self.here()) else {
             return Vec::new();
         };
         self.last = Some(place);
         self.ended.insert(self.places[place].trial.trial);
-        self.rest_s = self.pause_s;
+        self.rest_s = if self.tasks.is_followed(place) { GAP_S } else { self.pause_s };
         match end {
             End::Cut(why) => {
                 let trial = self.places[place].trial.trial;
                 let finish = Action::Finish { trial, complete: false, likert: None };
-                let actions = vec![finish, self.supersede(place)];
+                // With the interval before it, if there is one: it is presented again, too.
+                let mut actions = vec![finish];
+                actions.extend(self.supersede_presentation(place));
+                actions.push(self.supersede(place));
+                self.rest_s = self.pause_s;
                 let then = match halted {
                     Some(Halt::Quit) => self.leave(),
                     _ => self.stop(why),
@@ -202,7 +221,23 @@ impl Flow {
         let trial = std::mem::replace(&mut slot.trial.trial, by);
         slot.repeats = Some(trial);
         (slot.done, slot.excluded) = (false, false);
+        self.tasks.forget(place);
         Action::Log(Event::Superseded { trial, by })
+    }
+
+    /// Gives the places of a presentation that are done to new trials; the place alone where it is of
+    /// none.
+    pub(super) fn supersede_presentation(&mut self, place: usize) -> Vec<Action> {
+        let own = self.tasks.places(place).filter(|own| self.places[*own].done);
+        own.collect::<Vec<_>>().into_iter().map(|own| self.supersede(own)).collect()
+    }
+
+    /// A presentation that is left between its intervals is done again.
+    pub(super) fn abandon(&mut self) -> Vec<Action> {
+        match self.here() {
+            Some(place) if self.has_begun() => self.supersede_presentation(place),
+            _ => Vec::new(),
+        }
     }
 
     fn answer(&mut self, value: i16) -> Vec<Action> {
@@ -228,7 +263,23 @@ impl Flow {
         } else {
             self.finish(place, Some(Given { value, time_ms }))
         };
-        [vec![action], self.after(place, index)].concat()
+        let remark = self.answered_task(place, value);
+        [vec![action], remark, self.after(place, index)].concat()
+    }
+
+    /// The answer at a place decides about the levels of its task; what is to be noted at their end.
+    fn answered_task(&mut self, place: usize, value: i16) -> Vec<Action> {
+        // One that is excluded does not count.
+        if self.tasks.places(place).any(|own| self.places[own].excluded) {
+            return Vec::new();
+        }
+        let remark = self.tasks.answered(place, value);
+        self.feedback = match self.tasks.has_feedback(place) {
+            true => self.tasks.is_right(place),
+            false => None,
+        };
+        let trial = self.places[place].trial.trial;
+        remark.map(|text| note(Some(trial), text)).unwrap_or_default()
     }
 
     /// Takes an answer from the participant's own screen; a remark on the trial says so.
@@ -294,12 +345,14 @@ impl Flow {
     }
 
     fn stop(&mut self, why: String) -> Vec<Action> {
+        let again = self.abandon();
         self.phase = Phase::Stopped { why };
-        vec![Action::Off]
+        [vec![Action::Off], again].concat()
     }
 
     fn leave(&mut self) -> Vec<Action> {
+        let again = self.abandon();
         self.phase = Phase::Left;
-        vec![Action::Off, Action::Leave]
+        [vec![Action::Off], again, vec![Action::Leave]].concat()
     }
 }

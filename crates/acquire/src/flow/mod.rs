@@ -15,19 +15,34 @@
 //! An excluded trial is **missing**: its place counts as open, and is offered once all others are
 //! done, unless somebody asks for the repeat earlier. Only then does a new trial take its place. A
 //! familiarisation trial counts nowhere, so nothing is missing without it.
+//!
+//! A presentation of a task with two intervals is two places. The second trial follows the first
+//! after a short gap, and the question is the last one's. Whatever befalls one of them befalls both:
+//! the presentation is done again, at the same level. Places of a sequence of levels that is over are
+//! not needed any more.
 
 mod about;
 mod act;
 mod start;
 #[cfg(test)]
+mod tasks_tests;
+#[cfg(test)]
 mod tests;
 
+use crate::tasks::Tasks;
 pub use start::Recorded;
 use std::collections::BTreeSet;
 use zwidth_study::{Event, Given, Kind, PlannedTrial, Question};
 
+/// Between the two intervals of a presentation, s: the lever comes back, and what was felt is still
+/// remembered.
+pub(crate) const GAP_S: f64 = 1.0;
+
 /// What a stop by key is called.
 pub const EMERGENCY_STOP: &str = "emergency stop";
+
+/// Why what would come between two intervals of a presentation is refused.
+const UNDER_WAY: &str = "a presentation is under way: that can be asked for when it is over";
 
 /// What happens to a session.
 #[derive(Debug, Clone, PartialEq)]
@@ -214,6 +229,10 @@ impl Place {
 pub struct Flow {
     phase: Phase,
     places: Vec<Place>,
+    /// What its places are in tasks.
+    tasks: Tasks,
+    /// Whether the last answer to a task was right, where the person is to be told.
+    feedback: Option<bool>,
     /// The place whose trial ended last.
     last: Option<usize>,
     /// A place, and which of its questions is open although its trial's file is finished.
@@ -252,11 +271,50 @@ impl Flow {
         &self.places
     }
 
-    /// The first place that is not done, the trial in progress or the next one; after all of them
+    /// The first place that is to be done, the trial in progress or the next one; after all of them
     /// the first whose trial was excluded.
     pub(crate) fn here(&self) -> Option<usize> {
-        let open = self.places.iter().position(|p| !p.done);
-        open.or_else(|| self.places.iter().position(|p| !p.is_settled()))
+        let is_needed = |place: &usize| self.tasks.is_needed(*place);
+        let mut all = 0..self.places.len();
+        let open = all.clone().find(|place| !self.places[*place].done && is_needed(place));
+        open.or_else(|| all.find(|place| !self.places[*place].is_settled() && is_needed(place)))
+    }
+
+    /// What its places are in tasks.
+    pub(crate) fn tasks(&self) -> &Tasks {
+        &self.tasks
+    }
+
+    /// Whether a place is done, or still to be done: not where the levels of its task are over.
+    pub(crate) fn is_needed(&self, place: usize) -> bool {
+        self.places[place].is_settled() || self.tasks.is_needed(place)
+    }
+
+    /// Places that are done or still to be done.
+    pub(crate) fn total(&self) -> usize {
+        (0..self.places.len()).filter(|place| self.is_needed(*place)).count()
+    }
+
+    /// Whether the last answer to a task was right, where the person is to be told so now.
+    pub(crate) fn feedback(&self) -> Option<bool> {
+        self.feedback
+            .filter(|_| !matches!(self.phase, Phase::Trial { .. } | Phase::Question { .. }))
+    }
+
+    /// The length of the pause that goes on, s.
+    pub(crate) fn whole_pause_s(&self) -> f64 {
+        if self.has_begun() { GAP_S } else { self.pause_s }
+    }
+
+    /// Whether a presentation is under way, between two of its intervals.
+    pub(super) fn is_between(&self) -> bool {
+        self.has_begun() && !matches!(self.phase, Phase::Trial { .. } | Phase::Question { .. })
+    }
+
+    /// Whether the first interval of the presentation at hand is done, and the last is not.
+    pub(super) fn has_begun(&self) -> bool {
+        let before = self.here().filter(|place| self.tasks.is_later_interval(*place));
+        before.is_some_and(|place| self.places[place - 1].done && !self.places[place].done)
     }
 
     /// Places that are done, with a trial that was not excluded.

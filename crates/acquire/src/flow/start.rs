@@ -1,6 +1,7 @@
 //! A session set up: from nothing, or from what was recorded of it earlier.
 
 use super::{Action, Flow, Phase, Place};
+use crate::tasks::Tasks;
 use std::collections::{BTreeMap, BTreeSet};
 use zwidth_study::{Event, PlannedTrial, Question};
 
@@ -21,9 +22,11 @@ impl Flow {
     ///
     /// A place is done if the trial that holds it last is complete. A trial that was cut short
     /// gives its place to a new one, right away; one that was excluded when nothing else is to be
-    /// done.
+    /// done. A presentation of which one interval is not done is done again, and so is the last one
+    /// if nobody answered it: what was felt is forgotten by now. `tasks` have followed the log.
     pub(crate) fn begin(
         order: Vec<(PlannedTrial, Vec<Question>)>,
+        tasks: Tasks,
         pause_s: f64,
         recorded: &[Recorded],
         events: &[Event],
@@ -50,8 +53,10 @@ impl Flow {
             .collect();
         let mut flow = Self {
             phase: Phase::Check,
-            last: places.iter().take_while(|p| p.done).count().checked_sub(1),
+            last: None,
             places,
+            tasks,
+            feedback: None,
             open: None,
             ended: files.keys().copied().collect(),
             next_number,
@@ -63,13 +68,24 @@ impl Flow {
             checked: false,
             by_hand: false,
         };
+        let first_open =
+            (0..flow.places.len()).find(|i| !flow.places[*i].done && flow.tasks.is_needed(*i));
+        let before = first_open.unwrap_or(flow.places.len());
+        flow.last = (0..before).rfind(|i| flow.places[*i].done);
         let mut actions = Vec::new();
         for i in 0..flow.places.len() {
+            let own = flow.tasks.places(i);
+            // What is excluded of a presentation is all of it.
+            flow.places[i].excluded |= own.clone().any(|other| flow.places[other].excluded);
             let Place { trial, done, .. } = &flow.places[i];
-            if !done && files.contains_key(&trial.trial) {
+            let is_cut = !done && files.contains_key(&trial.trial);
+            if is_cut || (*done && own.clone().any(|other| !flow.places[other].done)) {
                 // It was cut short, and gives its place to a new trial.
                 actions.push(flow.supersede(i));
             }
+        }
+        if let Some(last) = flow.last.filter(|last| flow.is_unanswered(*last, &files)) {
+            actions.extend(flow.supersede_presentation(last));
         }
         flow.open = flow.last.and_then(|i| Some((i, flow.left_open(i, &files, events)?)));
         // Where nothing is left to do, nothing is checked, and no lever is homed.
@@ -80,6 +96,13 @@ impl Flow {
             _ => actions.extend(flow.go_on()),
         }
         (flow, actions)
+    }
+
+    /// Whether the presentation at a place is whole and counts, and nobody answered it.
+    fn is_unanswered(&self, place: usize, files: &BTreeMap<u32, Recorded>) -> bool {
+        let Place { trial, excluded, .. } = &self.places[place];
+        let is_settled = files.get(&trial.trial).is_some_and(|recorded| recorded.settled);
+        self.tasks.awaits(place) && !excluded && !is_settled
     }
 
     /// The first question of the done trial at `place` that waits for its answer, if nothing was

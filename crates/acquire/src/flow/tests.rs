@@ -1,9 +1,20 @@
 use super::{About, Action, End, Flow, Halt, Input, Phase, Recorded};
+use crate::tasks::Tasks;
 use proptest::prelude::*;
 use std::collections::BTreeMap;
 use zwidth_study::{AnswerScale, Event, Given, Kind, ModeId, PlannedTrial, Question};
 
 const PAUSE_S: f64 = 5.0;
+
+/// A session without tasks.
+fn begin(
+    order: Vec<(PlannedTrial, Vec<Question>)>,
+    pause_s: f64,
+    recorded: &[Recorded],
+    events: &[Event],
+) -> (Flow, Vec<Action>) {
+    Flow::begin(order, Tasks::default(), pause_s, recorded, events)
+}
 
 fn felt() -> Question {
     Question {
@@ -32,7 +43,7 @@ fn order(n: u32) -> Vec<(PlannedTrial, Vec<Question>)> {
 }
 
 fn fresh(n: u32) -> Flow {
-    let (flow, first) = Flow::begin(order(n), PAUSE_S, &[], &[]);
+    let (flow, first) = begin(order(n), PAUSE_S, &[], &[]);
     assert_eq!(first, [Action::Check]);
     flow
 }
@@ -87,7 +98,7 @@ fn three() -> Vec<(PlannedTrial, Vec<Question>)> {
 
 /// A flow at the first of these questions.
 fn questioned() -> Flow {
-    let (mut flow, _) = Flow::begin(three(), PAUSE_S, &[], &[]);
+    let (mut flow, _) = begin(three(), PAUSE_S, &[], &[]);
     feed(&mut flow, [Input::Checked, Input::Homed, Input::Start, Input::Ended(End::Complete)]);
     flow
 }
@@ -112,7 +123,7 @@ fn an_answer_at_the_participants_screen_is_the_same_and_a_remark_on_its_trial_sa
 
 #[test]
 fn an_answer_at_the_participants_screen_that_is_none_leaves_no_remark() {
-    let (mut flow, _) = Flow::begin(three(), PAUSE_S, &[], &[]);
+    let (mut flow, _) = begin(three(), PAUSE_S, &[], &[]);
     feed(&mut flow, [Input::Checked, Input::Homed]);
     assert!(matches!(&flow.step(Input::AnswerThere(4))[..], [Action::Refuse(_)]));
     feed(&mut flow, [Input::Start, Input::Ended(End::Complete)]);
@@ -121,7 +132,7 @@ fn an_answer_at_the_participants_screen_that_is_none_leaves_no_remark() {
 
 #[test]
 fn what_is_told_changes_nothing() {
-    let (mut flow, _) = Flow::begin(three(), PAUSE_S, &[], &[]);
+    let (mut flow, _) = begin(three(), PAUSE_S, &[], &[]);
     let before = flow.clone();
     assert_eq!(flow.step(Input::Tell("a word".into())), [Action::Tell("a word".into())]);
     assert_eq!(flow, before);
@@ -146,7 +157,7 @@ fn a_stop_among_several_questions_comes_back_to_the_one_that_is_open() {
     // So does a session that is resumed, by its log.
     let recorded = [Recorded { trial: 1, complete: true, settled: false }];
     let log = [answered("felt", 4), answered("mood", -2)];
-    let (mut flow, _) = Flow::begin(three(), PAUSE_S, &recorded, &log);
+    let (mut flow, _) = begin(three(), PAUSE_S, &recorded, &log);
     feed(&mut flow, [Input::Checked, Input::Homed]);
     assert_eq!(flow.phase(), &Phase::Question { place: 0, question: 2, late: true });
     assert_eq!(flow.step(Input::Answer(1)), [Action::Log(answered("last", 1))]);
@@ -257,7 +268,7 @@ fn a_session_resumes_at_the_first_open_place_and_gives_a_cut_trial_s_place_to_a_
     let file = |trial, complete| Recorded { trial, complete, settled: true };
     let files = [file(1, true), file(2, true), file(3, false), file(6, true)];
     let events = [Event::Superseded { trial: 2, by: 6 }];
-    let (flow, first) = Flow::begin(order(5), PAUSE_S, &files, &events);
+    let (flow, first) = begin(order(5), PAUSE_S, &files, &events);
     assert_eq!(first, [Action::Log(Event::Superseded { trial: 3, by: 7 }), Action::Check]);
     let held: Vec<(u32, bool)> = flow.places().iter().map(|p| (p.trial.trial, p.done)).collect();
     assert_eq!(held, [(1, true), (6, true), (7, false), (4, false), (5, false)]);
@@ -306,16 +317,16 @@ fn an_excluded_trial_is_missing_and_offered_at_the_end_unless_it_is_repeated_bef
 fn a_session_that_is_done_needs_no_device_until_a_trial_is_to_be_done_again() {
     let file = |trial, settled| Recorded { trial, complete: true, settled };
     let all = [file(1, true), file(2, true), file(3, true)];
-    let (mut flow, first) = Flow::begin(order(3), PAUSE_S, &all, &[]);
+    let (mut flow, first) = begin(order(3), PAUSE_S, &all, &[]);
     assert_eq!((flow.phase(), first), (&Phase::Done, Vec::new()));
     assert_eq!(flow.step(Input::Repeat).last(), Some(&Action::Check));
     assert_eq!(flow.phase(), &Phase::Check);
     let of = Input::Of(2, About::Exclude("x".into()));
-    let (mut flow, _) = Flow::begin(order(3), PAUSE_S, &all, &[]);
+    let (mut flow, _) = begin(order(3), PAUSE_S, &all, &[]);
     assert_eq!(flow.step(of).last(), Some(&Action::Check));
     // The last question is asked without it.
     let open = [file(1, true), file(2, true), file(3, false)];
-    let (mut flow, first) = Flow::begin(order(3), PAUSE_S, &open, &[]);
+    let (mut flow, first) = begin(order(3), PAUSE_S, &open, &[]);
     assert_eq!(first, []);
     assert_eq!(flow.phase(), &Phase::Question { place: 2, question: 0, late: true });
     flow.step(Input::Answer(3));
@@ -351,7 +362,7 @@ fn an_excluded_trial_is_missing_when_the_session_is_resumed_and_one_to_practise_
     let files: Vec<Recorded> =
         (1..=3).map(|trial| Recorded { trial, complete: true, settled: true }).collect();
     let excluded = |trial| Event::Excluded { trial, reason: "x".into() };
-    let resumed = |events: &[Event]| Flow::begin(order(3), PAUSE_S, &files, events).0;
+    let resumed = |events: &[Event]| begin(order(3), PAUSE_S, &files, events).0;
     let flow = resumed(&[excluded(1), excluded(2)]);
     assert_eq!((flow.done(), flow.here(), flow.number_at(1)), (2, Some(1), (4, Some(2))));
     let superseded = Event::Superseded { trial: 2, by: 4 };
@@ -576,7 +587,7 @@ fn resume(world: &mut World) -> Flow {
         world.files.insert(trial.trial, (trial, true, None));
     }
     world.left = false;
-    let (flow, first) = Flow::begin(order(TRIALS), PAUSE_S, &world.recorded(), &world.events);
+    let (flow, first) = begin(order(TRIALS), PAUSE_S, &world.recorded(), &world.events);
     first.into_iter().for_each(|a| world.act(a, None));
     flow
 }

@@ -90,12 +90,19 @@ fn text(sight: &Sight, typed: &str, is_answered: bool, limit: usize, height: usi
             let is_trial = matches!(now, Now::Ready | Now::Go);
             let environment = sight.environment.as_deref().filter(|_| is_trial);
             let practice = if sight.practice { " (practice)" } else { "" };
-            let environment = environment.map(|name| wrap(&format!("{name}{practice}"), limit));
+            let interval = sight.interval.map_or(String::new(), |[n, of]| format!(", {n} of {of}"));
+            let environment =
+                environment.map(|name| wrap(&format!("{name}{practice}{interval}"), limit));
             let (_, instruction) = words(now);
-            [environment.unwrap_or_default(), wrap(instruction, limit)].concat()
+            let instruction = if sight.is_between() { FOLLOWS } else { instruction };
+            let told = sight.told().map(|word| vec![word.to_owned()]).unwrap_or_default();
+            [told, environment.unwrap_or_default(), wrap(instruction, limit)].concat()
         }
     }
 }
+
+/// What to do between the intervals of a presentation.
+const FOLLOWS: &str = "The next one follows. Finger on the lever.";
 
 /// The word in large letters, and what to do now; a question was answered.
 fn words(now: &Now) -> (String, &'static str) {

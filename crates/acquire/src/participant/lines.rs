@@ -88,8 +88,10 @@ fn value(question: &OpenQuestion, line: &str) -> Result<i16, String> {
 /// What is to be done, as a line.
 fn line(sight: &Sight) -> String {
     let practice = if sight.practice { ", practice" } else { "" };
-    let trial = format!("{}{practice}", sight.environment.as_deref().unwrap_or_default());
-    match &sight.now {
+    let interval = sight.interval.map_or(String::new(), |[n, of]| format!(", {n} of {of}"));
+    let environment = sight.environment.as_deref().unwrap_or_default();
+    let trial = format!("{environment}{practice}{interval}");
+    let line = match &sight.now {
         Now::Wait => "wait: the device is being prepared".to_owned(),
         Now::Ready => format!("ready: finger on the lever, {trial}"),
         Now::Go => format!("go: lever forward and back, once, {trial}"),
@@ -97,11 +99,18 @@ fn line(sight: &Sight) -> String {
             let answers: Vec<String> = open.shown().map(|choice| choice.words()).collect();
             format!("question {} ({}: {})", open.text, open.range, answers.join(", "))
         }
+        Now::Pause { .. } if sight.is_between() => {
+            "the next one follows: finger on the lever".to_owned()
+        }
         Now::Pause { .. } => "pause: finger off the lever".to_owned(),
         Now::Held => "pause, held".to_owned(),
         Now::Stopped => "stopped: finger off the lever, wait for the experimenter".to_owned(),
         Now::Done => "done: that was the last trial".to_owned(),
         Now::Left => "left: the session is over".to_owned(),
+    };
+    match sight.told() {
+        Some(word) => format!("{word} {line}"),
+        None => line,
     }
 }
 

@@ -20,6 +20,12 @@ pub(super) struct Sight {
     pub(super) environment: Option<String>,
     /// Whether the trial is a familiarisation.
     pub(super) practice: bool,
+    /// The interval of a presentation, from 1, and how many there are; none where there is one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) interval: Option<[u8; 2]>,
+    /// Whether the answer was right, where that is told.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) feedback: Option<bool>,
     /// Trials that are done.
     pub(super) done: usize,
     /// Trials of the session.
@@ -85,6 +91,8 @@ impl Sight {
             now: Now::of(view, number),
             environment: trial.map(|trial| printable(&trial.environment).into_owned()),
             practice: trial.is_some_and(|trial| trial.kind == Kind::Familiarisation),
+            interval: view.task.as_ref().map(|task| task.interval).filter(|[_, of]| *of > 1),
+            feedback: view.feedback,
             done: view.done,
             total: view.total,
         }
@@ -103,6 +111,16 @@ impl Sight {
             }
         }
         self
+    }
+
+    /// Whether the next interval of a presentation follows by itself.
+    pub(super) fn is_between(&self) -> bool {
+        matches!(self.now, Now::Pause { .. }) && self.interval.is_some_and(|[n, _]| n > 1)
+    }
+
+    /// Whether the answer was right, in a word, where that is told.
+    pub(super) fn told(&self) -> Option<&'static str> {
+        self.feedback.map(|is_right| if is_right { "Right." } else { "Wrong." })
     }
 
     /// The question that is open.
@@ -235,6 +253,28 @@ pub(super) mod tests {
             let told = serde_json::to_string(&Sight::of(&telling(phase), 1)).unwrap();
             assert!(!told.contains("SECRET") && !told.contains("8888"), "{told}");
         }
+    }
+
+    /// Which interval has the level is told by nothing: neither the view nor the sight has it.
+    #[test]
+    fn of_a_presentation_the_interval_is_told_and_what_was_right() {
+        let progress = crate::Progress { counted: crate::Counted::Reversals, done: 3, of: 12 };
+        let task = crate::TaskNow {
+            task: "stiffer".parse().unwrap(),
+            presentation: 8_888,
+            of: 8_888,
+            is_most: true,
+            interval: [2, 2],
+            progress,
+        };
+        let pause = Phase::Pause { left_s: 0.4, pause_s: 1.0 };
+        let view = View { task: Some(task), feedback: Some(false), ..telling(pause) };
+        let sight = Sight::of(&view, 1);
+        assert_eq!((sight.interval, sight.is_between()), (Some([2, 2]), true));
+        assert_eq!(sight.told(), Some("Wrong."));
+        let told = serde_json::to_string(&sight).unwrap();
+        assert!(!told.contains("8888") && !told.contains("12"), "{told}");
+        assert_eq!(serde_json::from_str::<Sight>(&told).unwrap(), sight);
     }
 
     #[test]

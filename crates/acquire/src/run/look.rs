@@ -53,6 +53,9 @@ pub(super) fn refresh_trial(
         _ => flow.here(),
     };
     view.done = flow.done();
+    view.total = flow.total();
+    view.feedback = flow.feedback();
+    view.task = place.and_then(|place| flow.tasks().now(place, session.blinded));
     view.held = flow.is_held();
     view.cells = conditions.counted(flow);
     view.trial = place.map(|place| current(place, flow, plan, session));
@@ -72,7 +75,8 @@ fn current(place: usize, flow: &Flow, plan: &Plan, session: &Session) -> Current
     let (trial, repeats) = flow.number_at(place);
     Current {
         trial,
-        place: place + 1,
+        // Those that are not needed any more are in no count.
+        place: (0..=place).filter(|place| flow.is_needed(*place)).count(),
         kind: slot.trial.kind,
         environment: environment
             .map_or_else(|| slot.trial.environment.to_string(), |e| e.label.clone()),
@@ -102,9 +106,7 @@ fn phase(flow: &Flow, plan: &Plan, view: &View) -> Phase {
             };
             Phase::Question { text, scale }
         }
-        flow::Phase::Pause => {
-            Phase::Pause { left_s: flow.rest_s(), pause_s: plan.study.design.pause_s }
-        }
+        flow::Phase::Pause => Phase::Pause { left_s: flow.rest_s(), pause_s: flow.whole_pause_s() },
         flow::Phase::Stopped { why } => Phase::Stopped { why: why.clone() },
         flow::Phase::Done => Phase::Done,
         flow::Phase::Left => Phase::Left,
@@ -121,7 +123,7 @@ pub(super) fn event(event: &Event) -> String {
         Event::Recorded { trial, .. } => format!("trial {trial} recorded"),
         Event::Answer { trial, value, .. } => format!("trial {trial}: answered {value}"),
         Event::Level { trial, level } => {
-            format!("trial {trial}: presents the level {}", level.value())
+            format!("trial {trial}: the level of its presentation is {}", level.value())
         }
         Event::Superseded { trial, by } => {
             format!("trial {trial} does not count: it is done again as trial {by}")

@@ -181,6 +181,7 @@ pub fn run<'a>(
     let folder = files.clone();
     let (flow, first) = Flow::begin(
         session.order(&plan.study),
+        session.tasks(&plan.study, rate_hz)?,
         plan.study.design.pause_s,
         &session.recorded,
         &session.events,
@@ -227,7 +228,7 @@ pub fn run<'a>(
         Ok(Outcome {
             stays_on,
             done: runner.flow.done(),
-            total: runner.flow.places().len(),
+            total: runner.flow.total(),
             stopped: runner.stopped,
             interrupted: options.quit.load(Ordering::SeqCst),
             gone: runner.front.gone().map(str::to_owned),
@@ -251,8 +252,7 @@ impl<'a> Runner<'a> {
         }
         if self.session.laid_down {
             let place = self.flow.done();
-            self.view
-                .say(format!("resumed: {place} of {} trials are done", self.flow.places().len()));
+            self.view.say(format!("resumed: {place} of {} trials are done", self.flow.total()));
             self.remark()?;
         }
         if self.session.blinded {
@@ -386,13 +386,19 @@ impl<'a> Runner<'a> {
         let (began_s, before) = self.began.unwrap_or((now_s, self.flow.done()));
         let design = &self.plan.study.design;
         let done = self.flow.done();
-        let all = self.flow.places().len();
+        let all = self.flow.total();
         let planned_s = design.trial_limit_s + design.pause_s;
         if self.lasted.0 != done {
             self.lasted = (done, now_s);
         }
         let lasted_s = (self.lasted.1 - began_s).max(0.0);
-        course(now_s - began_s, lasted_s, done.saturating_sub(before), all - done, planned_s)
+        course(
+            now_s - began_s,
+            lasted_s,
+            done.saturating_sub(before),
+            all.saturating_sub(done),
+            planned_s,
+        )
     }
 
     /// Takes the voltages away; whether a device without a watchdog may not have heard it. It is

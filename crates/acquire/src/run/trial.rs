@@ -13,10 +13,11 @@ use std::ops::ControlFlow;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 use zwidth_device::{
-    Controller, Histogram, Station, Timing, TrialEnd, TrialPlan, TrialRun, TrialTask, Trip, watch,
+    Controller, Histogram, Judged, Station, Timing, TrialEnd, TrialPlan, TrialRun, TrialTask, Trip,
+    watch,
 };
 use zwidth_store::{Entered, Files, Journal, OpenSession, Protocol, TrialFile};
-use zwidth_study::{Event, Flags, Given, PlannedTrial, Sample, Study};
+use zwidth_study::{Event, Flags, Given, Mode, PlannedTrial, Presented, Sample, Study};
 
 /// Why a trial was cut that a signal ended.
 const SIGNAL: &str = "a signal ended the program";
@@ -56,15 +57,30 @@ impl<'a> Runner<'a> {
                 "put study.toml back as it was when the session began",
             )
         })?;
+        let at_hand = self.flow.here().and_then(|place| self.flow.tasks().at_hand(place));
+        let presented = at_hand.as_ref().map(|shown| shown.presented.clone());
+        // The environment at the level of the interval.
+        let varied = match &at_hand {
+            Some(shown) => {
+                Some(study.environment_at(shown.task, shown.level).ok_or_else(|| {
+                    AcquireError::refused(
+                        format!("{} is no level of {}", shown.level.value(), shown.task.varies),
+                        "put study.toml back as it was when the session began",
+                    )
+                })?)
+            }
+            None => None,
+        };
         let plan = TrialPlan::new(&self.plan.study, environment, trial.trial, &self.capabilities)?;
-        let plan = TrialPlan { shows_moments: self.shows_moments(), ..plan };
+        let plan = TrialPlan { shows_moments: self.shows_moments(), varied, ..plan };
         if let Some(cut) = self.await_lever()? {
             return Ok(cut);
         }
         let calibration = &self.plan.calibration;
-        let controller = Controller::new(&self.plan.study.control, environment, mode, calibration);
+        let rendered = plan.varied.as_ref().unwrap_or(environment);
+        let controller = Controller::new(&self.plan.study.control, rendered, mode, calibration);
         // Made before the loop begins, which waits for no file.
-        let journal = self.journal(trial)?;
+        let journal = self.journal(trial, presented)?;
         self.view.clear_trace();
         self.show()?;
         let mut live = Live {
@@ -73,6 +89,7 @@ impl<'a> Runner<'a> {
             blinded: self.session.blinded,
             pace: Pace { rate_hz: plan.rate_hz, ..Pace::default() },
             marking: Marking::new(&self.markers, trial.trial),
+            saturated: 0,
         };
         let stop = &*self.options.stop;
         let mut desk = Desk {
@@ -99,6 +116,7 @@ impl<'a> Runner<'a> {
         // What it finds is in `error`.
         let _ = live.tape.write();
         live.view.timing = live.pace.timing();
+        let saturated = live.saturated;
         let (last_s, sent) = live.marking.end();
         let mut tape = live.tape;
         if let Some(error) = tape.error.take() {
@@ -108,6 +126,7 @@ impl<'a> Runner<'a> {
         self.ran = last_s.map(|last_s| Ran { trial: trial.trial, ended_s: now_s, last_s });
         let end = self.conclude(trial.trial, tape, &run)?;
         self.keep_markers(&sent)?;
+        self.tell_saturated(trial.trial, saturated, run.timing.ticks)?;
         Ok(end)
     }
 
@@ -187,10 +206,48 @@ impl<'a> Runner<'a> {
         Ok(end)
     }
 
+    /// Tells that the actuators did not give what a presentation of a task asked for: its level was not rendered. Not in a
+    /// blinded session, where it would tell modes apart; the file has it.
+    fn tell_saturated(
+        &mut self,
+        trial: u32,
+        saturated: u64,
+        ticks: u64,
+    ) -> Result<(), AcquireError> {
+        let tasks = self.flow.tasks();
+        let is_of_task = self.flow.here().is_some_and(|place| tasks.is_presentation(place));
+        if saturated == 0 || !is_of_task || self.session.blinded {
+            return Ok(());
+        }
+        let text = format!(
+            "the actuators were saturated in {saturated} of {ticks} ticks: the level may not have been rendered"
+        );
+        self.log(Event::Note { trial: Some(trial), text })
+    }
+
     /// What the device's own participant answers to a question of a place, where it is asked.
     pub(super) fn ask_participant(&mut self, place: usize, question: usize) -> Option<i16> {
         if !self.options.answers {
             return None;
+        }
+        let trial = self.flow.places()[place].trial.trial;
+        if let Some(shown) = self.flow.tasks().at_hand(place) {
+            if self.flow.tasks().is_followed(place) {
+                return None;
+            }
+            let mode = self.plan.study.mode(shown.mode);
+            let judged = Judged {
+                task: shown.task.clone(),
+                mode: shown.mode.clone(),
+                law: mode.and_then(Mode::law),
+                level: shown.compared,
+                last_is_standard: shown.last_is_standard,
+                track: shown.track,
+                presentation: shown.presentation,
+                trial,
+            };
+            let judge = move |station: &mut Station<'_>| station.device.judge(&judged);
+            return self.attendant.ask(judge).ok().flatten();
         }
         let question = self.flow.places()[place].questions.get(question);
         let scale = question.map(|q| q.scale.clone()).unwrap_or_default();
@@ -221,7 +278,11 @@ impl<'a> Runner<'a> {
         Ok(())
     }
 
-    fn journal(&mut self, trial: &PlannedTrial) -> Result<Journal, AcquireError> {
+    fn journal(
+        &mut self,
+        trial: &PlannedTrial,
+        presented: Option<Presented>,
+    ) -> Result<Journal, AcquireError> {
         let start_utc = (self.utc)(self.attendant.now_s());
         let record = &self.session.record;
         let values = [
@@ -235,12 +296,16 @@ impl<'a> Runner<'a> {
         ];
         let values = values.into_iter().filter_map(|(key, value)| Some((key.to_owned(), value?)));
         let file: TrialFile = values.collect();
-        let meta = self.session.meta(trial);
+        let meta = self.session.meta(trial, presented);
         let study = &self.plan.study;
         let environment = study.environment(&trial.environment);
+        let question = match &trial.task {
+            Some(place) => Some(place.task.clone()),
+            None => environment.and_then(|e| e.question.clone()),
+        };
         let protocol = Protocol {
             form: study.trial_form(),
-            question: environment.and_then(|e| e.question.clone()),
+            question,
             given: self.capabilities.channels.clone(),
         };
         Ok(Journal::create(&self.files, &self.plan.layout, &meta, &file, &protocol)?)
@@ -254,6 +319,8 @@ struct Live<'a> {
     blinded: bool,
     pace: Pace,
     marking: Marking<'a>,
+    /// Samples in which the actuators did not give what was asked for; past a wall they never do.
+    saturated: u64,
 }
 
 /// A sample that is early by this share of a period is on time: its time is a difference of two
@@ -298,6 +365,8 @@ impl Live<'_> {
     fn add(&mut self, sample: &Sample) -> ControlFlow<()> {
         self.pace.add(sample);
         self.marking.add(sample);
+        let is_short = sample.flags.has(Flags::SATURATED) && !sample.flags.has(Flags::PAST_WALL);
+        self.saturated += u64::from(is_short);
         if let crate::Phase::Trial { t_s, .. } = &mut self.view.phase {
             *t_s = sample.t_s;
         }

@@ -2,7 +2,7 @@
 
 use super::look::{Look, Role};
 use super::text::{fit, width, wrap};
-use crate::{Cell, CheckLine, Phase, View};
+use crate::{Cell, CheckLine, Phase, TaskNow, View};
 use ratatui::text::{Line, Span};
 use zwidth_study::{AnswerScale, Kind};
 
@@ -39,6 +39,7 @@ pub(super) fn trial(view: &View) -> Option<String> {
     words.push(current.environment.clone());
     words.extend(current.mode.clone().filter(|_| !view.blinded));
     words.extend(current.repeats.map(|trial| format!("repeats trial {trial}")));
+    words.extend(view.task.as_ref().map(TaskNow::in_words));
     Some(words.join(" · "))
 }
 

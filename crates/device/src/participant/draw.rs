@@ -81,6 +81,8 @@ pub(crate) enum Purpose {
     Silence,
     /// Which mode it is said to have been.
     Guess,
+    /// Answers to tasks.
+    Judgement,
 }
 
 #[cfg(test)]

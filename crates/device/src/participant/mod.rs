@@ -21,7 +21,8 @@
 //!   the first session both the spread and the duration shrink a little.
 //! * **Answer**: a written rule from what was felt ([`Felt`]), with a bias of the person and noise.
 //!   It was made so that the three modes rank as in thesis Fig. 30, so **no finding about
-//!   perception can come from it**.
+//!   perception can come from it**. Tasks are answered by a psychometric function that is known
+//!   ([`Truth`]), whatever was felt.
 //!
 //! It lacks tremor, fatigue, attention, strategies that change with what is felt, grip, arm
 //! posture, and any knowledge measured on the thesis' participant, because there is none.
@@ -31,12 +32,14 @@ mod course;
 pub(crate) mod draw;
 mod felt;
 pub(crate) mod intent;
+mod judge;
 mod person;
 mod reaction;
 
 pub(crate) use course::Course;
 pub use felt::Felt;
 pub use intent::{Goal, Intent, Task};
+pub use judge::{Judged, Truth};
 pub use person::{HAND_RANGES, Person};
 pub(crate) use reaction::Reaction;
 

@@ -34,6 +34,8 @@ pub type Sink<'a> = dyn FnMut(&Sample) -> ControlFlow<()> + 'a;
 pub struct TrialPlan<'a> {
     /// What the device may know of it: number, environment, longest time.
     pub cue: Cue<'a>,
+    /// The environment in place of the cue's: that of a task, at the level that is presented.
+    pub varied: Option<Environment>,
     /// Ticks per second, Hz.
     pub rate_hz: f64,
     /// The velocity filter, at its beginning.
@@ -58,6 +60,7 @@ impl<'a> TrialPlan<'a> {
         let rate_hz = positive("control.rate_hz", study.control.rate_hz)?;
         Ok(Self {
             cue: Cue { trial, environment, limit_s },
+            varied: None,
             rate_hz: rate_hz.min(positive("the device's rate", capabilities.rate_hz)?),
             velocity: Velocity::new(study.control.velocity)?,
             shows_moments: false,
@@ -136,7 +139,8 @@ fn ticks(
     let mut pace = Pace::new(start_s, 1.0 / plan.rate_hz);
     let mut velocity = plan.velocity.clone();
     let mut ending = Ending::default();
-    if let Err(trip) = output.begin(start_s, &plan.cue) {
+    let environment = plan.varied.as_ref().unwrap_or(plan.cue.environment);
+    if let Err(trip) = output.begin(start_s, &Cue { environment, ..plan.cue }) {
         return TrialEnd::Tripped(trip);
     }
     loop {

@@ -92,7 +92,7 @@ pub(crate) fn bench(device: Mock) -> Bench {
 pub(crate) fn plan(environment: &Environment) -> TrialPlan<'_> {
     let velocity = Velocity::new(Control::default().velocity).unwrap();
     let cue = Cue { trial: 1, environment, limit_s: 4.0 };
-    TrialPlan { cue, rate_hz: 1.0 / TICK_S, velocity, shows_moments: false }
+    TrialPlan { cue, varied: None, rate_hz: 1.0 / TICK_S, velocity, shows_moments: false }
 }
 
 impl Bench {

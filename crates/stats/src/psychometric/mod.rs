@@ -41,6 +41,15 @@ pub struct LevelAnswers {
     pub positive: u64,
 }
 
+/// An answer to one presentation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AnsweredLevel {
+    /// The level that was presented, in the unit of the stimulus.
+    pub level: f64,
+    /// Whether it was "more", "right" or "yes".
+    pub is_positive: bool,
+}
+
 /// Records hold levels as whole numbers of such parts of the unit, so that those nearer to each other are one level.
 const PARTS: f64 = 1e6;
 

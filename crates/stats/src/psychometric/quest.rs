@@ -10,8 +10,9 @@
 //! loops and all logarithms libm's, so the levels of a plan and its answers are the same on any machine.
 
 use super::curve::{Asks, Curve, Sigmoid};
-use super::{LevelAnswers, by_level};
+use super::{LevelAnswers, PARTS, by_level};
 use crate::error::{StatsError, all_finite};
+use std::sync::Arc;
 
 /// Information, in nats, within which levels are equal; also the share within which masses are.
 const EQUAL: f64 = 1e-12;
@@ -60,45 +61,110 @@ pub struct Track {
 /// The levels of a session by its plan and the answers so far: "more" or "right" are true.
 ///
 /// # Errors
-/// An empty axis, one that does not rise or is not finite, scales that are not above 0, λ outside [0, ½), levels below 0
-/// or thresholds not above it for Weibull's sigmoid, yes and no, more than 10⁷ levels times curves, an answer that no
-/// curve of the grid makes possible.
+/// As [`Quest::new`] and [`Quest::answer`].
 pub fn track(plan: &Plan, answers: &[bool]) -> Result<Track, StatsError> {
-    check(plan)?;
-    let cells = cells(plan);
-    // By level: the shares of positive and of other answers in each cell, and their entropy.
-    let shares: Vec<Vec<[f64; 2]>> = plan
-        .levels
-        .iter()
-        .map(|level| cells.iter().map(|cell| cell.curve(plan).shares(*level)).collect())
-        .collect();
-    let entropies: Vec<Vec<f64>> =
-        shares.iter().map(|row| row.iter().map(|shares| entropy(*shares)).collect()).collect();
-    let mut posterior = vec![1.0 / cells.len() as f64; cells.len()];
-    let mut levels = Vec::with_capacity(answers.len());
-    let mut place = most_telling(&posterior, &shares, &entropies);
-    for (trial, is_positive) in answers.iter().enumerate() {
-        levels.push(plan.levels[place]);
-        for (mass, [share, rest]) in posterior.iter_mut().zip(&shares[place]) {
-            *mass *= if *is_positive { share } else { rest };
-        }
-        let whole: f64 = posterior.iter().sum();
-        if whole <= 0.0 {
-            return Err(StatsError::Impossible { trial });
-        }
-        posterior.iter_mut().for_each(|mass| *mass /= whole);
-        place = most_telling(&posterior, &shares, &entropies);
+    let mut quest = Quest::new(plan)?;
+    for is_positive in answers {
+        quest.answer(quest.place, *is_positive)?;
     }
-    let Posterior { threshold, scale, lapse, is_at_edge, .. } = summed(plan, &cells, &posterior);
-    Ok(Track {
-        levels,
-        next: plan.levels[place],
-        threshold,
-        scale,
-        lapse,
-        entropy: posterior.iter().map(|mass| information(*mass)).sum(),
-        is_at_edge,
-    })
+    Ok(quest.track())
+}
+
+/// QUEST+ answer by answer. What follows from the plan alone is computed once, and shared by clones.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Quest {
+    grid: Arc<Grid>,
+    posterior: Vec<f64>,
+    levels: Vec<f64>,
+    /// The place of the next level among those of the plan.
+    place: usize,
+}
+
+/// What follows from a plan alone.
+#[derive(Debug, PartialEq)]
+struct Grid {
+    plan: Plan,
+    cells: Vec<Cell>,
+    /// By level: the shares of positive and of other answers in each cell.
+    shares: Vec<Vec<[f64; 2]>>,
+    /// By level: the entropy of these shares.
+    entropies: Vec<Vec<f64>>,
+}
+
+impl Quest {
+    /// Before the first answer.
+    ///
+    /// # Errors
+    /// An empty axis, one that does not rise or is not finite, scales that are not above 0, λ outside [0, ½), levels below
+    /// 0 or thresholds not above it for Weibull's sigmoid, yes and no, more than 10⁷ levels times curves.
+    pub fn new(plan: &Plan) -> Result<Self, StatsError> {
+        check(plan)?;
+        let cells = cells(plan);
+        let shares: Vec<Vec<[f64; 2]>> = plan
+            .levels
+            .iter()
+            .map(|level| cells.iter().map(|cell| cell.curve(plan).shares(*level)).collect())
+            .collect();
+        let entropies =
+            shares.iter().map(|row| row.iter().map(|shares| entropy(*shares)).collect()).collect();
+        let grid = Arc::new(Grid { plan: plan.clone(), cells, shares, entropies });
+        let mut quest = Self { grid, posterior: Vec::new(), levels: Vec::new(), place: 0 };
+        quest.restart();
+        Ok(quest)
+    }
+
+    /// Forgets every answer.
+    pub fn restart(&mut self) {
+        self.levels.clear();
+        let n = self.grid.cells.len();
+        self.posterior = vec![1.0 / n as f64; n];
+        self.place = most_telling(&self.posterior, &self.grid.shares, &self.grid.entropies);
+    }
+
+    /// The next level, in the unit of the stimulus.
+    pub fn next_level(&self) -> f64 {
+        self.grid.plan.levels[self.place]
+    }
+
+    /// The place of a level among those of the plan; `None` for one that is not of it.
+    pub fn place_of(&self, level: f64) -> Option<usize> {
+        self.grid.plan.levels.iter().position(|own| (own - level).abs() * PARTS < 0.5)
+    }
+
+    /// Takes an answer to the level at that place: another one than the next where an answer before it does not count any
+    /// more.
+    ///
+    /// # Errors
+    /// A place that the plan does not have, an answer that no curve of the grid makes possible.
+    pub fn answer(&mut self, place: usize, is_positive: bool) -> Result<(), StatsError> {
+        let shares = self.grid.shares.get(place).ok_or(StatsError::QuestGrid)?;
+        for (mass, [share, rest]) in self.posterior.iter_mut().zip(shares) {
+            *mass *= if is_positive { share } else { rest };
+        }
+        let whole: f64 = self.posterior.iter().sum();
+        if whole <= 0.0 {
+            return Err(StatsError::Impossible { trial: self.levels.len() });
+        }
+        self.posterior.iter_mut().for_each(|mass| *mass /= whole);
+        self.levels.push(self.grid.plan.levels[place]);
+        self.place = most_telling(&self.posterior, &self.grid.shares, &self.grid.entropies);
+        Ok(())
+    }
+
+    /// What the answers tell so far.
+    pub fn track(&self) -> Track {
+        let Posterior { threshold, scale, lapse, is_at_edge, .. } =
+            summed(&self.grid.plan, &self.grid.cells, &self.posterior);
+        Track {
+            levels: self.levels.clone(),
+            next: self.next_level(),
+            threshold,
+            scale,
+            lapse,
+            entropy: self.posterior.iter().map(|mass| information(*mass)).sum(),
+            is_at_edge,
+        }
+    }
 }
 
 /// What answers tell on the grid of a plan, whichever way their levels were chosen.
@@ -204,6 +270,7 @@ fn summed(plan: &Plan, cells: &[Cell], posterior: &[f64]) -> Posterior {
     }
 }
 
+#[derive(Debug, Clone, PartialEq)]
 struct Cell {
     threshold: f64,
     scale: f64,
@@ -360,6 +427,29 @@ mod tests {
             assert!(expected(shown.next) <= least * (1.0 + 1e-10), "{shown:?}");
             answers.push(answers.len() % 3 != 1);
         }
+    }
+
+    #[test]
+    fn answer_by_answer_it_is_the_same_to_the_bit_and_starts_again_from_nothing() {
+        let mut quest = Quest::new(&plan()).unwrap();
+        let mut answers = Vec::new();
+        for t in 0..12 {
+            assert_eq!(quest.track(), track(&plan(), &answers).unwrap());
+            let is_positive = t % 3 != 1;
+            let place = quest.place_of(quest.next_level()).unwrap();
+            quest.answer(place, is_positive).unwrap();
+            answers.push(is_positive);
+        }
+        quest.restart();
+        assert_eq!(quest.track(), track(&plan(), &[]).unwrap());
+        // At another level than the next: the posterior is that of this level.
+        let [low, high] = [210.0, 390.0].map(|level| quest.place_of(level).unwrap());
+        quest.answer(low, false).unwrap();
+        let told_little = quest.track().entropy;
+        quest.restart();
+        quest.answer(high, false).unwrap();
+        assert!(quest.track().entropy < told_little && quest.track().levels == [390.0]);
+        assert!(quest.place_of(211.0).is_none() && quest.answer(99, true).is_err());
     }
 
     #[test]

@@ -6,7 +6,7 @@
 //! [`DOWN_OVER_UP`] it settles near [`target`]. The weighted staircase (Kaernbach 1991, Perception & Psychophysics 49:227)
 //! has one answer each way, and steps of the ratio that makes any share its target ([`weighted`]).
 
-use super::PARTS;
+use super::{AnsweredLevel, PARTS};
 use crate::error::{StatsError, all_finite};
 use zwidth_numerics::roots;
 
@@ -72,33 +72,57 @@ pub struct Track {
 /// 0 on a logarithmic scale, more answers than it takes.
 pub fn track(plan: &Staircase, answers: &[bool]) -> Result<Track, StatsError> {
     check(plan)?;
+    walk(plan, answers.iter().map(|is_right| (None, *is_right)))
+}
+
+/// The same by the levels at which the answers were given. A step goes on from the level that was presented: from another
+/// one than the staircase asked for where a device gave the nearest that it can, or where an answer before it does not
+/// count any more.
+///
+/// # Errors
+/// As [`track`], levels that are not finite.
+pub fn track_presented(plan: &Staircase, answers: &[AnsweredLevel]) -> Result<Track, StatsError> {
+    check(plan)?;
+    let levels: Vec<f64> = answers.iter().map(|answer| answer.level).collect();
+    all_finite(&levels)?;
+    walk(plan, answers.iter().map(|answer| (Some(answer.level), answer.is_positive)))
+}
+
+/// Each answer with the level that was presented, where that is known; else it is the one that was asked for.
+fn walk(
+    plan: &Staircase,
+    answers: impl ExactSizeIterator<Item = (Option<f64>, bool)>,
+) -> Result<Track, StatsError> {
     let [lowest, highest] = plan.bounds;
     // Not rounded, so that rounding does not add up over steps.
     let mut place = plan.start;
-    let mut levels = Vec::with_capacity(answers.len());
+    let all = answers.len();
+    let mut levels = Vec::with_capacity(all);
     let mut reversals = Vec::new();
     let mut in_a_row = 0;
     let mut last_answer = None;
     let mut last_step_is_up = None;
-    for is_right in answers {
+    for (presented, is_right) in answers {
         if reversals.len() == plan.reversals || levels.len() == plan.most_trials {
-            return Err(StatsError::StaircaseEnded {
-                trials: levels.len(),
-                answers: answers.len(),
-            });
+            return Err(StatsError::StaircaseEnded { trials: levels.len(), answers: all });
+        }
+        if let Some(level) =
+            presented.filter(|level| shown(*level).total_cmp(&shown(place)).is_ne())
+        {
+            place = level;
         }
         levels.push(shown(place));
-        in_a_row = if last_answer == Some(*is_right) { in_a_row + 1 } else { 1 };
-        last_answer = Some(*is_right);
-        if in_a_row < if *is_right { plan.down_after } else { plan.up_after } {
+        in_a_row = if last_answer == Some(is_right) { in_a_row + 1 } else { 1 };
+        last_answer = Some(is_right);
+        if in_a_row < if is_right { plan.down_after } else { plan.up_after } {
             continue;
         }
         in_a_row = 0;
-        if last_step_is_up == Some(*is_right) {
+        if last_step_is_up == Some(is_right) {
             reversals.push(shown(place));
         }
         last_step_is_up = Some(!is_right);
-        let step = if *is_right { -plan.down } else { plan.up };
+        let step = if is_right { -plan.down } else { plan.up };
         let next = match plan.scale {
             Scale::Linear => place + step,
             Scale::Logarithmic => place * libm::exp(step),
@@ -228,6 +252,42 @@ mod tests {
         let (weighted, answers) = answered(&forces(1, weighted(0.75).unwrap()));
         assert_eq!(answers, "11111111111111101110111001101111111111110101");
         assert!((weighted.threshold.unwrap() - 0.08393181).abs() < 1e-6, "{weighted:?}");
+    }
+
+    /// A device that gives whole hundredths: each step goes on from what it gave, and no error adds up.
+    #[test]
+    fn a_step_goes_on_from_the_level_that_was_presented() {
+        let plan = Staircase {
+            scale: Scale::Linear,
+            up: 0.014,
+            down: 0.014,
+            down_after: 1,
+            start: 0.2,
+            ..forces(1, 1.0)
+        };
+        let answers = [true, true, false, true, false, false];
+        let mut given: Vec<AnsweredLevel> = Vec::new();
+        for is_positive in answers {
+            let asked = track_presented(&plan, &given).unwrap().next.unwrap();
+            given.push(AnsweredLevel { level: (asked * 100.0).round() / 100.0, is_positive });
+        }
+        let levels: Vec<f64> = given.iter().map(|answer| answer.level).collect();
+        assert_eq!(levels, [0.2, 0.19, 0.18, 0.19, 0.18, 0.19]);
+        let found = track_presented(&plan, &given).unwrap();
+        assert_eq!((found.levels, found.reversals), (levels, vec![0.18, 0.19, 0.18]));
+        assert_eq!(found.next, Some(0.204));
+        // At the levels that were asked for it is the same as without them, to the bit.
+        let asked = track(&plan, &answers).unwrap();
+        let at = |(level, is_positive): (&f64, &bool)| AnsweredLevel {
+            level: *level,
+            is_positive: *is_positive,
+        };
+        let same: Vec<AnsweredLevel> = asked.levels.iter().zip(&answers).map(at).collect();
+        assert_eq!(track_presented(&plan, &same).unwrap(), asked);
+        assert!(
+            track_presented(&plan, &[AnsweredLevel { level: f64::NAN, is_positive: true }])
+                .is_err()
+        );
     }
 
     /// García-Pérez (1998), table 1, and Levitt (1971) for equal steps.

@@ -102,7 +102,7 @@ fn session(data: &StudyData, log: &SessionLog, trials: &[&TrialEntry]) -> Sessio
         trials: trials.iter().filter(counts).count(),
         trials_that_count: trials.iter().filter(|t| t.counts()).count(),
         familiarisation: trials.iter().filter(|t| t.meta.kind == Kind::Familiarisation).count(),
-        to_go: left_to_do(trials.iter().copied(), log),
+        to_go: left_to_do(trials.iter().copied(), log, &data.study, None),
         left_out: left_out
             .filter_map(|t| Some(format!("trial {}: {}", t.meta.trial, t.why_not()?)))
             .collect(),

@@ -41,7 +41,8 @@ pub(crate) fn unseal(root: &Path, command: &UnsealArgs, screen: &Screen) -> anyh
         screen.say(format!("{name} is unsealed already"));
         return Ok(Exit::Fine);
     }
-    let open = left_to_do(&data.trials, log);
+    let seal = vault::find(&RealFiles, &keys(&command.keys, true)?, layout.study(), &log.record);
+    let open = left_to_do(&data.trials, log, &data.study, seal.as_ref().ok());
     if open > 0 && !command.unfinished {
         bail!(
             "{name} has {open} trials to go, which would not be blind: finish it with `zwidth acquire {} -p {} -s {}`, \
@@ -51,7 +52,7 @@ pub(crate) fn unseal(root: &Path, command: &UnsealArgs, screen: &Screen) -> anyh
             command.session
         );
     }
-    let seal = vault::find(&RealFiles, &keys(&command.keys, true)?, layout.study(), &log.record)?;
+    let seal = seal?;
     // Before anything is written: a seal that does not fit the order must not open it.
     seal.opened(&log.record.trials)?;
     let raw = Raw::adds(&RealFiles, &layout, &lock);

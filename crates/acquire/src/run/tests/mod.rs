@@ -7,6 +7,7 @@ mod moved;
 mod pairs;
 mod secret;
 mod slow_disk;
+mod tasks;
 mod whole;
 
 use super::*;

@@ -5,7 +5,7 @@ use super::sensors::{AngleSensor, COUNTS_PER_TURN, FORCE_RATE_HZ, ForceSensor, S
 use super::trial::{Trial, WAITING_GAP_M};
 use crate::participant::draw::{Draw, Purpose};
 use crate::participant::{Person, STEP_S};
-use crate::{Angle, Capabilities, Cue, Device, DeviceError, Reading};
+use crate::{Angle, Capabilities, Cue, Device, DeviceError, Judged, Reading};
 use zwidth_dynamics::{Command, Driven};
 use zwidth_study::{AnswerScale, CURRENT_MOTOR, Channel, ChannelId, Extra, Source, Voltages};
 
@@ -215,6 +215,12 @@ impl Device for Twin {
         // A question ends the trial: what comes after it is not felt.
         self.trial.over_s = self.trial.over_s.min(self.now_s);
         self.trial.answer(&self.person, on)
+    }
+
+    fn judge(&mut self, judged: &Judged) -> Option<i16> {
+        self.trial.over_s = self.trial.over_s.min(self.now_s);
+        let answers = !self.person.is_silent(judged.trial);
+        answers.then(|| self.person.judge(judged))
     }
 }
 
