@@ -123,6 +123,7 @@ fn add_study(
     let data = StudyData::load(layout).map_err(|findings| join_findings(&findings))?;
     let folder = command.out.clone().unwrap_or_else(|| layout.reports().join("timing"));
     let scenes = zwidth_plan::trade_scenes(&data);
+    let perception = zwidth_plan::perception(&data);
     let name = layout.study().to_string();
     if scenes.is_empty() {
         screen.warn(format!(
@@ -135,7 +136,7 @@ fn add_study(
         title: traded.scene.name.clone(),
         scene: traded.scene.clone(),
         traded: Some(traded),
-        perception: zwidth_plan::perception(data),
+        perception: perception.clone(),
         folder: folder.clone(),
     }));
     requested.studies.push(Study { data, folder, name });
