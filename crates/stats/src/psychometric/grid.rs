@@ -143,8 +143,12 @@ pub fn posterior(
         let values = points().zip(&masses).map(|(point, mass)| [read(&point), *mass]);
         marginal(values.collect(), confidence)
     };
-    let means: [f64; AXES] =
-        core::array::from_fn(|i| points().zip(&masses).map(|(point, mass)| point[i] * mass).sum());
+    let means: [f64; AXES] = core::array::from_fn(|i| {
+        let lowest = last.axes[i][0];
+        let above: f64 =
+            points().zip(&masses).map(|(point, mass)| (point[i] - lowest) * mass).sum();
+        lowest + above
+    });
     Ok(Posterior {
         mean: problem.curve(&means),
         mode: problem.curve(&problem.mode(&last)),
@@ -172,7 +176,10 @@ fn marginal(mut values: Vec<[f64; 2]>, confidence: f64) -> Marginal {
         }
         is_same
     });
-    let mean = values.iter().map(|[value, mass]| value * mass).sum();
+    // From the lowest on: of levels that lie close together far from 0 the digits would be lost.
+    let lowest = values.first().map_or(0.0, |[value, _]| *value);
+    let above: f64 = values.iter().map(|[value, mass]| (value - lowest) * mass).sum();
+    let mean = lowest + above;
     let quantile = |share: f64| {
         let mut below = 0.0;
         let mut before: Option<[f64; 2]> = None;
