@@ -137,7 +137,10 @@ fn an_unknown_schema_version_is_refused_by_its_number() {
         bytes[at] = b'9';
         fs::write(path, bytes).unwrap();
     };
-    check(version, &["schema version 9 is unknown", "sweeps of version 1 and trials of versions 2 and 3"]);
+    check(
+        version,
+        &["schema version 9 is unknown", "sweeps of version 1 and trials of versions 2 and 3"],
+    );
 }
 
 #[test]

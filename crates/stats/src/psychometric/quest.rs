@@ -18,8 +18,8 @@ use std::sync::Arc;
 const EQUAL: f64 = 1e-12;
 /// Posterior mass on an end of an axis from which the truth may lie beyond it, if the prior had less there.
 const EDGE: f64 = 0.05;
-/// Levels times curves, up to which their shares take a quarter of a gigabyte.
-const MOST_SHARES: usize = 10_000_000;
+/// Levels times curves, up to which a step takes less than the 20 ms that nobody notices.
+const MOST_SHARES: usize = 1_000_000;
 
 /// The plan of a session with QUEST+.
 #[derive(Debug, Clone, PartialEq)]
@@ -96,7 +96,7 @@ impl Quest {
     ///
     /// # Errors
     /// An empty axis, one that does not rise or is not finite, scales that are not above 0, λ outside [0, ½), levels below
-    /// 0 or thresholds not above it for Weibull's sigmoid, yes and no, more than 10⁷ levels times curves.
+    /// 0 or thresholds not above it for Weibull's sigmoid, yes and no, more than 10⁶ levels times curves.
     pub fn new(plan: &Plan) -> Result<Self, StatsError> {
         check(plan)?;
         let cells = cells(plan);
