@@ -190,7 +190,9 @@ fn compared(found: &Found, quantity: TaskQuantity) -> (Vec<Mean>, ModeDifference
 fn of_people(found: &Found, quantity: TaskQuantity) -> Vec<PeopleThreshold> {
     let (means, difference) = compared(found, quantity);
     let found_by = Means { asked: &[], means: &means, contrasts: &[difference] };
-    over_people(&[stiffer()], &found.fits, found_by, 0.95)
+    let mut rows = over_people(&[stiffer()], &found.fits, found_by, 0.95);
+    rows.retain(|row| row.quantity == quantity);
+    rows
 }
 
 /// Python and R: fits of every person in every mode by maximum likelihood, λ from 0 to 0.06.
