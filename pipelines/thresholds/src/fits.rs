@@ -1,7 +1,7 @@
 //! What the answers of one person tell in one session and mode.
 
 use crate::answered::Own;
-use crate::{Answered, Response, levels, plans};
+use crate::{Answered, Response, levels};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -10,7 +10,9 @@ use zwidth_results::{
 };
 use zwidth_stats::null::Sampling;
 use zwidth_stats::psychometric::fit::{self, Fitted, Side, Verdict};
-use zwidth_stats::psychometric::{Curve, adjustment, deviance, quest, staircase};
+use zwidth_stats::psychometric::{
+    AnsweredLevel, Curve, adjustment, deviance, plans, quest, staircase,
+};
 use zwidth_study::{
     Method, ModeId, ParticipantId, QuestionId, SessionId, StaircasePlan, Task, TaskQuantity,
 };
@@ -296,28 +298,35 @@ fn mean(values: &[f64], is_factor: bool) -> f64 {
     }
 }
 
-/// Where a staircase turned: as its plan has it where its levels are those of the plan, else by these levels. `first` is
-/// the place of its first answer among all.
+/// Where a staircase turned: as its plan has it of the levels that were presented (an answer that does not count leaves
+/// them as they were). Those of another program may follow another rule; then it is where they turned. `first` is the
+/// place of its first answer among all.
 fn turned(
     plan: &StaircasePlan,
     answers: &[&Answered],
     first: usize,
 ) -> Result<Turned, zwidth_stats::StatsError> {
     let levels: Vec<f64> = answers.iter().map(|answer| answer.level.value()).collect();
-    let right: Vec<bool> =
-        answers.iter().map(|answer| answer.response == Response::Positive).collect();
+    let presented = answers.iter().zip(&levels).map(|(answer, level)| AnsweredLevel {
+        level: *level,
+        is_positive: answer.response == Response::Positive,
+    });
+    let presented: Vec<AnsweredLevel> = presented.collect();
     let number = answers.first().map_or(0, |answer| answer.track);
     let Some(planned) = plans::staircase(plan, number) else {
         return Err(zwidth_stats::StatsError::Staircase);
     };
+    let right: Vec<bool> = presented.iter().map(|answer| answer.is_positive).collect();
+    let is_of_rule = answers.iter().all(|answer| !answer.source.is_imported())
+        || staircase::track(&planned, &right).is_ok_and(|track| track.levels == levels);
     // Answers beyond the end are those of another plan.
-    if let Ok(track) = staircase::track(&planned, &right)
-        && track.levels == levels
+    if let Ok(track) = staircase::track_presented(&planned, &presented)
+        && is_of_rule
     {
         let mut ends = Vec::new();
-        for place in 0..right.len() {
+        for place in 0..presented.len() {
             // The number of reversals grows with the answer at which it turns.
-            let so_far = staircase::track(&planned, &right[..=place])?;
+            let so_far = staircase::track_presented(&planned, &presented[..=place])?;
             if so_far.reversals.len() > ends.len() {
                 ends.push(first + place);
             }

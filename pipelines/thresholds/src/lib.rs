@@ -15,7 +15,6 @@ mod fits;
 mod levels;
 mod notes;
 mod over_people;
-mod plans;
 #[cfg(test)]
 mod tests;
 mod values;

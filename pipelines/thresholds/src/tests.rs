@@ -370,9 +370,16 @@ fn staircases_turn_at_the_threshold_and_have_no_jnd() {
         short.remark.as_ref().unwrap().to_string(),
         "1 of 1 staircases ended before 6 reversals"
     );
-    // Levels of another plan are told, and turn where they turned.
+    // Of levels that a device gave instead, steps go on from what was presented.
     for own in &mut all {
         own.level = level(own.level.value() + 0.5);
+        own.source = Source::Recorded;
+    }
+    let given = &thresholds(&all, &parameters(task.clone())).fits[0];
+    assert_eq!((given.verdict, &given.remark), (FitVerdict::Estimated, &None));
+    // Another program may follow another rule: that is told, and they turn where they turned.
+    for own in &mut all {
+        own.source = Source::Imported;
     }
     let other = &thresholds(&all, &parameters(task)).fits[0];
     assert_eq!((other.verdict, other.threshold), (FitVerdict::Estimated, Some(4.0)));

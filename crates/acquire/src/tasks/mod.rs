@@ -3,7 +3,6 @@
 //! A pure part of the flow, which tells it what happens; nothing here knows a trial that runs.
 
 mod deliver;
-mod plans;
 mod replay;
 mod sequence;
 

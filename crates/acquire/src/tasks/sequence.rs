@@ -1,11 +1,10 @@
 //! One sequence of levels: of a task, a mode and a track. Which level is next follows from the plan and the answers before
 //! it alone.
 
-use super::plans;
 use zwidth_stats::StatsError;
 use zwidth_stats::psychometric::adjustment::{self, Wish, Wished};
 use zwidth_stats::psychometric::quest::Quest;
-use zwidth_stats::psychometric::{AnsweredLevel, staircase};
+use zwidth_stats::psychometric::{AnsweredLevel, plans, staircase};
 use zwidth_study::{Method, Task, TaskLevel};
 
 /// A presentation that was answered and counts.

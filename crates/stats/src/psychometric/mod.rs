@@ -23,6 +23,7 @@ pub mod deviance;
 pub mod fit;
 pub mod grid;
 mod likelihood;
+pub mod plans;
 pub mod quest;
 pub mod staircase;
 

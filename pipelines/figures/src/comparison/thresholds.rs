@@ -1,7 +1,7 @@
 //! What can be felt: shares of answers with their curves, staircases, and thresholds over people.
 
 use super::compared::or_note;
-use crate::words::{mark, percent, plain};
+use crate::words::{logarithm, mark, percent, plain, powers_axis};
 use crate::{About, FigureKind};
 use std::collections::{BTreeMap, BTreeSet};
 use zwidth_draw::style::{self, Stroke};
@@ -12,7 +12,9 @@ use zwidth_draw::{
 use zwidth_results::{
     FittedShare, LevelMethod, LevelTally, PeopleThreshold, Presentation, PsychometricFit,
 };
-use zwidth_study::{Mode, ModeId, ParticipantId, Source, Task, TaskQuantity, contrast_label};
+use zwidth_study::{
+    Contrast, Mode, ModeId, ParticipantId, Source, Task, TaskQuantity, contrast_label,
+};
 use zwidth_tables::{p_value, shown_unit, with_unit};
 
 /// The figure [`psychometric`].
@@ -385,10 +387,14 @@ pub fn thresholds(
         let contrasts: Vec<&PeopleThreshold> =
             rows().filter(|row| row.contrast.is_some()).collect();
         if !contrasts.is_empty() {
-            let number = |value: f64| if is_ratio { value } else { levels.of_value(value) };
+            // Half and twice as much are equally far from alike.
+            let number = |value: f64| match is_ratio {
+                true => logarithm(value),
+                false => levels.of_value(value),
+            };
             let names = contrasts.iter().filter_map(|row| {
                 let contrast = row.contrast.as_ref()?;
-                Some(plain(&contrast_label(&about.modes, contrast)))
+                Some(plain(&compared(about, contrast, is_ratio)))
             });
             let column_of = |read: fn(&PeopleThreshold) -> Option<f64>| -> Vec<f64> {
                 contrasts.iter().map(|row| read(row).map_or(f64::NAN, number)).collect()
@@ -400,12 +406,11 @@ pub fn thresholds(
             ];
             let at = (0..contrasts.len()).map(|place| place as f64).collect();
             let marks = Intervals::new(Direction::Vertical, at, estimates);
-            // Alike are differences of 0 and ratios of 1.
-            let at = if is_ratio { 1.0 } else { 0.0 };
-            let alike = Reference::new(Direction::Horizontal, at, style::zero());
+            // Of differences 0, of ratios 1, whose logarithm is 0.
+            let alike = Reference::new(Direction::Horizontal, 0.0, style::zero());
             let layers = vec![Layer::Reference(alike), Layer::Intervals(marks)];
             let y = match is_ratio {
-                true => Axis::new("ratio of JNDs", ""),
+                true => powers_axis("ratio of JNDs", ""),
                 false => Axis::new("difference", levels.unit.as_str()),
             };
             let x = Axis::categories(names);
@@ -430,10 +435,16 @@ pub fn thresholds(
     }
 }
 
-/// A difference in words: `JND, hybrid − active: 1.40 times [1.24, 1.57], p = 0.0003`.
+/// The two modes of a difference, or of a ratio: `hybrid − active`, `hybrid / active`.
+fn compared(about: &About, contrast: &Contrast, is_ratio: bool) -> String {
+    let label = contrast_label(&about.modes, contrast);
+    if is_ratio { label.replacen(Contrast::MINUS, " / ", 1) } else { label }
+}
+
+/// A difference in words: `JND, hybrid / active: 1.40 times [1.24, 1.57], p = 0.0003`.
 fn told(about: &About, row: &PeopleThreshold, levels: &Levels) -> Option<String> {
-    let contrast = contrast_label(&about.modes, row.contrast.as_ref()?);
     let is_ratio = row.quantity == TaskQuantity::Jnd;
+    let contrast = compared(about, row.contrast.as_ref()?, is_ratio);
     let number = |value: f64| match is_ratio {
         true => format!("{value:.2}"),
         false => to_digits(levels.of_value(value)),

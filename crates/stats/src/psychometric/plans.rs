@@ -1,11 +1,11 @@
-//! The plan of a task as statistics take it.
+//! The plan of a task of a study as it is taken here.
 
-use zwidth_stats::psychometric::{Asks, Sigmoid, fit, quest, staircase};
+use super::{Asks, Sigmoid, adjustment, fit, quest, staircase};
 use zwidth_study as study;
 use zwidth_study::{Method, StaircasePlan, Task, TaskLevel, TaskSigmoid, axis};
 
 /// What was asked; `None` of one who sets the level.
-pub(crate) fn asks(task: &Task) -> Option<Asks> {
+pub fn asks(task: &Task) -> Option<Asks> {
     match task.asks {
         study::Asks::MoreOfTwo | study::Asks::MoreLess => Some(Asks::WhichWasMore),
         study::Asks::OneOfTwo => Some(Asks::RightOrWrong),
@@ -14,7 +14,8 @@ pub(crate) fn asks(task: &Task) -> Option<Asks> {
     }
 }
 
-pub(crate) fn sigmoid(task: &Task) -> Sigmoid {
+/// The shape of what is fitted.
+pub fn sigmoid(task: &Task) -> Sigmoid {
     match task.fit.sigmoid {
         TaskSigmoid::Norm => Sigmoid::Norm,
         TaskSigmoid::Logistic => Sigmoid::Logistic,
@@ -22,8 +23,8 @@ pub(crate) fn sigmoid(task: &Task) -> Sigmoid {
     }
 }
 
-/// What is fitted to its answers.
-pub(crate) fn model(task: &Task) -> Option<fit::Model> {
+/// What is fitted to its answers; `None` of one who sets the level.
+pub fn model(task: &Task) -> Option<fit::Model> {
     Some(fit::Model {
         asks: asks(task)?,
         sigmoid: sigmoid(task),
@@ -33,7 +34,7 @@ pub(crate) fn model(task: &Task) -> Option<fit::Model> {
 }
 
 /// One of its staircases; the last start is that of all further ones.
-pub(crate) fn staircase(plan: &StaircasePlan, track: u8) -> Option<staircase::Staircase> {
+pub fn staircase(plan: &StaircasePlan, track: u8) -> Option<staircase::Staircase> {
     let start = plan.starts.get(usize::from(track)).or(plan.starts.last())?;
     let (scale, steps) = match plan.is_factor {
         true => (staircase::Scale::Logarithmic, [plan.up, plan.down].map(libm::log)),
@@ -53,8 +54,8 @@ pub(crate) fn staircase(plan: &StaircasePlan, track: u8) -> Option<staircase::St
     })
 }
 
-/// The plan of QUEST+; `None` of other methods.
-pub(crate) fn quest(task: &Task) -> Option<quest::Plan> {
+/// The plan of QUEST+; `None` of other methods, and of one who sets the level.
+pub fn quest(task: &Task) -> Option<quest::Plan> {
     let Method::QuestPlus { levels, pse, sigma, lapse, .. } = &task.method else { return None };
     Some(quest::Plan {
         asks: asks(task)?,
@@ -63,5 +64,17 @@ pub(crate) fn quest(task: &Task) -> Option<quest::Plan> {
         thresholds: axis(*pse),
         scales: axis(*sigma),
         lapses: axis(*lapse),
+    })
+}
+
+/// One setting of a person who sets levels, from its planned start, else from those of the task in turn. `None` of other
+/// methods.
+pub fn adjustment(task: &Task, track: u8, start: Option<TaskLevel>) -> Option<adjustment::Plan> {
+    let Method::Adjustment { starts, step, bounds, .. } = &task.method else { return None };
+    Some(adjustment::Plan {
+        starts: [start.unwrap_or(starts[usize::from(track) % 2]).value(); 2],
+        step: step.value(),
+        bounds: bounds.map(TaskLevel::value),
+        settings: 1,
     })
 }
