@@ -36,7 +36,7 @@ pub(super) fn judge(task: &Task, level: TaskLevel, said: Said) -> Result<Judged,
     let has_two = asks.intervals() > 1;
     if !has_two && said.comparison.is_some() {
         return Err(format!(
-            "'{}' has one interval in each presentation, and none that holds the standard",
+            "'{}' has one interval in each presentation, so no interval holds the standard",
             task.id
         ));
     }

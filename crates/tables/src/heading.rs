@@ -4,10 +4,12 @@ use crate::Field;
 use crate::unit::split_unit;
 
 /// Words of names that people write otherwise.
-const WORDS: [(&str, &str); 14] = [
+const WORDS: [(&str, &str); 16] = [
     ("theta", "θ"),
     ("ci", "CI"),
     ("jnd", "JND"),
+    ("pse", "PSE"),
+    ("weber", "Weber"),
     ("icc", "ICC"),
     ("rms", "RMS"),
     ("rmse", "RMSE"),

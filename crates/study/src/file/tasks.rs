@@ -345,7 +345,7 @@ impl Check<'_> {
                 true => "it has no number that can vary".to_owned(),
                 false => format!("there are {}", keys.join(", ")),
             };
-            self.error(&key, format!("'{varies}' is no number of '{id}': {there}"));
+            self.error(&key, format!("'{id}' has no number '{varies}': {there}"));
         }
         number.map(Some)
     }
@@ -1118,7 +1118,7 @@ mod tests {
             "varies",
             "there are stiffness_n_per_rad",
         );
-        check(&line("varies", "varies = \"force_n\""), "varies", "is no number of 'spring'");
+        check(&line("varies", "varies = \"force_n\""), "varies", "has no number");
         check(&line("", "step = 0.2"), "step", "not used with method = \"constant\"");
         check(&line("", "settings = 2"), "settings", "not used with method");
         check(&line("", "catch = 0.7"), "catch", "a share from 0 to 0.5");
