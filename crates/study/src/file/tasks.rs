@@ -195,6 +195,7 @@ impl Check<'_> {
                 self.error(&format!("{at}.id"), problem);
             }
             let Some(task) = self.task(&at, table, around) else { continue };
+            self.compared_as(&format!("{at}.id"), &task, &tasks);
             questions.push(Question {
                 id: task.id.clone(),
                 text: task.text.clone(),
@@ -220,6 +221,28 @@ impl Check<'_> {
             self.error("tasks", problem);
         }
         tasks
+    }
+
+    /// What a task measures is compared as metrics, whose names have its id in lower case, with `_` for `-`.
+    fn compared_as(&mut self, key: &str, task: &Task, before: &[Task]) {
+        for quantity in task.quantities() {
+            let metric = match task.metric(quantity) {
+                Ok(metric) => metric,
+                Err(why) => return self.error(key, format!("{why}; choose a shorter id")),
+            };
+            // Of ids that differ by case alone is told that they stand twice.
+            let is_same = |own: &&Task| {
+                own.metric(quantity).is_ok_and(|id| id == metric)
+                    && !own.id.as_str().eq_ignore_ascii_case(task.id.as_str())
+            };
+            if let Some(own) = before.iter().find(is_same) {
+                let problem = format!(
+                    "'{}' is compared as {metric}, too; choose an id that differs by more than '-' and '_'",
+                    own.id
+                );
+                return self.error(key, problem);
+            }
+        }
     }
 
     /// A task; `None` where its method cannot be told.
@@ -1247,6 +1270,14 @@ mod tests {
         let twice =
             format!("{}\n[[tasks]]\n{}", constant("", ""), constant("id", "id = \"STIFFER\""));
         check_refused(with(&twice), "tasks[1].id", "stands twice");
+    }
+
+    #[test]
+    fn what_tasks_measure_has_a_metric_each() {
+        let id = |id: &str| constant("id", &format!("id = \"{id}\""));
+        let two = format!("{}\n[[tasks]]\n{}", id("how-stiff"), id("how_stiff"));
+        check_refused(with(&two), "tasks[1].id", "compared as pse_how_stiff, too");
+        check_refused(with(&id(&"x".repeat(30))), "tasks[0].id", "choose a shorter id");
     }
 
     #[test]
