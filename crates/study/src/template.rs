@@ -5,7 +5,9 @@ use crate::{SceneKind, StudyId};
 /// A commented `study.toml` for a new study: the thesis' design, ready to edit, and valid
 /// unchanged.
 pub fn template(id: &StudyId) -> String {
-    TEMPLATE.replace("@ID@", id.as_str()).replace("@KINDS@", &kinds())
+    // It names the kinds that the study that comes along was made with: the hash of its text is in every file of that study.
+    // `docs/data.md` has all kinds, and the numbers of each.
+    TEMPLATE.replace("@ID@", id.as_str())
 }
 
 /// A shorter `study.toml`, for recordings that another program made: it assumes nothing of a device.
@@ -216,8 +218,7 @@ confidence = 0.95
 # Vibration that is just felt: "fingertip", "grasped" (strict), or pairs of Hz and um: [[10.0, 10.0], [200.0, 0.1]].
 # vibration = "fingertip"
 
-# What is rendered. kind = @KINDS@ (a questionnaire alone). "force" is a constant one: force_n, above 0
-# against a push into the object. What pushes back can be rendered late by delay_ms, to the nearest tick of the loop.
+# What is rendered. kind = "free", "spring", "wall", "spring_wall" or "none" (a questionnaire alone).
 [[environments]]
 id = "spring"
 label = "Spring"

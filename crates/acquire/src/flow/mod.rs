@@ -25,8 +25,6 @@ mod about;
 mod act;
 mod start;
 #[cfg(test)]
-mod tasks_tests;
-#[cfg(test)]
 mod tests;
 
 use crate::tasks::Tasks;

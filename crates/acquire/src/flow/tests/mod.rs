@@ -1,3 +1,5 @@
+mod tasks;
+
 use super::{About, Action, End, Flow, Halt, Input, Phase, Recorded};
 use crate::tasks::Tasks;
 use proptest::prelude::*;

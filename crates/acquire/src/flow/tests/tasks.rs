@@ -1,6 +1,6 @@
 //! Sessions of tasks: presentations, sequences of levels, and lives that end at any write.
 
-use super::{About, Action, End, Flow, GAP_S, Input, Phase, Recorded};
+use crate::flow::{About, Action, End, Flow, GAP_S, Input, Phase, Recorded};
 use crate::tasks::Tasks;
 use std::collections::BTreeMap;
 use zwidth_study::{
