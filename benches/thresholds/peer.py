@@ -12,6 +12,15 @@ import warnings
 import numpy as np
 
 warnings.simplefilter("ignore")
+
+
+def without_words():
+    """PsychoPy prints remarks among what is asked for."""
+    from psychopy import logging
+
+    logging.console.setLevel(logging.CRITICAL + 1)
+
+
 MASK = (1 << 64) - 1
 
 
@@ -101,6 +110,7 @@ def quest_plus(person, trials, every):
 def main():
     if sys.argv[1] == "fits":
         return fits(sys.argv[2])
+    without_words()
     people, trials, every = map(int, sys.argv[2:5])
     # Where equal steps of one up and two or three down balance: 1/2 to the power of 1/2, or 1/3.
     handlers = [

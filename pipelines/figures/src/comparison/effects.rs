@@ -44,7 +44,11 @@ pub fn effects_compared(
         let id = place.map(|environment| &environment.id);
         let is_here = |row: &&EffectDifference| over_all || row.environment.as_ref() == id;
         let effects: Vec<&EffectDifference> = compared.effects.iter().filter(is_here).collect();
-        if effects.is_empty() {
+        // Where nobody has the metric, as wall penetration without a wall, there is nothing to draw: no means, no effects.
+        let mut cells = compared.cells.iter();
+        let has_cells = cells.any(|cell| place.is_none_or(|own| own.id == cell.environment));
+        let has_none = !has_cells && effects.iter().all(|row| row.difference.is_none());
+        if effects.is_empty() || has_none {
             continue;
         }
         let first_row = row;
@@ -566,6 +570,18 @@ mod tests {
         let (about, found) = (About::of(&study), found(&study));
         let figure = effects_compared(&about, &study.environments, &[], &found);
         assert_eq!(figure.panels.len(), 2, "nothing is compared in the other environment");
+        let mut other = found.clone();
+        other.effects.retain(|row| row.difference.is_none());
+        for row in &mut other.effects {
+            row.environment = Some(study.environments[1].id.clone());
+        }
+        assert!(!other.effects.is_empty());
+        let drawn = effects_compared(&about, &study.environments, &[], &other);
+        assert_eq!(
+            drawn.panels[0].note.as_deref(),
+            Some("nothing to compare"),
+            "nobody has it there"
+        );
         let lines = figure.panels[0].layers.iter().filter_map(|layer| match layer {
             Layer::Line(line) => Some(line.y.clone()),
             _ => None,
