@@ -46,7 +46,8 @@ pub fn effects_compared(
         let effects: Vec<&EffectDifference> = compared.effects.iter().filter(is_here).collect();
         // Where nobody has the metric, as wall penetration without a wall, there is nothing to draw: no means, no effects.
         let mut cells = compared.cells.iter();
-        let has_cells = cells.any(|cell| place.is_none_or(|own| own.id == cell.environment));
+        let has_cells =
+            cells.any(|cell| cell.n > 0 && place.is_none_or(|own| own.id == cell.environment));
         let has_none = !has_cells && effects.iter().all(|row| row.difference.is_none());
         if effects.is_empty() || has_none {
             continue;
