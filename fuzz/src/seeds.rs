@@ -91,8 +91,8 @@ pub fn write() -> Result<(), Any> {
     put("records", "one_job", RECORDS.as_bytes())?;
 
     put("study", "template", &study)?;
-    let rows = "participant,group,age_years\nP01,novice,24\nP02,expert,\n";
-    put("people", "csv", &[&[0], rows.as_bytes()].concat())?;
+    let people = "participant,group,age_years\nP01,novice,24\nP02,expert,\n";
+    put("people", "csv", &[&[0], people.as_bytes()].concat())?;
     let tables = "[P01]\ngroup = \"novice\"\nage_years = 24\n[P02]\ngroup = \"expert\"\n";
     put("people", "toml", &[&[1], tables.as_bytes()].concat())?;
     put("calibration", "thesis", Calibration::thesis().to_toml()?.as_bytes())?;
