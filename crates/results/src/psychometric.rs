@@ -182,6 +182,18 @@ rows! {
         deviance: Option<f64>,
         /// share of answers drawn from the curve that deviate as much
         deviance_p_value: Option<f64>,
+        /// threshold by the posterior on psignifit's grid, where the task asks for it
+        grid_threshold: Option<f64> = UNIT_OF_ROW,
+        /// lower end of its interval
+        grid_threshold_ci_low: Option<f64> = UNIT_OF_ROW,
+        /// upper end of its interval
+        grid_threshold_ci_high: Option<f64> = UNIT_OF_ROW,
+        /// just noticeable difference by that posterior
+        grid_jnd: Option<f64> = UNIT_OF_ROW,
+        /// lower end of its interval
+        grid_jnd_ci_low: Option<f64> = UNIT_OF_ROW,
+        /// upper end of its interval
+        grid_jnd_ci_high: Option<f64> = UNIT_OF_ROW,
         /// share of positive answers at which a staircase settles
         target: Option<f64>,
         /// reversals of staircases, or settings of the person

@@ -23,6 +23,13 @@ pub(crate) fn chi_square(statistic: f64, df: f64) -> Result<ChiSquareTest, Stats
     Ok(ChiSquareTest { statistic, df, p_value: rounded(distribution.sf(statistic)) })
 }
 
+/// The χ² with P(χ²(df) ≤ χ²) = `share`.
+pub(crate) fn chi_square_quantile(share: f64, df: f64) -> Result<f64, StatsError> {
+    check_level(share)?;
+    let distribution = ChiSquared::new(df).map_err(|_| StatsError::DegreesOfFreedom { df })?;
+    Ok(rounded(distribution.inverse_cdf(share)))
+}
+
 /// P(F ≥ `f`) with `num` and `den` degrees of freedom.
 pub(crate) fn f_tail(f: f64, num: f64, den: f64) -> Result<f64, StatsError> {
     let distribution = FisherSnedecor::new(num, den)

@@ -8,13 +8,15 @@ use std::collections::BTreeMap;
 use zwidth_results::{
     FitVerdict, FittedShare, LevelMethod, LevelTally, Presentation, PsychometricFit,
 };
+use zwidth_stats::interval;
 use zwidth_stats::null::Sampling;
 use zwidth_stats::psychometric::fit::{self, Fitted, Side, Verdict};
 use zwidth_stats::psychometric::{
-    AnsweredLevel, Curve, adjustment, deviance, plans, quest, staircase,
+    AnsweredLevel, Curve, LevelAnswers, adjustment, deviance, grid, plans, quest, staircase,
 };
 use zwidth_study::{
-    Method, ModeId, ParticipantId, QuestionId, SessionId, StaircasePlan, Task, TaskQuantity,
+    Method, ModeId, ParticipantId, QuestionId, SessionId, StaircasePlan, Task, TaskEstimate,
+    TaskQuantity,
 };
 
 /// Draws of the deviance have this seed, so that a fit has one p value.
@@ -23,6 +25,8 @@ const SEED: u64 = 56;
 const CURVE_STEPS: usize = 80;
 /// The fewest settings that have a spread.
 const FEWEST_SETTINGS: usize = 2;
+/// The fewest staircases whose spread says how far their mean may be off.
+const FEWEST_STAIRCASES: usize = 3;
 
 /// What fits depend on besides the answers.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -95,10 +99,10 @@ fn found(own: &Own, parameters: &Parameters) -> (Option<PsychometricFit>, Vec<us
     let row = match &own.task.method {
         Method::Constant { .. } => of_curve(own, parameters, empty),
         Method::Staircase(plan) => {
-            let (row, reversals) = of_staircases(own, plan, empty);
+            let (row, reversals) = of_staircases(own, plan, parameters.level, empty);
             return (Some(row), reversals);
         }
-        Method::QuestPlus { .. } => of_quest(own, empty),
+        Method::QuestPlus { .. } => of_quest(own, parameters.level, empty),
         Method::Adjustment { .. } => of_settings(own, parameters.level, empty),
     };
     (Some(row), Vec::new())
@@ -148,6 +152,12 @@ fn empty(own: &Own) -> Option<PsychometricFit> {
         dispersion: None,
         deviance: None,
         deviance_p_value: None,
+        grid_threshold: None,
+        grid_threshold_ci_low: None,
+        grid_threshold_ci_high: None,
+        grid_jnd: None,
+        grid_jnd_ci_low: None,
+        grid_jnd_ci_high: None,
         target: None,
         turns: is_set.then_some(settings),
         is_at_bound: false,
@@ -172,6 +182,10 @@ fn of_curve(own: &Own, parameters: &Parameters, row: PsychometricFit) -> Psychom
         Err(error) => return refused(row, error),
     };
     let row = PsychometricFit { verdict: verdict(fit.verdict), ..row };
+    let row = match own.task.estimate {
+        TaskEstimate::Grid => with_grid(row, &answers, &model, parameters.level),
+        TaskEstimate::Likelihood => row,
+    };
     let Some(fitted) = fit.fitted else { return row };
     let sampling = Sampling { draws: parameters.draws, seed: SEED };
     let p_value = deviance::p_value(&answers, &model, &fitted.curve, sampling);
@@ -190,6 +204,26 @@ fn of_curve(own: &Own, parameters: &Parameters, row: PsychometricFit) -> Psychom
         deviance: Some(fitted.deviance),
         deviance_p_value: p_value,
         ..with_curve(own, row, &curve)
+    }
+}
+
+/// psignifit's posterior beside it, in which answers may scatter more than binomial ones; nothing where it has none.
+fn with_grid(
+    row: PsychometricFit,
+    answers: &[LevelAnswers],
+    model: &fit::Model,
+    level: f64,
+) -> PsychometricFit {
+    let grid = grid::Grid { asks: model.asks, sigmoid: model.sigmoid, is_overdispersed: true };
+    let Ok(posterior) = grid::posterior(answers, &grid, level) else { return row };
+    PsychometricFit {
+        grid_threshold: Some(posterior.threshold.mean),
+        grid_threshold_ci_low: Some(posterior.threshold.ci_low),
+        grid_threshold_ci_high: Some(posterior.threshold.ci_high),
+        grid_jnd: Some(posterior.jnd.mean),
+        grid_jnd_ci_low: Some(posterior.jnd.ci_low),
+        grid_jnd_ci_high: Some(posterior.jnd.ci_high),
+        ..row
     }
 }
 
@@ -233,11 +267,12 @@ struct Turned {
     follows_plan: bool,
 }
 
-/// Staircases: the mean of their last reversals, of several their mean, on the scale of their steps. They have no JND:
-/// the slope of answers that gather around one level is found two times too steep after 60 trials.
+/// Staircases: the mean of their last reversals, of several their mean, on the scale of their steps, from three on with
+/// Student's t interval. They have no JND: the slope of answers that gather around one level is found two times too steep after 60 trials.
 fn of_staircases(
     own: &Own,
     plan: &StaircasePlan,
+    level: f64,
     row: PsychometricFit,
 ) -> (PsychometricFit, Vec<usize>) {
     let target =
@@ -265,7 +300,14 @@ fn of_staircases(
         );
         return (PsychometricFit { remark: Some(remark.into()), ..row }, reversals);
     }
+    let scaled = |value: &f64| if plan.is_factor { libm::log(*value) } else { *value };
+    let back = |value: f64| if plan.is_factor { libm::exp(value) } else { value };
+    let values: Vec<f64> = found.iter().map(scaled).collect();
+    let interval = interval::mean(&values, level).ok().and_then(|mean| mean.interval);
+    let interval = interval.filter(|_| values.len() >= FEWEST_STAIRCASES);
     let threshold = mean(&found, plan.is_factor);
+    // Of a logarithm's error that of the threshold, to first order.
+    let error_of = |error: f64| if plan.is_factor { threshold * error } else { error };
     let remark = if !all.iter().all(|own| own.follows_plan) {
         let words =
             "the levels are not those that plan and answers give; reversals are where they turned";
@@ -278,6 +320,11 @@ fn of_staircases(
     let row = PsychometricFit {
         verdict: FitVerdict::Estimated,
         threshold: Some(threshold),
+        threshold_ci_low: interval.map(|interval| back(interval.ci_low)),
+        threshold_ci_high: interval.map(|interval| back(interval.ci_high)),
+        threshold_std_error: interval
+            .map(|interval| error_of(interval.std_error))
+            .filter(|error| *error > 0.0),
         remark,
         ..row
     };
@@ -362,8 +409,8 @@ fn turned(
     })
 }
 
-/// QUEST+: the means of its posterior.
-fn of_quest(own: &Own, row: PsychometricFit) -> PsychometricFit {
+/// QUEST+: the means of its posterior, and the intervals that leave as much of it below as above.
+fn of_quest(own: &Own, level: f64, row: PsychometricFit) -> PsychometricFit {
     let Some(plan) = plans::quest(own.task) else {
         return refused(row, "QUEST+ takes an answer of two");
     };
@@ -372,22 +419,41 @@ fn of_quest(own: &Own, row: PsychometricFit) -> PsychometricFit {
     }
     // The posterior does not depend on the order of the answers, and takes their levels as they were.
     let answers = levels::answers(own);
-    let posterior = match quest::posterior(&plan, &answers) {
+    let posterior = match quest::posterior(&plan, &answers, level) {
         Ok(posterior) => posterior,
         Err(error) => return refused(row, error),
     };
     let curve = posterior.curve(&plan);
-    let beyond = "the posterior reaches an end of its grid: threshold or JND may lie beyond";
+    // Of a grid with one threshold or one σ nothing is left to tell.
+    let has_thresholds = posterior.threshold_sd > 0.0;
+    let has_jnds = posterior.ln_jnd_sd > 0.0;
+    let remark = if posterior.is_at_edge {
+        Some("the posterior reaches an end of its grid: threshold or JND may lie beyond".into())
+    } else if has_thresholds && is_narrow(&plan.thresholds, posterior.threshold_sd) {
+        let words = "the threshold's posterior is narrower than a step of its grid, and its interval too wide";
+        Some(words.into())
+    } else {
+        None
+    };
     PsychometricFit {
         verdict: FitVerdict::Estimated,
-        threshold: Some(posterior.threshold),
-        threshold_std_error: Some(posterior.threshold_sd).filter(|sd| *sd > 0.0),
+        threshold: Some(posterior.threshold.mean),
+        threshold_ci_low: has_thresholds.then_some(posterior.threshold.ci_low),
+        threshold_ci_high: has_thresholds.then_some(posterior.threshold.ci_high),
+        threshold_std_error: has_thresholds.then_some(posterior.threshold_sd),
         jnd: Some(curve.jnd()),
-        ln_jnd_std_error: Some(posterior.ln_jnd_sd).filter(|sd| *sd > 0.0),
+        jnd_ci_low: has_jnds.then_some(posterior.jnd.ci_low),
+        jnd_ci_high: has_jnds.then_some(posterior.jnd.ci_high),
+        ln_jnd_std_error: has_jnds.then_some(posterior.ln_jnd_sd),
         is_at_bound: posterior.is_at_edge,
-        remark: posterior.is_at_edge.then(|| beyond.into()),
+        remark,
         ..with_curve(own, row, &curve)
     }
+}
+
+/// Whether a deviation is less than half of a step along an axis.
+fn is_narrow(axis: &[f64], sd: f64) -> bool {
+    axis.windows(2).any(|pair| sd < 0.5 * (pair[1] - pair[0]))
 }
 
 /// Settings: PSE = mean, JND = 0.6745 SD.
@@ -410,6 +476,9 @@ fn of_settings(own: &Own, level: f64, row: PsychometricFit) -> PsychometricFit {
         threshold_ci_high: Some(found.threshold.ci_high),
         threshold_std_error: has_spread.then_some(found.threshold.std_error),
         jnd: has_spread.then_some(found.jnd),
+        jnd_ci_low: has_spread.then_some(found.jnd_interval[0]),
+        jnd_ci_high: has_spread.then_some(found.jnd_interval[1]),
+        ln_jnd_std_error: has_spread.then_some(found.ln_jnd_error),
         weber_fraction: weber_fraction(own, found.jnd).filter(|_| has_spread),
         remark: (!has_spread).then(|| alike.into()),
         ..row

@@ -331,6 +331,23 @@ fn who_has_no_threshold_is_named_and_does_not_go_on() {
     assert!(told[0].contains("P05 S01 in active (too few)"), "{told:?}");
 }
 
+#[test]
+fn psignifits_posterior_stands_beside_where_a_task_asks_for_it() {
+    let asked = Task { estimate: TaskEstimate::Grid, ..stiffer() };
+    let own = answers(1, 0, &counts(1, 0));
+    let [beside, alone] =
+        [asked, stiffer()].map(|task| thresholds(&own, &parameters(task)).fits[0].clone());
+    assert_eq!((alone.grid_threshold, alone.grid_jnd_ci_low), (None, None));
+    // Few answers leave the priors some weight: nearer to each other than their standard errors.
+    let off = (beside.grid_threshold.unwrap() - beside.threshold.unwrap()).abs();
+    assert!(off < beside.threshold_std_error.unwrap(), "{beside:?}");
+    let ends = [beside.grid_jnd_ci_low, beside.grid_jnd, beside.grid_jnd_ci_high];
+    assert!(ends.is_sorted() && ends[0] > Some(0.0), "{beside:?}");
+    let ends = [beside.grid_threshold_ci_low, beside.grid_threshold, beside.grid_threshold_ci_high];
+    assert!(ends.is_sorted() && ends[0] < ends[2], "{beside:?}");
+    assert_eq!((beside.threshold, beside.jnd), (alone.threshold, alone.jnd));
+}
+
 /// One up, one down, in steps of 1 from 5: answers say yes from 4 on.
 #[test]
 fn staircases_turn_at_the_threshold_and_have_no_jnd() {
@@ -347,6 +364,24 @@ fn staircases_turn_at_the_threshold_and_have_no_jnd() {
         most_trials: 40,
     };
     let task = task(Asks::MoreLess, "force_n", 4.0, Method::Staircase(plan));
+    // Three that take turns, of one whose threshold lies at 3.5 twice and then at 4.5: SciPy's `t.interval(0.95, 2, …)`.
+    let mut three = Vec::new();
+    for (track, limit) in [3.5, 3.5, 4.5].into_iter().enumerate() {
+        let mut at = 5.0;
+        while three.iter().filter(|own: &&Answered| usize::from(own.track) == track).count()
+            < 8 - track / 2
+        {
+            let response = if at > limit { Response::Positive } else { Response::Negative };
+            let number = three.len() as u32 + 1;
+            three.push(Answered { track: track as u8, ..answer(1, 0, number, at, response) });
+            at += if at > limit { -1.0 } else { 1.0 };
+        }
+    }
+    let of_three = &thresholds(&three, &parameters(task.clone())).fits[0];
+    near(of_three.threshold.unwrap(), 3.833_333_333_333_333, 1e-12);
+    near(of_three.threshold_std_error.unwrap(), 0.333_333_333_333_333, 1e-12);
+    near(of_three.threshold_ci_low.unwrap(), 2.399_115_756_750_18, 1e-9);
+    near(of_three.threshold_ci_high.unwrap(), 5.267_550_909_916_487, 1e-9);
     let mut at = 5.0;
     let mut all = Vec::new();
     for number in 1..=8 {
@@ -360,6 +395,7 @@ fn staircases_turn_at_the_threshold_and_have_no_jnd() {
     assert_eq!(levels, [5.0, 4.0, 3.0, 4.0, 3.0, 4.0, 3.0, 4.0]);
     assert_eq!((fit.verdict, fit.threshold), (FitVerdict::Estimated, Some(3.5)));
     assert_eq!((fit.quantity, fit.jnd, fit.turns), (TaskQuantity::Pse, None, Some(6)));
+    assert_eq!((fit.threshold_ci_low, fit.threshold_std_error), (None, None));
     near(fit.target.unwrap(), 0.5, 1e-9);
     let turned: Vec<bool> = found.presentations.iter().map(|row| row.is_reversal).collect();
     assert_eq!(turned, [false, false, true, true, true, true, true, true]);
@@ -408,10 +444,13 @@ fn settings_have_their_mean_and_the_spread_of_the_probable_error() {
     // SciPy, as in the tests of `zwidth_stats`.
     near(fit.threshold.unwrap(), 299.666_666_666_666_7, 1e-9);
     near(fit.jnd.unwrap(), 4.913_446_806_490_53, 1e-9);
+    near(fit.jnd_ci_low.unwrap(), 3.067_012_815_285_231_4, 1e-9);
+    near(fit.jnd_ci_high.unwrap(), 12.050_788_369_586_632, 1e-9);
     assert_eq!((fit.turns, fit.quantity), (Some(6), TaskQuantity::Pse));
     let alike: Vec<Answered> = (1..=3).map(|n| answer(1, 0, n, 300.0, Response::Set)).collect();
     let fit = &thresholds(&alike, &parameters(task)).fits[0];
     assert_eq!((fit.verdict, fit.threshold, fit.jnd), (FitVerdict::Estimated, Some(300.0), None));
+    assert_eq!((fit.jnd_ci_low, fit.ln_jnd_std_error), (None, None));
 }
 
 #[test]
@@ -432,6 +471,14 @@ fn quest_plus_gives_its_posterior_means_and_says_where_its_grid_ends() {
     near(fit.threshold.unwrap(), 300.0, 1e-3);
     near(fit.jnd.unwrap(), 0.6745 * fit.sigma.unwrap(), 1e-4);
     assert!(fit.threshold_std_error.unwrap() > 2.0 && fit.ln_jnd_std_error.unwrap() > 0.05);
+    // So is the interval, and of a posterior near a normal one it ends about 1.96 deviations off.
+    let half = fit.threshold_ci_high.unwrap() - 300.0;
+    near(300.0 - fit.threshold_ci_low.unwrap(), half, 1e-3);
+    near(half, 1.96 * fit.threshold_std_error.unwrap(), 0.1);
+    assert!(fit.jnd_ci_low < fit.jnd && fit.jnd < fit.jnd_ci_high && fit.remark.is_none());
+    let many: Vec<_> = counts.iter().map(|(at, n, more)| (*at, 100 * n, 100 * more)).collect();
+    let fit = &thresholds(&answers(1, 0, &many), &parameters(task.clone())).fits[0];
+    assert!(fit.remark.as_ref().unwrap().to_string().contains("narrower than a step"));
     let low = [(210.0, 20, 14), (225.0, 20, 18), (240.0, 20, 19)];
     let fit = &thresholds(&answers(1, 0, &low), &parameters(task)).fits[0];
     assert!(fit.is_at_bound && fit.remark.is_some());

@@ -8,6 +8,7 @@ use super::PARTS;
 use super::curve::NORMAL_QUARTILE;
 use crate::error::{StatsError, all_finite};
 use crate::interval::{self, Estimate};
+use crate::reference::chi_square_quantile;
 use crate::tested::Unestimable;
 
 /// What the settings of one person tell.
@@ -17,6 +18,10 @@ pub struct Adjusted {
     pub threshold: Estimate,
     /// The JND, in the unit of the stimulus; 0 of settings that are all equal.
     pub jnd: f64,
+    /// Its interval, that of the standard deviation of normal settings: (n − 1) s²/σ² is χ² with n − 1 degrees of freedom.
+    pub jnd_interval: [f64; 2],
+    /// Standard error of ln JND, 1/√(2 (n − 1)).
+    pub ln_jnd_error: f64,
 }
 
 /// PSE and JND of `settings`, the interval at `confidence`.
@@ -26,7 +31,15 @@ pub struct Adjusted {
 pub fn adjustment(settings: &[f64], confidence: f64) -> Result<Adjusted, Unestimable> {
     let mean = interval::mean(settings, confidence)?;
     match (mean.interval, mean.sd) {
-        (Some(threshold), Some(sd)) => Ok(Adjusted { threshold, jnd: NORMAL_QUARTILE * sd }),
+        (Some(threshold), Some(sd)) => {
+            let jnd = NORMAL_QUARTILE * sd;
+            let df = threshold.df;
+            let tail = (1.0 - confidence) / 2.0;
+            let most = chi_square_quantile(1.0 - tail, df)?;
+            let least = chi_square_quantile(tail, df)?;
+            let jnd_interval = [most, least].map(|end| jnd * (df / end).sqrt());
+            Ok(Adjusted { threshold, jnd, jnd_interval, ln_jnd_error: (0.5 / df).sqrt() })
+        }
         _ => Err(Unestimable::TooFew { units: "settings", found: settings.len(), needed: 2 }),
     }
 }
@@ -169,6 +182,10 @@ mod tests {
         near(found.threshold.ci_low, 292.021_856_360_853_63);
         near(found.threshold.ci_high, 307.311_476_972_479_74);
         near(found.jnd, 4.913_446_806_490_53);
+        // `found.jnd * np.sqrt(5 / chi2.ppf([0.975, 0.025], 5))`.
+        near(found.jnd_interval[0], 3.067_012_815_285_231_4);
+        near(found.jnd_interval[1], 12.050_788_369_586_632);
+        near(found.ln_jnd_error, libm::sqrt(0.1));
     }
 
     #[test]

@@ -23,11 +23,13 @@ pub mod deviance;
 pub mod fit;
 pub mod grid;
 mod likelihood;
+mod marginal;
 pub mod plans;
 pub mod quest;
 pub mod staircase;
 
 pub use curve::{Asks, Curve, Sigmoid};
+pub use marginal::Marginal;
 
 use crate::error::StatsError;
 

@@ -10,8 +10,9 @@
 //! loops and all logarithms libm's, so the levels of a plan and its answers are the same on any machine.
 
 use super::curve::{Asks, Curve, Sigmoid};
+use super::marginal::{Marginal, marginal};
 use super::{LevelAnswers, PARTS, by_level};
-use crate::error::{StatsError, all_finite};
+use crate::error::{StatsError, all_finite, check_level};
 use std::sync::Arc;
 
 /// Information, in nats, within which levels are equal; also the share within which masses are.
@@ -153,8 +154,8 @@ impl Quest {
 
     /// What the answers tell so far.
     pub fn track(&self) -> Track {
-        let Posterior { threshold, scale, lapse, is_at_edge, .. } =
-            summed(&self.grid.plan, &self.grid.cells, &self.posterior);
+        let Means { threshold, scale, lapse, is_at_edge } =
+            means(&self.grid.plan, &self.grid.cells, &self.posterior);
         Track {
             levels: self.levels.clone(),
             next: self.next_level(),
@@ -170,12 +171,14 @@ impl Quest {
 /// What answers tell on the grid of a plan, whichever way their levels were chosen.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Posterior {
-    /// Posterior mean of the threshold.
-    pub threshold: f64,
+    /// The threshold, in the unit of the stimulus.
+    pub threshold: Marginal,
     /// Its posterior standard deviation.
     pub threshold_sd: f64,
     /// Posterior mean of σ.
     pub scale: f64,
+    /// The JND, in the unit of the stimulus.
+    pub jnd: Marginal,
     /// Posterior standard deviation of ln JND.
     pub ln_jnd_sd: f64,
     /// Posterior mean of λ.
@@ -188,16 +191,21 @@ impl Posterior {
     /// The curve of the posterior means.
     pub fn curve(&self, plan: &Plan) -> Curve {
         let Self { threshold, scale, lapse, .. } = *self;
-        Cell { threshold, scale, lapse }.curve(plan)
+        Cell { threshold: threshold.mean, scale, lapse }.curve(plan)
     }
 }
 
-/// The posterior of answers at any levels, in any order.
+/// The posterior of answers at any levels, in any order, with intervals at `confidence`.
 ///
 /// # Errors
-/// Those of [`track`], levels that are not finite, more positive answers than trials.
-pub fn posterior(plan: &Plan, answers: &[LevelAnswers]) -> Result<Posterior, StatsError> {
+/// Those of [`track`], levels that are not finite, more positive answers than trials, `confidence` outside (0, 1).
+pub fn posterior(
+    plan: &Plan,
+    answers: &[LevelAnswers],
+    confidence: f64,
+) -> Result<Posterior, StatsError> {
     check(plan)?;
+    check_level(confidence)?;
     let answers = by_level(answers)?;
     let cells = cells(plan);
     let mut posterior = vec![1.0 / cells.len() as f64; cells.len()];
@@ -221,7 +229,25 @@ pub fn posterior(plan: &Plan, answers: &[LevelAnswers]) -> Result<Posterior, Sta
             trial += 1;
         }
     }
-    Ok(summed(plan, &cells, &posterior))
+    let of = |read: &dyn Fn(&Cell) -> f64| {
+        let values = cells.iter().zip(&posterior).map(|(cell, mass)| [read(cell), *mass]);
+        let values: Vec<[f64; 2]> = values.collect();
+        let mean: f64 = values.iter().map(|[value, mass]| value * mass).sum();
+        let square: f64 = values.iter().map(|[value, mass]| mass * (value - mean).powi(2)).sum();
+        (marginal(values, confidence), square.sqrt())
+    };
+    let (threshold, threshold_sd) = of(&|cell| cell.threshold);
+    let jnd = |cell: &Cell| cell.curve(plan).jnd();
+    let Means { scale, lapse, is_at_edge, .. } = means(plan, &cells, &posterior);
+    Ok(Posterior {
+        threshold,
+        threshold_sd,
+        scale,
+        jnd: of(&jnd).0,
+        ln_jnd_sd: of(&|cell| libm::log(jnd(cell))).1,
+        lapse,
+        is_at_edge,
+    })
 }
 
 /// The curves of the grid.
@@ -237,14 +263,17 @@ fn cells(plan: &Plan) -> Vec<Cell> {
     cells
 }
 
-/// Means, deviations and ends of a posterior.
-fn summed(plan: &Plan, cells: &[Cell], posterior: &[f64]) -> Posterior {
-    let mean = |read: &dyn Fn(&Cell) -> f64| -> f64 {
+/// The means of a posterior, and whether an end of its grid has much of it.
+struct Means {
+    threshold: f64,
+    scale: f64,
+    lapse: f64,
+    is_at_edge: bool,
+}
+
+fn means(plan: &Plan, cells: &[Cell], posterior: &[f64]) -> Means {
+    let mean = |read: fn(&Cell) -> f64| -> f64 {
         cells.iter().zip(posterior).map(|(cell, mass)| mass * read(cell)).sum()
-    };
-    let sd = |read: &dyn Fn(&Cell) -> f64| -> f64 {
-        let middle = mean(read);
-        mean(&|cell| (read(cell) - middle).powi(2)).sqrt()
     };
     let mass_at = |read: fn(&Cell) -> f64, value: f64| -> f64 {
         let with_value = |cell: &Cell| read(cell).total_cmp(&value).is_eq();
@@ -259,12 +288,10 @@ fn summed(plan: &Plan, cells: &[Cell], posterior: &[f64]) -> Posterior {
         }
         _ => false, // one value is known, and has no end
     };
-    Posterior {
-        threshold: mean(&|cell| cell.threshold),
-        threshold_sd: sd(&|cell| cell.threshold),
-        scale: mean(&|cell| cell.scale),
-        ln_jnd_sd: sd(&|cell| libm::log(cell.curve(plan).jnd())),
-        lapse: mean(&|cell| cell.lapse),
+    Means {
+        threshold: mean(|cell| cell.threshold),
+        scale: mean(|cell| cell.scale),
+        lapse: mean(|cell| cell.lapse),
         is_at_edge: is_at_end(&plan.thresholds, |cell| cell.threshold)
             || is_at_end(&plan.scales, |cell| cell.scale),
     }
@@ -534,9 +561,9 @@ mod tests {
                 positive: u64::from(*is_positive),
             })
             .collect();
-        let found = posterior(&plan, &tallied).unwrap();
+        let found = posterior(&plan, &tallied, 0.95).unwrap();
         let pairs = [
-            (found.threshold, tracked.threshold),
+            (found.threshold.mean, tracked.threshold),
             (found.scale, tracked.scale),
             (found.lapse, tracked.lapse),
         ];
@@ -545,9 +572,16 @@ mod tests {
         }
         assert_eq!(found.is_at_edge, tracked.is_at_edge);
         // Answers leave less doubt than there was before the first.
-        let before = posterior(&plan, &[]).unwrap();
+        let before = posterior(&plan, &[], 0.95).unwrap();
         assert!(found.threshold_sd < before.threshold_sd && found.threshold_sd > 0.0);
         assert!(found.ln_jnd_sd > 0.0);
-        assert!((found.curve(&plan).threshold() - found.threshold).abs() < 1e-9);
+        assert!((found.curve(&plan).threshold() - found.threshold.mean).abs() < 1e-9);
+        // The interval holds the mean and, of a half, half of what the other holds.
+        let half = posterior(&plan, &tallied, 0.5).unwrap();
+        for (wide, narrow) in [(found.threshold, half.threshold), (found.jnd, half.jnd)] {
+            let ends = [wide.ci_low, narrow.ci_low, wide.mean, narrow.ci_high, wide.ci_high];
+            assert!(ends.is_sorted() && wide.ci_low < narrow.ci_low, "{ends:?}");
+        }
+        assert!(posterior(&plan, &tallied, 95.0).is_err());
     }
 }

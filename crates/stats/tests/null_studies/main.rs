@@ -20,6 +20,7 @@ mod metric;
 mod page;
 mod practice;
 mod predicted;
+mod procedures;
 mod thresholds;
 
 use drawn::{Kind, Measured, differences, kinds};
@@ -120,8 +121,16 @@ fn lines_over_doses_find_nothing_more_often_than_they_promise() {
 #[test]
 fn intervals_of_thresholds_hold_the_truth_as_often_as_they_promise() {
     let kinds = thresholds::kinds().into_iter().map(|kind| (kind.name(), kind)).collect();
-    hold(12, "Thresholds: 7 levels, one person", kinds, |kind| {
+    hold(13, "Thresholds: 7 levels, one person", kinds, |kind| {
         thresholds::tests(kind, studies_of(250))
+    });
+}
+
+#[test]
+fn intervals_of_thresholds_by_procedures_hold_the_truth_as_often_as_they_promise() {
+    let kinds = procedures::kinds().into_iter().map(|kind| (kind.name(), kind)).collect();
+    hold(14, "Thresholds: staircases, QUEST+ and settings, one person", kinds, |kind| {
+        procedures::tests(kind, studies_of(250))
     });
 }
 

@@ -4,6 +4,7 @@ use crate::drawn::uniform;
 use crate::judged::{ALPHA, Asked, Judged, LEVEL, Said, judge};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
+use std::collections::BTreeMap;
 use zwidth_stats::null::Sampling;
 use zwidth_stats::psychometric::deviance;
 use zwidth_stats::psychometric::fit::{Fit, LAPSE, Model, Profiled, fit};
@@ -12,12 +13,12 @@ use zwidth_stats::psychometric::{Asks, Curve, LevelAnswers, Sigmoid};
 /// Levels: 210, 240, … 390 N/m.
 const LEVELS: usize = 7;
 const LOWEST: f64 = 210.0;
-const STEP: f64 = 30.0;
+pub(crate) const STEP: f64 = 30.0;
 /// Trials are given to the levels in this order, so that those left over lie around the middle.
 const ORDER: [usize; LEVELS] = [3, 2, 4, 1, 5, 0, 6];
 /// The JND is one step. Thresholds are even over the step in the middle.
-const JND: f64 = 30.0;
-const MIDDLE: f64 = 300.0;
+pub(crate) const JND: f64 = 30.0;
+pub(crate) const MIDDLE: f64 = 300.0;
 /// The largest share of intervals of 95 % that may hold the truth.
 const MOST_COVERED: f64 = 0.98;
 /// Draws of a deviance: fewer than the product's, and as exact.
@@ -50,28 +51,59 @@ impl Thresholds {
         let Self { trials, lapse, scatter } = self;
         format!("{trials} trials, λ = {lapse}, η = {scatter}")
     }
+}
 
-    fn answers(&self, curve: &Curve, rng: &mut ChaCha8Rng) -> Vec<LevelAnswers> {
-        let mut trials = [0; LEVELS];
-        (0..self.trials).for_each(|trial| trials[ORDER[trial % LEVELS]] += 1);
-        let counts = trials.iter().enumerate().map(|(place, trials)| {
-            let level = LOWEST + STEP * place as f64;
-            let share = curve.share(level);
-            // Pólya's urn: counts of a share that is itself a Beta variable. Without scatter it never changes.
-            let start = self.scatter.powi(-2) - 1.0;
-            let mut positive = 0;
-            for trial in 0..*trials {
-                let chance = if start.is_finite() {
-                    (share * start + positive as f64) / (start + trial as f64)
-                } else {
-                    share
-                };
-                positive += u64::from(uniform(rng) < chance);
-            }
-            LevelAnswers { level, trials: *trials, positive }
-        });
-        counts.collect()
+/// A person whose curve is known.
+pub(crate) struct Person {
+    pub(crate) curve: Curve,
+    scatter: f64,
+    /// By level, in millionths: trials, and of these the positive ones.
+    told: BTreeMap<i64, [u64; 2]>,
+}
+
+impl Person {
+    /// With guesses of γ, lapses of λ, answers that scatter by η, and a threshold that any study has for itself.
+    pub(crate) fn new(guess: f64, lapse: f64, scatter: f64, rng: &mut ChaCha8Rng) -> Self {
+        let location = MIDDLE + STEP * (uniform(rng) - 0.5);
+        let mut curve = Curve { sigmoid: Sigmoid::Norm, location, scale: 1.0, guess, lapse };
+        curve.scale = JND / curve.jnd();
+        Self { curve, scatter, told: BTreeMap::new() }
     }
+
+    /// What the person says at a level: Pólya's urn gives counts of a share that is itself a Beta variable. Without scatter
+    /// it never changes.
+    pub(crate) fn says(&mut self, level: f64, rng: &mut ChaCha8Rng) -> bool {
+        let share = self.curve.share(level);
+        let start = self.scatter.powi(-2) - 1.0;
+        let [trials, positive] = self.told.entry((level * 1e6).round() as i64).or_default();
+        let chance = if start.is_finite() {
+            (share * start + *positive as f64) / (start + *trials as f64)
+        } else {
+            share
+        };
+        let is_positive = uniform(rng) < chance;
+        *trials += 1;
+        *positive += u64::from(is_positive);
+        is_positive
+    }
+
+    /// All that was said, by level.
+    pub(crate) fn answers(&self) -> Vec<LevelAnswers> {
+        let answers = self.told.iter().map(|(level, [trials, positive])| LevelAnswers {
+            level: *level as f64 / 1e6,
+            trials: *trials,
+            positive: *positive,
+        });
+        answers.collect()
+    }
+}
+
+/// Whether an interval holds the truth: where there is one, and an end that is not there holds everything on its side.
+pub(crate) fn covered(interval: Option<[Option<f64>; 2]>, truth: f64) -> Said {
+    let covers = interval.map(|[low, high]| {
+        low.is_none_or(|low| low <= truth) && high.is_none_or(|high| truth <= high)
+    });
+    Said { rejects: None, covers }
 }
 
 /// Intervals as the product gives them, beside those without φ and with λ fixed at 0, and the test of the deviance. An
@@ -100,16 +132,12 @@ pub(crate) fn tests(kind: Thresholds, studies: usize) -> Vec<Judged> {
     ];
     judge(studies, tests, |study| {
         let mut rng = ChaCha8Rng::seed_from_u64(study);
-        let truth = MIDDLE + STEP * (uniform(&mut rng) - 0.5);
-        let mut curve = Curve {
-            sigmoid: Sigmoid::Norm,
-            location: truth,
-            scale: 1.0,
-            guess: kind.lapse,
-            lapse: kind.lapse,
-        };
-        curve.scale = JND / curve.jnd();
-        let answers = kind.answers(&curve, &mut rng);
+        let mut person = Person::new(kind.lapse, kind.lapse, kind.scatter, &mut rng);
+        for trial in 0..kind.trials {
+            person.says(LOWEST + STEP * ORDER[trial % LEVELS] as f64, &mut rng);
+        }
+        let truth = person.curve.threshold();
+        let answers = person.answers();
         let model = Model {
             asks: Asks::WhichWasMore,
             sigmoid: Sigmoid::Norm,
@@ -124,11 +152,7 @@ pub(crate) fn tests(kind: Thresholds, studies: usize) -> Vec<Judged> {
         let binomial = fitted(Model { is_constant: false, ..model });
         let without_lapses = fitted(Model { lapse: [0.0, 0.0], ..model });
         let said = |profiled: Option<Profiled>, truth: f64| {
-            let covers = profiled.map(|profiled| {
-                profiled.ci_low.is_none_or(|low| low <= truth)
-                    && profiled.ci_high.is_none_or(|high| truth <= high)
-            });
-            Said { rejects: None, covers }
+            covered(profiled.map(|profiled| [profiled.ci_low, profiled.ci_high]), truth)
         };
         let with_both = |profiled: Option<Profiled>, truth: f64| {
             let covers = profiled.map(|Profiled { ci_low, ci_high, .. }| {
