@@ -68,9 +68,6 @@ cargo xtask messages                   every text that a person can be told, wit
 cargo xtask reliability                write what was tried into docs/reliability.md
 cargo xtask encodings STUDY            measure column encodings on a study under raw/: size and speed";
 
-/// Soaks that take long even in a program that is built for speed.
-const LONG: [&str; 5] = ["compared", "simulate", "simulate-twin", "wire", "wire-sessions"];
-
 fn main() -> anyhow::Result<()> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
@@ -112,9 +109,6 @@ fn main() -> anyhow::Result<()> {
 
 /// A soak by its word and what is said of it: two numbers, as a rule.
 fn soak_by_word(chore: &str, rest: &[&str]) -> anyhow::Result<()> {
-    if cfg!(debug_assertions) && LONG.contains(&chore) {
-        return soak::optimised(&[&[chore][..], rest].concat());
-    }
     match chore {
         "kill" => kill::kill(number(rest, 0, 1000)?, number(rest, 1, 1)?),
         "kill-tasks" => kill_tasks::kill_tasks(number(rest, 0, 100)?, number(rest, 1, 1)?),

@@ -8,7 +8,6 @@
 //! too. They may leave a trace only by chance: samples lost around the turn of a motion can leave
 //! one sample that stands alone.
 
-use super::optimised;
 use crate::shell::{remove, scratch};
 use crate::tried::held;
 use anyhow::{Context as _, ensure};
@@ -156,9 +155,6 @@ const MISTAKES: [(&str, bool, Spoil); 34] = [
 
 /// Tries so many seeds, one mistake each and as many clean studies.
 pub(crate) fn mistakes(studies: u64, first: u64) -> anyhow::Result<()> {
-    if cfg!(debug_assertions) && studies > 500 {
-        return optimised(&["mistakes", &studies.to_string(), &first.to_string()]);
-    }
     let began = Instant::now();
     let folder = &scratch("mistakes");
     remove(folder)?;

@@ -19,7 +19,7 @@ pub(crate) mod thesis;
 pub(crate) mod watchdog;
 pub(crate) mod wire;
 
-use crate::shell::{cargo, remove, words};
+use crate::shell::{remove, words};
 use anyhow::{Context as _, bail, ensure};
 use rayon::prelude::*;
 use std::path::Path;
@@ -33,12 +33,6 @@ const SESSION: &str = "-p P01 -s S01";
 /// The rate of the study that comes along, Hz: as slow as a movement can be read from, so that many
 /// sessions take little time.
 const RATE: &str = "120";
-
-/// The same soak in a program that is built for speed.
-pub(crate) fn optimised(arguments: &[&str]) -> anyhow::Result<()> {
-    let line = "run --quiet --release --locked --package xtask -- soak";
-    cargo(line, arguments, &[], &format!("soak {} failed", arguments.join(" ")))
-}
 
 /// A fresh root with a study: the template with these replacements.
 fn fresh(root: &Path, changes: &[(&str, &str)]) -> anyhow::Result<Layout> {
