@@ -71,6 +71,7 @@ impl Score {
             ScoreKind::NasaTlx => "weighted NASA-TLX".to_owned(),
             ScoreKind::NasaTlxRaw => "raw NASA-TLX".to_owned(),
             ScoreKind::Sus => "System Usability Scale".to_owned(),
+            ScoreKind::Mean if n == 1 => "one answer".to_owned(),
             ScoreKind::Mean => format!("mean of {n} answers"),
             ScoreKind::Sum => format!("sum of {n} answers"),
         };

@@ -16,7 +16,7 @@ use zwidth_stats::clmm::{ModeComparison, ModeStudy, compare_modes};
 use zwidth_stats::superiority::{Repeats, Superiority, superiority};
 use zwidth_stats::{Unestimable, holm};
 use zwidth_study::{AnswerValue, Contrast, EnvironmentId, ModeId, ParticipantId, Question};
-use zwidth_tables::Table;
+use zwidth_tables::{NoteKind, Table};
 
 /// The key of the bootstrap's random numbers.
 const SEED: u64 = 1;
@@ -269,8 +269,18 @@ fn effect(
 ///
 /// # Errors
 /// A number that is none.
-pub fn answers_table(rows: &[AnswerDifference]) -> Result<Table, CompareError> {
+pub fn answers_table(
+    rows: &[AnswerDifference],
+    contrasts: &[Contrast],
+) -> Result<Table, CompareError> {
     let mut table = Table::of_rows(rows)?;
+    if contrasts.is_empty() {
+        table = table.with_note_of(
+            NoteKind::LeftOut,
+            "No contrast of modes is asked for, as is the default with factors: single answers are not compared. \
+             A score of kind \"mean\" of one question makes its answers a metric, which has effects of factors.",
+        );
+    }
     if rows.iter().any(|row| row.model.is_some()) {
         table = table.with_note(
             "On a scale of more than 11 points means are compared, as for a metric: the mean over participants \

@@ -4,7 +4,7 @@ use super::*;
 use zwidth_results::{GivenAnswer, Row, TrialKey};
 use zwidth_stats::null::Sampling;
 use zwidth_study::{AnswerValue, Compare, Contrast, Families, Perception, Source};
-use zwidth_tables::{Column, Table, of_metric};
+use zwidth_tables::{Column, NoteKind, Table, of_metric};
 
 /// One trial: participant, session, mode, repeat, value.
 pub(crate) type Trial = (&'static str, &'static str, &'static str, u32, Option<f64>);
@@ -442,7 +442,8 @@ fn answered(given: &[(&str, &[f64], &[f64])], parameters: &AnswerParameters) -> 
         answers.extend(hybrid.iter().map(|value| answer(who, "hybrid", *value)));
         answers.extend(active.iter().map(|value| answer(who, "active", *value)));
     }
-    answers_table(&compare_answers(&answers, parameters).unwrap().contrasts).unwrap()
+    answers_table(&compare_answers(&answers, parameters).unwrap().contrasts, &parameters.contrasts)
+        .unwrap()
 }
 
 fn answer_parameters() -> AnswerParameters {
@@ -475,6 +476,17 @@ fn answers_are_compared_pair_by_pair_within_each_participant() {
     assert_eq!(table.integers("n").unwrap(), [Some(2)]);
     assert_eq!(table.integers("answers").unwrap(), [Some(8)]);
     near(&floats(&table, "superiority"), &[(0.875 + 0.75) / 2.0]);
+}
+
+/// With factors modes are not compared by default: the table that is then empty says so.
+#[test]
+fn without_contrasts_the_table_of_answers_says_why_it_is_empty() {
+    let given: [(&str, &[f64], &[f64]); 2] = [("P01", &[4.0], &[2.0]), ("P02", &[5.0], &[4.0])];
+    let table =
+        answered(&given, &AnswerParameters { contrasts: Vec::new(), ..answer_parameters() });
+    assert_eq!(table.height(), 0);
+    let mut why = table.notes_by_kind().filter(|(kind, _)| *kind == NoteKind::LeftOut);
+    assert!(why.next().is_some_and(|(_, note)| note.contains("kind \"mean\" of one question")));
 }
 
 /// A slider's decimals: rounded to whole numbers, P01 would have answered alike in both modes.

@@ -179,7 +179,8 @@ pub fn reliability(answers: &[Answer], scoring: &Scoring) -> Vec<Reliability> {
         let question = scoring.question(&answer.question);
         let Some(question) = question.filter(|own| own.scale.has(answer.value)) else { continue };
         for (i, score) in scoring.scores.iter().enumerate() {
-            if !score.questions.contains(&answer.question) {
+            // One question hangs together with no other.
+            if score.questions.len() < 2 || !score.questions.contains(&answer.question) {
                 continue;
             }
             let Condition { environment, mode } = &answer.condition;

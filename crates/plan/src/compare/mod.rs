@@ -458,7 +458,7 @@ fn make_answers(
 ) -> Result<Made, JobError> {
     let answers = likert::read_counting(answers.as_ref().ok_or("there is no answer")?)?;
     let results = zwidth_compare::compare_answers(&answers, &parameters.stage)?;
-    let contrasts = zwidth_compare::answers_table(&results.contrasts)?;
+    let contrasts = zwidth_compare::answers_table(&results.contrasts, &parameters.stage.contrasts)?;
     let participants = Table::of_rows(&results.participants)?;
     write_named(vec![contrasts, participants], making, parameters.simulated)
 }

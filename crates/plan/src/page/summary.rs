@@ -219,13 +219,15 @@ pub(crate) fn gather(page: &Page, files: &Files, making: &Making) -> Result<Gath
     }
     let (existing, no_tables): (Vec<_>, Vec<_>) = files.tables.iter().partition(|f| f.exists());
     let tables = existing.par_iter().map(|file| {
-        let About { title, rows, .. } = Table::about(file)?;
-        Ok((Listed::new(page.gallery.table_file(&stem(file)), title), rows))
+        let About { title, rows, notes, .. } = Table::about(file)?;
+        let why = notes.into_iter().find(|(kind, _)| *kind == NoteKind::LeftOut);
+        Ok((Listed::new(page.gallery.table_file(&stem(file)), title), rows, why))
     });
-    for (table, rows) in tables.collect::<Result<Vec<_>, TableError>>()? {
+    for (table, rows, why) in tables.collect::<Result<Vec<_>, TableError>>()? {
         if rows == 0 {
             let what = table.path.clone();
-            let why = "the table has no row: no trial has what it is made of".to_owned();
+            let unknown = || "the table has no row: no trial has what it is made of".to_owned();
+            let why = why.map_or_else(unknown, |(_, note)| note);
             summary.left_out.push(Remark { what, why });
         }
         summary.tables.push(table);

@@ -92,8 +92,10 @@ impl Check<'_> {
                     format!("has {n} questions; a {} has {number}", score.kind.as_str()),
                 );
             }
-            None if n < 2 => {
-                self.error(&list, format!("has {n} questions; at least 2 make a score"))
+            // A mean of one is that answer as a metric, which factors and groups compare.
+            None if n < 1 || (n < 2 && score.kind == ScoreKind::Sum) => {
+                let remedy = "at least 2 make a sum; a mean takes one";
+                self.error(&list, format!("has {n} questions; {remedy}"))
             }
             _ => {}
         }
@@ -288,6 +290,9 @@ mod tests {
         assert_eq!(tlx.scores[0].better(), Better::Lower);
         let mean = format!("kind = \"mean\"\nquestions = [{}]\nmin_answered = 0.8", list(1..=5));
         check_round_trip(&with(5, &mean).unwrap());
+        let one = with(1, "kind = \"mean\"\nquestions = [\"q1\"]").unwrap();
+        check_round_trip(&one);
+        assert_eq!(one.scores[0].in_words(), "load (one answer)");
     }
 
     /// A weighted TLX of `q1` to `q6` whose pairs are asked for.
