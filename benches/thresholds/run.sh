@@ -14,7 +14,7 @@ trap 'rm -rf "$data"' EXIT
 "$venv/bin/pip" install --quiet --disable-pip-version-check --no-deps psychopy==2026.1.3
 grep -v '^psychopy\|^#' benches/thresholds/requirements.txt >"$data/requirements.txt"
 "$venv/bin/pip" install --quiet --disable-pip-version-check -r "$data/requirements.txt"
-cargo build --release --quiet --locked -p zwidth-benches --bin thresholds
+cargo build --release --quiet --locked --workspace --bin thresholds
 thresholds="$target/release/thresholds"
 
 # One core: the last, which other work uses least.
