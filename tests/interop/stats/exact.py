@@ -8,18 +8,24 @@ must say why instead.
 
 import itertools
 import json
+import os
 import sys
 import warnings
+
+# Matrices here are small: threads of their own would only wait for each other.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import numpy as np
 import pandas as pd
 import pingouin
 import psignifit
 import spm1d
+import statsmodels.api as sm
 from scipy import stats
 from scipy.integrate import simpson
 from scipy.optimize import brentq, minimize
 from scipy.special import expit, gammaln, ndtr
+from statsmodels.genmod.families import links
 from statsmodels.stats.meta_analysis import combine_effects
 from statsmodels.stats.multitest import multipletests
 from statsmodels.stats.weightstats import ttost_paired
@@ -249,9 +255,13 @@ SIGMOIDS = {
 }
 
 
-def least(x, n, k, asks, sigmoid, fixed=None, near=None):
-    """The smallest -ln L over m, ln sigma, (gamma and) lambda, from many starts or near one, one number of the curve held."""
-    share, (low, middle, high) = SIGMOIDS[sigmoid]
+def least(x, n, k, asks, sigmoid, fixed=None, near=None, most_lapses=0.06, many=False, falls=False):
+    """The smallest -ln L over m, ln sigma, (gamma and) lambda, from many starts or near one, one number of the curve held.
+
+    Few levels or answers can have a best curve at and between any two levels. Of curves that fall F and 1 - F change places.
+    """
+    rising, (low, middle, high) = SIGMOIDS[sigmoid]
+    share = (lambda z: 1 - rising(z)) if falls else rising
     u = np.log(x) if sigmoid == "weibull" else x
     back = np.exp if sigmoid == "weibull" else (lambda value: value)
 
@@ -282,13 +292,17 @@ def least(x, n, k, asks, sigmoid, fixed=None, near=None):
         psi = shares(p)
         return -(k * np.log(psi) + (n - k) * np.log1p(-psi)).sum()
 
-    shown = u[x > 1e-6]
+    shown = u[x > 1e-6] if sigmoid == "weibull" else u  # ln 0
     span = shown[-1] - shown[0]
-    ends_of_lapses = [(0.0, 0.5)] * (asks == "yes") + [(0.0, 0.06)]
-    bounds = [(shown[0] - span, shown[-1] + span), (-6.0, 4.0)] + ends_of_lapses
+    ends_of_lapses = [(0.0, 0.5)] * (asks == "yes") + [(0.0, most_lapses)]
+    bounds = [(shown[0] - 4 * span, shown[-1] + 4 * span), (-6.0, 4.0)] + ends_of_lapses
     if near is None:
         lapses = [[0.1]] * (asks == "yes") + [[0.02]]
-        starts = itertools.product(shown[0] + span * np.array([0.35, 0.65]), np.log(span * np.array([0.1, 0.3])), *lapses)
+        places, scales = shown[0] + span * np.array([0.35, 0.65]), span * np.array([0.1, 0.3])
+        if many:
+            places = np.concatenate([shown, (shown[1:] + shown[:-1]) / 2])
+            scales = np.geomspace(np.diff(shown).min() / 20, span, 8)
+        starts = itertools.product(places, np.log(scales), *lapses)
     else:
         starts = [near]
     if fixed is not None:
@@ -299,7 +313,8 @@ def least(x, n, k, asks, sigmoid, fixed=None, near=None):
             # Wherever the threshold lies between the levels: a held JND has a best place between any two.
             places = np.linspace(shown[0], shown[-1], 49)
             free = np.log(fixed[1] / np.exp(places) / 0.786) if sigmoid == "weibull" else places
-            starts = sorted(starts + [np.array([place, *near[2:]]) for place in free], key=cost)[:3]
+            starts = starts + [np.array([place, *near[2:]]) for place in free]
+    starts = sorted(starts, key=cost)[:6]
     rough = min((minimize(cost, start, method="L-BFGS-B", bounds=bounds) for start in starts), key=lambda one: one.fun)
     best = minimize(cost, rough.x, method="Nelder-Mead", bounds=bounds, options={"xatol": 1e-9, "fatol": 1e-12, "maxiter": 4000})
     return best.fun, read(*shape(best.x)), ends(best.x), best.x, shares(best.x)
@@ -320,7 +335,7 @@ def psychometric(rng):
         scatters = bool(rng.integers(2))
         k = rng.binomial(n, rng.beta(psi * (0.12 ** -2 - 1), (1 - psi) * (0.12 ** -2 - 1)) if scatters else psi)
         if sigmoid == "weibull" and asks == "yes":
-            x[0] = 1e-9  # F is 0 there as at 0, whose logarithm NumPy warns of
+            x[0] = 1e-300  # F is 0 there as at 0, whose logarithm NumPy warns of
         value, (threshold, jnd), (gamma, lapse), near, psi = least(x, n, k, asks, sigmoid)
         left = len(x) - len(near)
         phi = max(1.0, ((k - n * psi) ** 2 / (n * psi * (1 - psi))).sum() / left) if scatters else 1.0
@@ -336,22 +351,181 @@ def psychometric(rng):
                "jnd_low": end("jnd", jnd, 0.1), "jnd_high": end("jnd", jnd, 12)}
 
 
+# Twice this difference of ln L is the 95 % point of chi-squared with one degree of freedom.
+SLOPE = stats.chi2.ppf(0.95, 1)
+# What is nearer than this to where a verdict changes is not compared, nor a search that ended at its bounds.
+EDGE = 1e-3
+
+
+def verdict(x, n, k, asks, sigmoid, most_lapses):
+    """The verdict of docs/analysis.md by its definition, or None near where it changes; and the best rising curve."""
+    best = least(x, n, k, asks, sigmoid, most_lapses=most_lapses, many=True)
+    value, (threshold, jnd), _, (m, ln_scale, *_), _ = best
+    falls = -least(x, n, k, asks, sigmoid, most_lapses=most_lapses, many=True, falls=True)[0]
+    share = k.sum() / n.sum()
+    of_all = lambda at: stats.binom.logpmf(k, n, at).sum() - stats.binom.logpmf(k, n, k / n).sum()
+    full = np.nansum(k * np.log(np.where(k > 0, k / n, 1)) + (n - k) * np.log(np.where(k < n, 1 - k / n, 1)))
+    lowest, half = {"more": (0.0, (0.5, 0.5)), "right": (0.5, ((1.5 - most_lapses) / 2, 0.75)),
+                    "yes": (0.0, ((1 - most_lapses) / 2, 0.75))}[asks]
+    constant = of_all(max(share, lowest))
+    rising, falling, from_half = (2 * (to - at) for to, at in (
+        (-value - full, constant), (falls - full, constant), (constant, of_all(np.clip(share, *half)))))
+    near = lambda *numbers: any(abs(number) < EDGE for number in numbers)
+    if n.sum() < 30:  # of three levels or more
+        return "too few", best
+    if near(falling - SLOPE, rising - SLOPE) or (max(falling, rising) > SLOPE and near(falling - rising)):
+        return None, best
+    if falling > rising and falling > SLOPE:
+        return "falling", best
+    below = "flat" if asks == "yes" else "below"
+    if rising < SLOPE:
+        if near(from_half - SLOPE):
+            return None, best
+        return "flat" if from_half < SLOPE else below if share > half[1] else "above", best
+    u = np.log(x[x > 1e-6]) if sigmoid == "weibull" else x
+    if abs(m - u.mean()) > 4 * np.ptp(u) or ln_scale > 3.9:
+        return None, best
+    # A step through the share of a level may lie on either side of it, with another lapse.
+    if 2 * jnd < np.diff(x).max() and (abs(x - threshold) < 2 * jnd).any():
+        return None, best
+    gaps = np.diff(x)[(x[:-1] - EDGE < threshold) & (threshold < x[1:] + EDGE)]
+    if near(*(x - threshold), *(2 * jnd / gaps - 1), jnd / np.ptp(x) / 10 - 1):
+        return None, best
+    if jnd > 10 * np.ptp(x):
+        return "flat", best
+    if not x[0] <= threshold <= x[-1]:
+        return below if threshold < x[0] else "above", best
+    return "steep" if 2 * jnd < gaps.max() else "estimated", best
+
+
+def plans(rng):
+    """Verdicts, and maximum likelihood from many starts, of any plan: few levels and answers, thresholds beyond the levels."""
+    for asks, sigmoid in itertools.product(("more", "right", "yes"), SIGMOIDS):
+        for most_lapses in (0.06, 0.06, 0.3):
+            levels = rng.integers(5, 10)
+            x = np.cumsum(rng.choice([0.5, 1.0, 1.0, 2.0], levels)) + rng.integers(0, 9)
+            x[0] = 0 if asks == "yes" else x[0]
+            n = np.full(levels, rng.integers(5, 61)) if rng.integers(2) else rng.integers(5, 61, levels)
+            guess = {"more": 0.02, "right": 0.5, "yes": 0.1}[asks]
+            z = (x - x[0] - rng.uniform(-0.1, 1.1) * np.ptp(x)) / (np.ptp(x) * np.exp(rng.uniform(np.log(0.03), 0.0)))
+            psi = guess + (1 - guess - rng.uniform(0, 0.06)) * ndtr(-z if rng.integers(8) == 0 else z)
+            k = rng.binomial(n, psi)
+            x[0] = max(x[0], 1e-300 if sigmoid == "weibull" else 0)
+            word, (value, (threshold, jnd), (gamma, lapse), *_) = verdict(x, n, k, asks, sigmoid, most_lapses)
+            unit = rng.choice([1.0, 30.0, 1 / 64])  # N/m, or N
+            yield {"x": x * (x > 1e-6) * unit, "n": n, "k": k, "asks": asks, "sigmoid": sigmoid, "most_lapses": most_lapses,
+                   "verdict": word, "log_likelihood": -value, "threshold": threshold * unit, "jnd": jnd * unit,
+                   "guess": gamma, "lapse": lapse}
+
+
+LINKS = {"norm": links.Probit(), "logistic": links.Logit(), "weibull": links.CLogLog()}
+
+
+def without_lapses(rng):
+    """Curves without lapses are generalised linear models: statsmodels' estimates, profiles of the deviance, Wald's errors.
+
+    A held threshold leaves a slope over the distance from it; a held JND (but Weibull's) leaves the constant.
+    """
+    for sigmoid, many in itertools.product(SIGMOIDS, (False, True)):
+        scatters = bool(rng.integers(2))
+        quarter = np.diff(SIGMOIDS[sigmoid][1][[0, 2]])[0] / 2
+        middle = SIGMOIDS[sigmoid][1][1]
+        while True:
+            levels = rng.integers(5, 10)
+            x = np.cumsum(rng.choice([0.5, 1.0, 2.0], levels)) + 2
+            u = np.log(x) if sigmoid == "weibull" else x
+            n = np.full(levels, 20_000) if many else rng.integers(15, 61, levels)
+            z = (x - x[0] - rng.uniform(0.3, 0.7) * np.ptp(x)) / (np.ptp(x) * rng.uniform(0.15, 0.3))
+            psi = ndtr(z) if not many else SIGMOIDS[sigmoid][0](z if sigmoid != "weibull" else (u - u.mean()) / 0.4)
+            spread = 0.15 ** -2 - 1
+            k = rng.binomial(n, rng.beta(psi * spread, (1 - psi) * spread) if scatters and not many else psi)
+            counts = np.column_stack([k, n - k])
+            fitted = lambda design, offset=None: sm.GLM(
+                counts, design, offset=offset, family=sm.families.Binomial(link=LINKS[sigmoid])).fit(tol=1e-10)
+            found = fitted(sm.add_constant(u)) if ((k > 0) & (k < n)).sum() >= 3 else None
+            # Neither separated nor steep.
+            if found and 2 * quarter / found.params[1] > 1.2 * np.diff(u).max():
+                break
+        (b0, b1), covariance = found.params, found.cov_params()
+        at, scale = (middle - b0) / b1, 1 / b1
+
+        def read(b):
+            """The threshold as a level, and ln JND."""
+            lower, center, upper = (SIGMOIDS[sigmoid][1] - b[0]) / b[1]
+            if sigmoid == "weibull":
+                return np.array([np.exp(center), np.log((np.exp(upper) - np.exp(lower)) / 2)])
+            return np.array([center, np.log((upper - lower) / 2)])
+
+        steps = np.diag(1e-4 * np.sqrt(np.diag(covariance)))
+        slopes = np.array([(read(found.params + step) - read(found.params - step)) / (2 * step.sum()) for step in steps])
+        error, ln_error = np.sqrt(np.diag(slopes.T @ covariance @ slopes))
+        phi = max(1.0, found.pearson_chi2 / (levels - 2)) if scatters else 1.0
+        critical = phi * (stats.f.ppf(0.95, 1, levels - 2) if phi > 1 else stats.chi2.ppf(0.95, 1))
+        held_threshold = lambda value: fitted((u - value)[:, None], np.full(levels, middle)).deviance
+        held_jnd = lambda value: fitted(np.ones((levels, 1)), quarter / np.exp(value) * u).deviance
+
+        def end(held, estimate, step):
+            over = lambda value: held(value) - found.deviance - critical
+            far = step
+            while over(estimate + far) < 0 and abs(far) < 64 * abs(step):
+                far *= 2
+            return brentq(over, estimate, estimate + far, xtol=1e-12) if over(estimate + far) > 0 else None
+
+        spread = np.sqrt(critical)
+        of_threshold = error / np.exp(at) if sigmoid == "weibull" else error
+        ends = [end(held_threshold, at, sign * spread * of_threshold) for sign in (-1, 1)]
+        of_jnd = [None, None] if sigmoid == "weibull" else [
+            end(held_jnd, np.log(quarter * scale), sign * spread * ln_error) for sign in (-1, 1)]
+        shown = lambda values, read: [None if value is None else read(value) for value in values]
+        yield {"x": x, "n": n, "k": k, "asks": "more", "sigmoid": sigmoid, "is_constant": scatters, "many": many,
+               "location": -b0 / b1, "scale": scale, "deviance": found.deviance, "dispersion": phi,
+               "threshold_ci": shown(ends, np.exp if sigmoid == "weibull" else float), "jnd_ci": shown(of_jnd, np.exp),
+               "threshold_error": np.sqrt(phi) * error,
+               "ln_jnd_error": np.sqrt(phi) * ln_error}
+
+
 def posteriors(rng):
-    """psignifit's posterior of right and wrong of two, lambda free; and of scattered answers, eta free."""
-    for sigmoid, scatter in [(("norm", 0.0), ("logistic", 0.0), ("norm", 0.2))[rng.integers(3)]]:
-        x = np.arange(7.0)
-        n = np.full(7, 40)
-        psi = 0.5 + 0.48 * ndtr((x - rng.uniform(2.5, 3.5)) / 1.2)
+    """psignifit's posterior: its modes, means of its masses, and the ends of its intervals with the cells of its grid.
+
+    Of "which was more" it counts the prior of lambda twice, so it is given the root of it. Weibull's levels are ln x.
+    """
+    kinds = {"more": "equal asymptote", "right": "2AFC", "yes": "yes/no"}
+    rare = lambda lapse: np.sqrt(stats.beta.pdf(lapse, 1, 10))
+    every = [each for each in itertools.product(kinds, SIGMOIDS) if each != ("yes", "weibull")]  # ln 0
+    for asks, sigmoid in [every[i] for i in rng.permutation(len(every))[:4]] + [("right", "norm")]:
+        scatter = 0.2 if asks == "right" and rng.integers(2) else 0.0
+        x = np.cumsum(rng.choice([0.5, 1.0, 1.5], rng.integers(6, 10))) + 1
+        x[0] = 0 if asks == "yes" else x[0]
+        n = np.full(len(x), rng.integers(30, 61))
+        guess = {"more": 0.02, "right": 0.5, "yes": 0.1}[asks]
+        z = (x - x[0] - rng.uniform(0.4, 0.6) * np.ptp(x)) / (np.ptp(x) * rng.uniform(0.15, 0.25))
+        psi = guess + (0.98 - guess) * ndtr(z)
         k = rng.binomial(n, psi if scatter == 0 else rng.beta(psi * (scatter ** -2 - 1), (1 - psi) * (scatter ** -2 - 1)))
-        fixed = {} if scatter else {"eta": 0.0}
-        steps = {"threshold": 60, "width": 60} if scatter else {"threshold": 120, "width": 120}
-        found = psignifit.psignifit(np.column_stack([x, k, n]), experiment_type="2AFC", sigmoid=sigmoid,
-                                    fixed_parameters=fixed, grid_steps=steps, verbose=False)
-        mode, mean = found.parameter_estimate_MAP, found.parameter_estimate_mean
-        yield {"x": x, "n": n, "k": k, "sigmoid": sigmoid, "scatters": scatter > 0,
-               "mode": [mode["threshold"], mode["width"], mode["lambda"]], "mean": [mean["threshold"], mean["width"], mean["lambda"]],
-               "eta": mean["eta"], "threshold_ci": found.confidence_intervals["threshold"]["0.95"],
-               "width_ci": found.confidence_intervals["width"]["0.95"]}
+        is_log = sigmoid == "weibull"
+        found = psignifit.psignifit(
+            np.column_stack([np.log(x) if is_log else x, k, n]), experiment_type=kinds[asks], sigmoid=sigmoid, verbose=False, debug=True,
+            fixed_parameters={} if scatter else {"eta": 0.0}, priors={"lambda": rare} if asks == "more" else None)
+        masses = found.debug["posteriors"].sum(axis=tuple(range(found.debug["posteriors"].ndim - 2)))
+        axes = found.parameter_values
+        at, width = np.meshgrid(axes["threshold"], axes["width"], indexing="ij")
+        F, (low, middle, high) = SIGMOIDS[sigmoid]
+        one = brentq(lambda z: F(z) - 0.95, -5, 5, xtol=1e-14) - brentq(lambda z: F(z) - 0.05, -5, 5, xtol=1e-14)
+
+        def read(at, width):
+            """The threshold and the JND, in levels."""
+            lower, upper = at + width / one * (low - middle), at + width / one * (high - middle)
+            return (np.exp(at), (np.exp(upper) - np.exp(lower)) / 2) if is_log else (at, (upper - lower) / 2)
+
+        mode, ends = found.parameter_estimate_MAP, found.confidence_intervals
+        threshold_cell, width_cell = (np.diff(axes[name])[0] for name in ("threshold", "width"))
+        yield {"x": x, "n": n, "k": k, "asks": asks, "sigmoid": sigmoid, "scatters": scatter > 0,
+               "mode": [*read(mode["threshold"], mode["width"]), mode["lambda"]],
+               "mean": [*((masses * values).sum() for values in read(at, width)), found.parameter_estimate_mean["lambda"]],
+               "eta": found.parameter_estimate_mean["eta"],
+               "threshold_ci": ends["threshold"]["0.95"], "threshold_cell": threshold_cell,
+               # Weibull's JND is no width.
+               "jnd_ci": None if is_log else read(0.0, np.array(ends["width"]["0.95"]))[1],
+               "jnd_cell": None if is_log else read(0.0, width_cell)[1]}
 
 
 def weighted(rng):
@@ -375,6 +549,7 @@ def plain(value):
 
 rounds, seed = (int(given) for given in (sys.argv[1:] + ["1", "20240601"][len(sys.argv) - 1:])[:2])
 rng = np.random.default_rng(seed)
-kinds = (differences, paired, friedman, holm, orders, bca, repeated, curves, correlations, psychometric, posteriors, weighted)
+kinds = (differences, paired, friedman, holm, orders, bca, repeated, curves, correlations, psychometric, plans,
+         without_lapses, posteriors, weighted)
 cases = {f.__name__: [case for _ in range(rounds) for case in f(rng)] for f in kinds}
 print(json.dumps(cases, default=plain, allow_nan=False))

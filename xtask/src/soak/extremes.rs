@@ -1,4 +1,4 @@
-//! Scenes at the extremes, more than a test has time for, and the page of their results.
+//! Scenes and answers at the extremes, more than a test has time for, and the page of the scenes' results.
 
 use crate::shell::cargo;
 use crate::tried::held;
@@ -6,10 +6,15 @@ use std::time::Instant;
 
 /// Scenes of a full turn.
 pub(crate) const SCENES: u64 = 1_000_000;
+/// Scenes for each set of answers that a psychometric function is fitted to.
+const SCENES_PER_FIT: u64 = 50;
+/// Fewer sets do not have every kind of answers in them.
+const LEAST_FITS: u64 = 200;
 
-/// Runs the suite, which writes docs/extremes.md. A scene that ends as none may fails it by its
-/// number.
+/// Runs both suites, of which that of scenes writes docs/extremes.md. A scene, or a set of answers, that ends as none may
+/// fails its suite by its number.
 pub(crate) fn extremes(scenes: u64) -> anyhow::Result<()> {
+    let command = || format!("cargo xtask soak extremes {scenes}");
     println!("{scenes} scenes");
     let began = Instant::now();
     cargo(
@@ -19,5 +24,16 @@ pub(crate) fn extremes(scenes: u64) -> anyhow::Result<()> {
         "a scene at the extremes ends as none may: keep it as a test with a name",
     )?;
     let what = "scenes at the extremes, which end in numbers or in errors that say what is wrong";
-    held(what, format!("cargo xtask soak extremes {scenes}"), scenes, began)
+    held(what, command(), scenes, began)?;
+    let fits = (scenes / SCENES_PER_FIT).max(LEAST_FITS);
+    println!("{fits} sets of answers");
+    let began = Instant::now();
+    cargo(
+        "test --release --locked --package zwidth-stats --test extremes",
+        &[],
+        &[("ZWIDTH_EXTREMES_FITS", fits.to_string())],
+        "answers at the extremes end as none may: keep them as a test with a name",
+    )?;
+    let what = "sets of answers at the extremes, which end in verdicts or in errors that say what is wrong";
+    held(what, command(), fits, began)
 }

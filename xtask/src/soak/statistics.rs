@@ -22,8 +22,8 @@ const OF_R: [(&str, &str); 6] = [
     ("jsonlite", "r-cran-jsonlite"),
 ];
 
-/// Compares linear mixed models, cumulative-link models and exact tests with R, SciPy and
-/// statsmodels on so many random data sets each.
+/// Compares linear mixed models, cumulative-link models, exact tests and psychometric functions with R, SciPy, statsmodels
+/// and psignifit on so many random data sets each.
 pub(crate) fn against_r(sets: u32, seed: Option<u32>) -> anyhow::Result<()> {
     let loaded: String = OF_R.map(|(package, _)| format!("library({package}); ")).concat();
     let debian = OF_R.map(|(_, package)| package).join(" ");
@@ -32,7 +32,7 @@ pub(crate) fn against_r(sets: u32, seed: Option<u32>) -> anyhow::Result<()> {
     let python = std::env::var("ZWIDTH_PYTHON").unwrap_or_else(|_| "python3".to_owned());
     let remedy = "install Python with what tests/interop/requirements.txt lists, and name it by \
                   ZWIDTH_PYTHON";
-    need(&python, &["-c", "import scipy, statsmodels"]).context(remedy)?;
+    need(&python, &["-c", "import scipy, statsmodels, psignifit"]).context(remedy)?;
     let began = Instant::now();
     let mut settings =
         ["ZWIDTH_R_CASES", "ZWIDTH_EXACT_CASES"].map(|name| (name, sets.to_string())).to_vec();
@@ -44,8 +44,7 @@ pub(crate) fn against_r(sets: u32, seed: Option<u32>) -> anyhow::Result<()> {
     // Each says what it counted; what is asked for by a name alone is not random.
     let tables = tables_of("r", tests, &["--ignored", "--nocapture"], settings)?;
     put("cargo xtask soak r", [sets, SETS], None, &tables)?;
-    let what =
-        "random data sets of each kind: models and tests as R, SciPy and statsmodels have them";
+    let what = "random data sets of each kind: models and tests as R, SciPy, statsmodels and psignifit have them";
     held(what, format!("cargo xtask soak r {sets}"), sets.into(), began)
 }
 

@@ -22,7 +22,7 @@ const WIDEST_START: f64 = 10.0;
 const LN_SCALES: [f64; 2] = [-40.0, 4.0];
 /// Starts along an axis, and how many of the best are followed.
 const STARTS: usize = 17;
-const FOLLOWED: usize = 3;
+const FOLLOWED: usize = 6;
 
 /// Answers, and the family of curves that they are described by.
 pub(super) struct Likelihood<'a> {

@@ -108,8 +108,8 @@ pub(crate) fn few_answers(data: &StudyData) -> Vec<StoreError> {
         let Method::Constant { trials, .. } = &task.method else { continue };
         if task.asks == Asks::OneOfTwo && *trials < FEW_OF_TWO {
             let what = format!(
-                "task '{}' presents each level {trials} times in each mode: with fewer than {FEW_OF_TWO} many people's threshold is \
-                 not found, or is off by a factor of two",
+                "task '{}' presents each level {trials} times in each mode: with fewer than {FEW_OF_TWO} many people have no JND, \
+                 and those of the others are off by a factor of two",
                 task.id
             );
             let remedy = "ask more often (trials), or take fewer levels";
