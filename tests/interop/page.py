@@ -80,6 +80,7 @@ def main():
         what_is_left_out_is_estimated_as_by_the_program(browser, given.zwidth.resolve(), given.exclusions)
         effects_groups_and_scores_have_their_people(browser, given.zwidth.resolve(), given.axe, given.out)
         scores_without_recordings_open_their_answers(browser, given.zwidth.resolve(), given.out)
+        differences_of_jnds_are_ratios(browser, given.zwidth.resolve(), given.out)
         screens(browser, visit.report, given)
         says_what_is_missing(browser, visit.report)
         what_is_missing_has_no_label(browser, visit.report)
@@ -816,6 +817,148 @@ def dots_have_the_tables_intervals(visit):
     checks.check(f"{drawn} means and differences were compared", drawn > 0)
     whiskers = visit.page.locator("#dot-plot .whisker").count()
     checks.check("intervals are drawn, and said to be the tables'", whiskers > 0 and "as in the tables" in visit.page.locator("#dot-plot").inner_text())
+
+
+# A task whose JNDs people have in modes of two factors, and with it two groups.
+TASK = """schema = 3
+[study]
+id = "felt"
+title = "What is stiffer"
+[design]
+repeats = 1
+trial_limit_s = 60.0
+[device]
+name = "lever"
+[[factors]]
+id = "motor"
+levels = ["no", "yes"]
+[[factors]]
+id = "brake"
+levels = ["no", "yes"]
+[[environments]]
+id = "spring"
+label = "Spring"
+kind = "spring"
+stiffness_n_per_rad = 4.0
+rest_deg = 0.0
+[[tasks]]
+id = "stiffer"
+text = "Was it stiffer?"
+asks = "more_less"
+environment = "spring"
+varies = "stiffness_n_per_rad"
+standard = 4.0
+method = "constant"
+levels = [2.8, 3.2, 3.6, 4.0, 4.4, 4.8, 5.2]
+trials = 40
+"""
+TASK_COMPARED = """[compare]
+contrasts = [["hybrid", "active"]]
+primary = "ln_jnd_stiffer"
+metrics = ["pse_stiffer"]
+[compare.bounds]
+ln_jnd_stiffer = 0.22
+[compare.better]
+ln_jnd_stiffer = "lower"
+"""
+TASK_MAP = """kind = "psychometric"
+simulated = true
+[trial]
+participant = { column = "participant" }
+session = "S01"
+mode = { column = "mode" }
+[task]
+id = "stiffer"
+level = "level"
+unit = "N/rad"
+presentations = "presented"
+positive = { column = "stiffer" }
+"""
+TASK_LEVELS = {"still": ("no", "no"), "active": ("yes", "no"), "passive": ("no", "yes"), "hybrid": ("yes", "yes")}
+
+
+def differences_of_jnds_are_ratios(browser, zwidth, out):
+    """Rows, dots and means of a metric of logarithms are read as ratios and JNDs: of everybody as the tables have them, and of those who are left."""
+    metric = "ln_jnd_stiffer"
+    numbers = lambda text: [float(number) for number in re.findall(r"\d+(?:\.\d+)?", text)]
+    near = lambda found, wanted: len(found) >= len(wanted) and all(abs(own - other) <= 0.006 * other for own, other in zip(found, wanted))
+    for groups in (False, True):
+        with tempfile.TemporaryDirectory() as root:
+            raw = Path(root) / "raw" / "felt"
+            raw.mkdir(parents=True)
+            modes = "".join(f'[[modes]]\nid = "{mode}"\nlabel = "{mode.title()}"\nfactors = {{ motor = "{motor}", brake = "{brake}" }}\n' for mode, (motor, brake) in TASK_LEVELS.items())
+            people = '[[people]]\nid = "group"\nlevels = ["novice", "expert"]\n' if groups else ""
+            (raw / "study.toml").write_text(TASK + modes + people + (TASK_COMPARED.replace("primary", 'groups = "group"\nprimary') if groups else TASK_COMPARED))
+            who = [f"P{p:02}" for p in range(1, 11)]
+            if groups:
+                (raw / "participants.csv").write_text("participant,group\n" + "".join(f"{one},{'novice' if p % 2 else 'expert'}\n" for p, one in enumerate(who)))
+            (Path(root) / "map.toml").write_text(TASK_MAP)
+            lines = ["participant,mode,level,presented,stiffer"]
+            for p, one in enumerate(who):
+                for m, mode in enumerate(TASK_LEVELS):
+                    sigma = 0.5 * math.exp(0.15 * m + 0.25 * math.sin(3 * p) + 0.1 * math.sin(7 * p + 5 * m) + (0.2 * m * (p % 2) if groups else 0))
+                    middle = 4.0 + 0.2 * math.sin(11 * p + 2 * m) + 0.1 * m
+                    for level in (2.8, 3.2, 3.6, 4.0, 4.4, 4.8, 5.2):
+                        lines.append(f"{one},{mode},{level},40,{round(40 * (0.01 + 0.98 * 0.5 * math.erfc(-(level - middle) / sigma / math.sqrt(2))))}")
+            (Path(root) / "answers.csv").write_text("\n".join(lines) + "\n")
+            checks.run(zwidth, "--root", root, "import", "felt", "--map", Path(root) / "map.toml", Path(root) / "answers.csv")
+            checks.run(zwidth, "--root", root, "run", "felt")
+            visit = Visit(browser, Path(root) / "reports" / "felt")
+            page = visit.page
+            page.wait_for_selector("#verdict-matrix[data-ready]")
+            page.wait_for_selector("#claims[data-ready]")
+            tables = Path(root) / "derived" / "felt" / "compare"
+            wrong = []
+            told = {row["row"]: row for row in page.evaluate(ROWS)}
+            claims = {claim["of"]: claim for own in visit.study["metrics"] if own["name"] == metric for claim in own["claims"]}
+            rows = [(f"{metric}/{row['environment']}/{row['contrast']}", row) for row in parquet.read_table(tables / "contrasts.parquet").to_pylist() if row["metric"] == metric]
+            effects = [row for row in parquet.read_table(tables / "effects.parquet").to_pylist() if row["metric"] == metric]
+            rows += [(f"{metric}/spring/Spring: {row['effect'].replace(':', ' × ')}: {row['levels'].replace(' − ', ' / ')}", row) for row in effects]
+            for name, row in rows:
+                words = told[name]["words"] if name in told else ""
+                wanted = [math.exp(row[stem]) for stem in ("difference", "difference_ci_low", "difference_ci_high")]
+                is_ratio_of_ratios = "times as large a ratio (" in words
+                if not near(numbers(words), wanted) or " times" not in words or is_ratio_of_ratios != (":" in row.get("effect", "")):
+                    wrong.append((name, words, wanted))
+            checks.equal(f"{len(rows)} differences and effects of JNDs are read as ratios{' beside groups' if groups else ''}", wrong, [])
+            checks.check("no number of a JND is a logarithm", "ln " not in page.locator("#verdicts").inner_text() and "logarithm" not in page.locator("#verdict-matrix").inner_text())
+            lower = told[f"{metric}/spring/hybrid − active"]
+            checks.check("the smaller JND is better", not lower["judged"].startswith("different") or ("Active is better" in lower["judged"]) == (float(lower["value"]) > 0), lower["judged"])
+            open_row = lambda name: page.locator("tr[data-row]").and_(page.locator(f"[data-row='{name}']")).locator(".row-name").click()
+            open_row(f"{metric}/spring/hybrid − active")
+            means = {row["mode"]: row for row in parquet.read_table(tables / "means.parquet").to_pylist() if row["metric"] == metric}
+            lines = dict(page.evaluate("[...document.querySelectorAll('.detail table tbody tr')].map((line) => [line.children[0].textContent.toLowerCase(), [...line.querySelectorAll('td')].map((cell) => cell.textContent)])"))
+            wrong = [(mode, lines.get(mode)) for mode, row in means.items() if mode not in lines or not near(numbers(lines[mode][0]), [math.exp(row["mean"])]) or "N/rad" not in lines[mode][0] or "×/÷" not in lines[mode][-2]]
+            checks.equal("means of JNDs are geometric, in the unit of the levels", wrong, [])
+            page.screenshot(path=str(out / f"jnds{'.groups' if groups else ''}.png"), full_page=True)
+            if groups:
+                between = {name: claim for name, claim in claims.items() if claim["is_of_groups"]}
+                wrong = [(name, told[f"{metric}/spring/{name}"]["words"]) for name, claim in between.items() if claim["value"] is not None and (not near(numbers(told[f"{metric}/spring/{name}"]["words"]), [math.exp(claim["value"])]) or ("as large a ratio" in told[f"{metric}/spring/{name}"]["words"]) != ("mean over modes" not in name))]
+                checks.equal(f"{len(between)} differences between groups are ratios, or ratios of ratios", wrong, [])
+            else:
+                page.evaluate("() => { location.hash = 'verdicts?x=P03,P07'; }")
+                wait_until(page, "!document.querySelector('.explored').hidden")
+                place = next(i for i, own in enumerate(visit.study["metrics"]) if own["name"] == metric)
+                value = {(trial["participant"], trial["mode"]): trial["metrics"][place] for trial in visit.study["trials"]}
+                left = [value[one, "hybrid"] - value[one, "active"] for one in who if one not in ("P03", "P07")]
+                again = {row["row"]: row for row in page.evaluate(ROWS)}[f"{metric}/spring/hybrid − active"]
+                checks.check("without two people the ratio is that of the others", near(numbers(again["words"]), [math.exp(sum(left) / len(left))]) and "times (" in again["words"], again["words"])
+                dots = page.locator(f"tr[data-row='{metric}/spring/hybrid − active'] svg[role=slider]")
+                dots.focus()
+                page.keyboard.press("Home")
+                checks.check("everybody's ratio is read", near(numbers(dots.get_attribute("aria-valuetext").split(":")[1]), [math.exp(min(left))]), dots.get_attribute("aria-valuetext"))
+            scroll_through(page)
+            page.locator("#dots-metric").select_option(label=next(text for text in page.locator("#dots-metric option").all_inner_texts() if "JND" in text))
+            words = page.locator("#dot-plot .point").first.get_attribute("aria-label")
+            jnds = [math.exp(trial["metrics"][next(i for i, own in enumerate(visit.study["metrics"]) if own["name"] == metric)]) for trial in visit.study["trials"]]
+            checks.check("a dot is a JND in its unit", "N/rad" in words and any(near(numbers(words.split(": ")[-1]), [jnd]) for jnd in jnds), words)
+            with page.expect_download() as waiting:
+                page.locator('#verdict-matrix [data-save-matrix="csv"]').click()
+            saved = [line for line in csv.DictReader(io.StringIO(Path(waiting.value.path()).read_text())) if line["contrast"] == "hybrid − active" and line["unit"].startswith("ln")]
+            checks.equal("for programs it is a logarithm, which its unit says", [(line["unit"], line["difference"]) for line in saved], [("ln N/rad", {row["row"]: row for row in page.evaluate(ROWS)}[f"{metric}/spring/hybrid − active"]["value"])])
+            checks.equal("no complaint about JNDs", visit.complaints(), [])
+            nothing_left_the_page(visit)
+            visit.context.close()
 
 
 def the_model_is_turned(visit):

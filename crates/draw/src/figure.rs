@@ -228,6 +228,9 @@ pub enum Ticks {
     /// ticks stand at the two- to ninefold of each power where there is room. The axis always
     /// holds two powers, unless its range is fixed.
     Powers,
+    /// Numbers of which the data are the natural logarithms, in round steps; where they span several powers of ten, one,
+    /// two and five times each. So ratios that are equally far from 1 stand equally far from it.
+    Logarithms,
     /// These names at 0, 1, 2, …; none is left out, long ones wrap or turn.
     Categories(Vec<String>),
     /// Nothing, and no edge of the plot either: for a drawing of things. Where both axes of a panel

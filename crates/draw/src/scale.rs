@@ -18,7 +18,7 @@ const NARROWEST: f64 = 1e-12;
 const SMALLEST: f64 = 1e-270;
 /// Values above this leave no room to compute ticks in.
 const LARGEST: f64 = 1e300;
-/// The same as a power of ten, for axes of logarithms.
+/// The same as a power of ten, for axes of logarithms; e to it is no limit of f64 either.
 const LARGEST_POWER: f64 = 300.0;
 
 /// A straight map from an axis to the page.
@@ -228,7 +228,10 @@ fn panel_ends(panel: &Panel, which: usize) -> Result<Option<Ends>, Error> {
         (_, Range::Tight) => covered.map(|ends| widen(ends, 0.0)),
         (_, Range::Holding(..) | Range::Auto) => held.map(|ends| widen(ends, ROOM)),
     };
-    let largest = if axis.ticks == Ticks::Powers { LARGEST_POWER } else { LARGEST };
+    let largest = match axis.ticks {
+        Ticks::Powers | Ticks::Logarithms => LARGEST_POWER,
+        _ => LARGEST,
+    };
     if let Some((low, high)) = ends {
         let size = low.abs().max(high.abs());
         // Said so that an end that is no number is refused too: every comparison with it fails.

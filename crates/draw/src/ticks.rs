@@ -52,13 +52,21 @@ fn multiple(step: Step, count: i64) -> f64 {
 const MOST_TICKS: f64 = 12.0;
 
 /// The densest ticks from `low` to `high` (`low < high`, both finite) that `fits` accepts. All
-/// kinds but plain numbers keep to whole numbers.
+/// kinds but plain numbers and logarithms keep to whole numbers.
 pub(crate) fn choose(
     low: f64,
     high: f64,
     kind: &figure::Ticks,
     fits: impl Fn(&Ticks) -> bool,
 ) -> Ticks {
+    match kind {
+        figure::Ticks::Logarithms => of_logarithms(libm::exp(low), libm::exp(high), &fits),
+        _ => in_steps(low, high, kind, &fits),
+    }
+}
+
+/// The densest ticks in equal steps.
+fn in_steps(low: f64, high: f64, kind: &figure::Ticks, fits: &dyn Fn(&Ticks) -> bool) -> Ticks {
     let power = libm::floor(libm::log10((high - low) / MOST_TICKS)) as i32;
     let whole = *kind != figure::Ticks::Numbers;
     let mut step = Step { digit: 1, power: if whole { power.max(0) } else { power } };
@@ -77,6 +85,45 @@ pub(crate) fn choose(
         denser = sparser;
     }
     denser
+}
+
+/// Up to so large a ratio of its ends an axis of logarithms has numbers in equal steps.
+const MOST_IN_STEPS: f64 = 5.0;
+
+/// Ticks at the logarithms of numbers from `from` to `to`, both above 0.
+fn of_logarithms(from: f64, to: f64, fits: &dyn Fn(&Ticks) -> bool) -> Ticks {
+    let placed = |numbers: &Ticks| {
+        let ticks = numbers.ticks.iter().filter(|tick| tick.at > 0.0);
+        let ticks = ticks.map(|tick| Tick { at: libm::log(tick.at), label: tick.label.clone() });
+        Ticks { ticks: ticks.collect(), exponent: numbers.exponent }
+    };
+    if to / from < MOST_IN_STEPS {
+        let fits = |own: &Ticks| fits(&placed(own));
+        return placed(&in_steps(from, to, &figure::Ticks::Numbers, &fits));
+    }
+    let powers = [from, to].map(|end| libm::floor(libm::log10(end)) as i32);
+    let of = |digits: &[i64]| {
+        let all = (powers[0]..=powers[1])
+            .flat_map(|power| digits.iter().map(move |digit| Step { digit: *digit, power }));
+        let ticks = all
+            .filter(|step| (from..=to).contains(&step.size()))
+            .map(|step| Tick { at: libm::log(step.size()), label: write(step.digit, step.power) });
+        Ticks { ticks: ticks.collect(), exponent: 0 }
+    };
+    let [dense, sparse] = [of(&[1, 2, 5]), of(&[1])];
+    match fits(&dense) || sparse.ticks.len() < 2 {
+        true => ends_where_crowded(dense, fits),
+        false => ends_where_crowded(sparse, fits),
+    }
+}
+
+/// Ticks, of which the outermost two stay where all have no room.
+fn ends_where_crowded(all: Ticks, fits: &dyn Fn(&Ticks) -> bool) -> Ticks {
+    if fits(&all) || all.ticks.len() < 3 {
+        return all;
+    }
+    let ends = [all.ticks.first().cloned(), all.ticks.last().cloned()];
+    Ticks { ticks: ends.into_iter().flatten().collect(), ..all }
 }
 
 fn every(step: Step, low: f64, high: f64, kind: &figure::Ticks) -> Ticks {
@@ -170,6 +217,25 @@ mod tests {
         let ticks = choose(-3.4, 3.4, &figure::Ticks::Magnitudes, |_| true);
         let labels: Vec<_> = ticks.ticks.iter().map(|tick| tick.label.as_str()).collect();
         assert_eq!(labels, ["3", "2", "1", "0", "1", "2", "3"]);
+    }
+
+    #[test]
+    fn an_axis_of_logarithms_has_round_numbers_at_their_logarithms() {
+        let check = |from: f64, to: f64, most: usize, expect: &str| {
+            let kind = figure::Ticks::Logarithms;
+            let ticks = choose(from.ln(), to.ln(), &kind, |ticks| ticks.ticks.len() <= most);
+            let labels: Vec<_> = ticks.ticks.iter().map(|tick| tick.label.as_str()).collect();
+            assert_eq!(labels.join(" "), expect, "{from} … {to}");
+            for tick in &ticks.ticks {
+                assert!((tick.at.exp() - tick.label.parse::<f64>().unwrap()).abs() < 1e-9);
+            }
+        };
+        check(0.85, 1.65, 6, "1.0 1.2 1.4 1.6");
+        check(22.0, 34.0, 6, "25 30");
+        check(0.3, 30.0, 9, "0.5 1 2 5 10 20");
+        check(0.03, 300.0, 5, "0.1 1 10 100");
+        check(0.03, 3e4, 3, "0.1 10000");
+        check(1.2, 8.0, 6, "2 5");
     }
 
     #[test]

@@ -11,7 +11,7 @@ use std::str::FromStr;
 use std::sync::Arc;
 use zwidth_study::{
     Better, Contrast, EnvironmentId, IdError, MetricId, ModeId, ParticipantId, QuestionId,
-    SessionId,
+    SessionId, TaskQuantity,
 };
 
 words! {
@@ -53,13 +53,25 @@ words! {
     }
 }
 
+/// What the two sides of a difference are. Of logarithms a difference of values is a ratio, and one of differences how
+/// many times as large a ratio is as another.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sides {
+    /// Values of a metric, or means of them.
+    Values,
+    /// Differences themselves: of an interaction, or where groups are compared in a difference.
+    Differences,
+}
+
 impl ModeDifference {
     /// The mode that is better, where a difference was shown and one way is better. Lower is nearer to
-    /// zero: of means of two signs, whose magnitudes were not tested, neither is better.
+    /// zero: of means of two signs, whose magnitudes were not tested, neither is better. Of logarithms, which are below
+    /// zero where what they are of is below 1, it is lower.
     pub fn best(&self, better: Better) -> Option<&ModeId> {
         let (first, second) = (self.mean_first, self.mean_second);
         let is_first = match better {
             _ if !self.verdict.is_different() => return None,
+            Better::Lower if TaskQuantity::logarithm_of(&self.unit).is_some() => first < second,
             Better::Lower if first * second >= 0.0 => first.abs() < second.abs(),
             Better::Higher => first > second,
             Better::Lower | Better::Neither => return None,

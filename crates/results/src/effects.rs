@@ -2,7 +2,7 @@
 //! are in the unit of its metric, which the row names.
 
 use crate::column::UNIT_OF_ROW;
-use crate::comparison::{Size, Verdict};
+use crate::comparison::{Sides, Size, Verdict};
 use crate::row::rows;
 use crate::sentence::Sentence;
 use crate::value::texts;
@@ -84,6 +84,12 @@ impl EffectDifference {
     /// Its factors and levels, or the weighted contrast.
     pub fn name(&self) -> FactorEffect {
         FactorEffect { term: self.effect.clone(), levels: self.levels.clone() }
+    }
+
+    /// What it is the difference of.
+    pub fn sides(&self) -> Sides {
+        let factors = self.levels.as_ref().map_or(1, |levels| levels.0.len());
+        if factors > 1 { Sides::Differences } else { Sides::Values }
     }
 
     /// The standard deviation of everybody's effects (those of conditions are of no single size), by which an effect is

@@ -2,7 +2,7 @@
 //! are in the unit of its metric, which the row names.
 
 use crate::column::UNIT_OF_ROW;
-use crate::comparison::{Size, Verdict};
+use crate::comparison::{Sides, Size, Verdict};
 use crate::effects::FactorEffect;
 use crate::row::{of_metric, rows};
 use crate::sentence::Sentence;
@@ -58,6 +58,14 @@ impl FromStr for GroupEffect {
 }
 
 impl GroupDifference {
+    /// What it is the difference of.
+    pub fn sides(&self) -> Sides {
+        match self.effect {
+            GroupEffect::OverModes | GroupEffect::In(_) => Sides::Values,
+            GroupEffect::Of(_) | GroupEffect::OfFactors(_) => Sides::Differences,
+        }
+    }
+
     /// The root mean of both groups' variances, by which a difference is measured where it is not known what is felt;
     /// none where nothing varies.
     pub fn deviation(&self) -> Option<f64> {

@@ -69,6 +69,8 @@ pub struct Contrast {
 impl Contrast {
     /// Between the two modes of a contrast, in a text. No id has a space.
     pub const MINUS: &str = " − ";
+    /// The same where their difference is read as a ratio.
+    pub const OVER: &str = " / ";
 }
 
 impl fmt::Display for Contrast {

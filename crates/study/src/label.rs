@@ -18,9 +18,17 @@ pub fn in_a_sentence(label: &str) -> String {
 
 /// A contrast by the labels of its modes; by their ids if it has other modes.
 pub fn contrast_label(modes: &[Mode], contrast: &Contrast) -> String {
-    let [mode, against] = [&contrast.mode, &contrast.against]
-        .map(|id| modes.iter().find(|mode| mode.id == *id).map_or(id.as_str(), |mode| &mode.label));
-    format!("{mode}{}{against}", Contrast::MINUS)
+    both_labels(modes, contrast).join(Contrast::MINUS)
+}
+
+/// The same where the difference is read as a ratio: `Hybrid / Active`.
+pub fn ratio_label(modes: &[Mode], contrast: &Contrast) -> String {
+    both_labels(modes, contrast).join(Contrast::OVER)
+}
+
+fn both_labels<'a>(modes: &'a [Mode], contrast: &'a Contrast) -> [&'a str; 2] {
+    [&contrast.mode, &contrast.against]
+        .map(|id| modes.iter().find(|mode| mode.id == *id).map_or(id.as_str(), |mode| &mode.label))
 }
 
 /// What a curve is in words: `user's force over the angle`.

@@ -66,7 +66,7 @@ pub use id::{
     ActuatorId, ChannelId, EnvironmentId, ExperimenterId, FactorId, IdError, LevelId, MetricId,
     ModeId, ParticipantId, PersonColumnId, QuestionId, SceneFigureId, SessionId, StudyId,
 };
-pub use label::{contrast_label, curve_label, in_a_sentence};
+pub use label::{contrast_label, curve_label, in_a_sentence, ratio_label};
 pub use law::{ActuatorKind, ModeLaw};
 pub use level_contrast::{LevelContrast, OverDose};
 pub use locate::{line_of, toml_error};

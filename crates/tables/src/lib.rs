@@ -30,6 +30,7 @@
 //! is no `-0`; null is `–`. CSV keeps every digit: the shortest text that reads back as the same
 //! number, null is empty.
 
+mod amounts;
 mod csv;
 mod display;
 mod error;
@@ -54,6 +55,7 @@ mod unit;
 mod width;
 mod wording;
 
+pub use amounts::{Amount, Amounts};
 pub use csv::{csv, write_csv};
 pub use display::{for_people, in_coordinate};
 pub use error::TableError;

@@ -3,6 +3,7 @@
 use crate::unit::split_unit;
 use crate::{Column, Field, Table, TableError, UNIT_OF_ROW};
 use zwidth_results::{Compared, MetricNote};
+use zwidth_study::TaskQuantity;
 
 /// The rows of a metric: its columns are in its unit, which their names end with, and a column that
 /// none of them has a value of is left out. `notes` are those of all tables.
@@ -36,7 +37,22 @@ pub fn of_metric(
         notes.iter().filter(|note| note.metric == metric.metric && note.table == all.name());
     let table =
         notes.fold(table, |table, note| table.with_note_of(note.kind, note.note.to_string()));
+    let has_own_unit = table.fields().any(|field| *field.unit == *metric.unit);
+    let table = match TaskQuantity::logarithm_of(&metric.unit).filter(|_| has_own_unit) {
+        Some(unit) => table.with_note(logarithms(unit)),
+        None => table,
+    };
     Ok(table.with_notes_of(&own))
+}
+
+/// How numbers of a metric of logarithms are read.
+fn logarithms(unit: &str) -> String {
+    let of = if unit == "1" { String::new() } else { format!(" of what is in {unit}") };
+    format!(
+        "Numbers with “{}” in their unit are natural logarithms{of}: with e = 2.718, e to the power of a mean is a \
+         geometric mean, and e to the power of a difference is a ratio.",
+        TaskQuantity::LN.trim_end()
+    )
 }
 
 #[cfg(test)]
@@ -57,6 +73,29 @@ mod tests {
             mean,
             sd: None,
         }
+    }
+
+    #[test]
+    fn a_metric_of_logarithms_says_how_its_numbers_are_read() {
+        let all = Table::of_rows(&[cell("ln_jnd_stiffer", "ln N/rad", Some(0.1))]).unwrap();
+        let metric = Compared {
+            metric: "ln_jnd_stiffer".parse().unwrap(),
+            unit: "ln N/rad".into(),
+            words: "JND".to_owned(),
+            role: Role::Primary,
+            better: zwidth_study::Better::Lower,
+            unit_of_analysis: UnitOfAnalysis::Participants,
+        };
+        let own = of_metric(&all, &metric, &[]).unwrap();
+        let field = own.fields().find(|field| &*field.name == "mean").unwrap();
+        assert_eq!(&*field.unit, "ln N/rad");
+        let [note] = own.notes() else { panic!("{:?}", own.notes()) };
+        assert!(
+            note.starts_with(
+                "Numbers with “ln” in their unit are natural logarithms of what is in N/rad:"
+            ),
+            "{note}"
+        );
     }
 
     #[test]

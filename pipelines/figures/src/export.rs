@@ -28,7 +28,11 @@ pub fn data_table(name: &str, figure: &Figure) -> Result<Table, TableError> {
 
 /// What stands on an axis, with its unit.
 fn words(axis: &Axis) -> String {
-    let scale = if axis.ticks == Ticks::Powers { "log10 of " } else { "" };
+    let scale = match axis.ticks {
+        Ticks::Powers => "log10 of ",
+        Ticks::Logarithms => "ln of ",
+        _ => "",
+    };
     format!("{scale}{} ({})", axis.label, axis.unit)
 }
 

@@ -100,7 +100,12 @@ pub(crate) fn powers_axis(label: &str, unit: &str) -> Axis {
     Axis { ticks: Ticks::Powers, ..Axis::new(label, unit) }
 }
 
-/// What such an axis takes of a value; what is not above zero has no place on it.
+/// Axis of numbers above zero, of which it takes the natural logarithms.
+pub(crate) fn logarithms_axis(label: &str, unit: &str) -> Axis {
+    Axis { ticks: Ticks::Logarithms, ..Axis::new(label, unit) }
+}
+
+/// What an axis of powers takes of a value; what is not above zero has no place on it.
 pub(crate) fn logarithm(value: f64) -> f64 {
     if value > 0.0 { libm::log10(value) } else { f64::NAN }
 }

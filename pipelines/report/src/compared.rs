@@ -6,13 +6,13 @@ use crate::people::capital;
 use serde::Serialize;
 use zwidth_results::{
     Compared, EffectDifference, FactorTest, GroupDifference, GroupMember, Mean, ModeDifference,
-    PersonValue, RedrawnDifference, Role, Sentence, Size, UnitOfAnalysis, Verdict,
+    PersonValue, RedrawnDifference, Role, Sentence, Sides, Size, UnitOfAnalysis, Verdict,
 };
 use zwidth_study::{
-    Better, Coordinate, EnvironmentId, ModeId, Setup, Study, TaskQuantity, contrast_label,
-    in_a_sentence,
+    Better, Coordinate, EnvironmentId, ModeId, Setup, Study, contrast_label, in_a_sentence,
+    ratio_label,
 };
-use zwidth_tables::{in_coordinate, number, p_value, shown_unit, with_unit};
+use zwidth_tables::{Amounts, in_coordinate, number, p_value};
 
 /// How study.toml names primary metrics. They may not be among those compared: trials of the study may
 /// not have them.
@@ -70,6 +70,11 @@ impl ComparedMetric<'_> {
     pub(crate) fn words(&self, coordinate: Coordinate) -> String {
         in_coordinate(&self.metric.words, coordinate)
     }
+
+    /// How its numbers are read.
+    pub(crate) fn amounts(&self, study: &Setup) -> Amounts {
+        Amounts::of(&self.metric.unit, study.coordinate)
+    }
 }
 
 /// Means by metric, environment and mode.
@@ -103,27 +108,17 @@ pub fn matrix(study: &Setup, metrics: &[ComparedMetric]) -> Matrix {
         ..Matrix::default()
     };
     for metric in metrics {
-        let logarithm_of = TaskQuantity::logarithm_of(&metric.metric.unit);
-        let own_unit = logarithm_of.unwrap_or(&metric.metric.unit);
-        let (unit, factor) = shown_unit(own_unit, study.coordinate);
-        let unit = if unit == "1" { String::new() } else { format!(" ({unit})") };
+        let amounts = metric.amounts(study);
+        let unit = match amounts.unit() {
+            "1" => String::new(),
+            unit => format!(" ({unit})"),
+        };
         for environment in &study.environments {
             let cells = study.modes.iter().map(|mode| {
                 let mut means = metric.means.iter();
                 let mean =
                     means.find(|m| (&m.environment, &m.mode) == (&environment.id, &mode.id))?;
-                if logarithm_of.is_some() {
-                    let value = libm::exp(mean.mean) * factor;
-                    let sd = mean.sd.map(libm::exp);
-                    let spread = sd.map(|sd| format!(" ×/÷ {}", number(sd, Some(sd - 1.0))));
-                    let error = mean.sd.map(|sd| value * sd);
-                    let value = number(value, error);
-                    return Some(format!("{value}{} ({})", spread.unwrap_or_default(), mean.n));
-                }
-                let sd = mean.sd.map(|sd| sd * factor);
-                let spread = sd.map(|sd| format!(" ± {}", number(sd, Some(sd))));
-                let value = number(mean.mean * factor, sd);
-                Some(format!("{value}{} ({})", spread.unwrap_or_default(), mean.n))
+                Some(format!("{} ({})", amounts.mean(mean.mean, mean.sd), mean.n))
             });
             let cells: Vec<Option<String>> = cells.collect();
             // A metric that no mode of this environment has gets no row.
@@ -154,8 +149,15 @@ pub fn matrix(study: &Setup, metrics: &[ComparedMetric]) -> Matrix {
             };
         }
     }
+    if metrics.iter().any(|own| !own.means.is_empty() && own.amounts(study).are_logarithms()) {
+        matrix.caption += GEOMETRIC;
+    }
     matrix
 }
+
+/// How means of a metric of logarithms stand in the matrix.
+const GEOMETRIC: &str =
+    " Means of JNDs are geometric; ×/÷ is the factor of one standard deviation.";
 
 /// The metrics that claims rest on, before the others; without one the first, unless a whole curve is primary.
 pub fn primary_first<'a, 'b>(metrics: &'a [ComparedMetric<'b>]) -> [&'a [ComparedMetric<'b>]; 2] {
@@ -262,27 +264,29 @@ fn answer(study: &Setup, metric: &ComparedMetric) -> String {
 }
 
 /// A difference by its direction: `in Spring 0.94 N higher with Hybrid than with Active (0.89 to 0.99):
-/// different, felt, 19 JND`.
+/// different, felt, 19 JND`; of logarithms `in Spring 1.40 times as large with Hybrid as with Active`.
 fn directed(study: &Setup, metric: &ComparedMetric, row: &ModeDifference) -> String {
-    let (unit, factor) = shown_unit(&metric.metric.unit, study.coordinate);
+    let amounts = metric.amounts(study);
     let label = |id: &ModeId| {
         let mode = study.modes.iter().find(|mode| mode.id == *id);
         mode.map_or_else(|| id.to_string(), |mode| in_a_sentence(&mode.label))
     };
     let (mode, against) = (label(&row.contrast.mode), label(&row.contrast.against));
-    // Told as what is higher or lower, an interval has the sign of that.
-    let turn = if row.difference < 0.0 { -factor } else { factor };
-    let error = row.difference_std_error.map(|error| error * factor);
-    let amount = with_unit(&number(row.difference * turn, error), &unit);
+    let is_ratio = amounts.are_logarithms();
     let direction = match row.difference {
+        _ if is_ratio => format!("as large with {mode} as with {against}"),
         d if d < 0.0 => format!("lower with {mode} than with {against}"),
         d if d > 0.0 => format!("higher with {mode} than with {against}"),
         _ => format!("between {mode} and {against}"),
     };
-    let ends = row.difference_ci_low.zip(row.difference_ci_high).map(|(low, high)| {
-        let [from, to] = if turn < 0.0 { [high, low] } else { [low, high] };
-        format!(" ({} to {})", number(from * turn, error), number(to * turn, error))
-    });
+    let ends = row.difference_ci_low.zip(row.difference_ci_high);
+    // Told as what is higher or lower, an interval has the sign of that.
+    let (difference, ends) = match row.difference < 0.0 && !is_ratio {
+        true => (-row.difference, ends.map(|(low, high)| (-high, -low))),
+        false => (row.difference, ends),
+    };
+    let amount = amounts.told(difference, ends, row.difference_std_error, Sides::Values);
+    let ends = amount.ends.map(|ends| format!(" ({ends})"));
     let felt = row.size.map(|size| {
         let jnds =
             row.difference_jnd.map(|jnds| format!(", {} JND", number(jnds.abs(), Some(1.0))));
@@ -291,8 +295,9 @@ fn directed(study: &Setup, metric: &ComparedMetric, row: &ModeDifference) -> Str
     let best = row.best(metric.metric.better).map(|mode| format!(": {} is better", label(mode)));
     let remark = row.remark.as_ref().map(|why| format!(": {why}"));
     format!(
-        "in {} {amount} {direction}{}, {}{}{}{}{}",
+        "in {} {} {direction}{}, {}{}{}{}{}",
         environment_label(study, &row.environment),
+        amount.text,
         ends.unwrap_or_default(),
         row.verdict.as_str(),
         row.p_adjusted.map(|p| format!(" (adjusted p {})", p_value(p))).unwrap_or_default(),
@@ -316,10 +321,11 @@ pub(crate) fn before(study: &Setup, id: Option<&EnvironmentId>, separator: &str)
 pub(crate) struct Brief<'a> {
     /// What is compared, and where.
     pub(crate) place: String,
-    /// In the metric's unit, with its standard error and the ends of its interval.
+    /// In the metric's unit, with its standard error, the ends of its interval and what it is the difference of.
     pub(crate) difference: Option<f64>,
     pub(crate) error: Option<f64>,
     pub(crate) ends: Option<(f64, f64)>,
+    pub(crate) sides: Sides,
     pub(crate) verdict: Verdict,
     pub(crate) size: Option<Size>,
     pub(crate) remark: Option<&'a Sentence>,
@@ -333,21 +339,17 @@ pub(crate) fn explored(
     briefs: Vec<Brief>,
     shown: Shown,
 ) -> Option<Finding> {
-    let (unit, factor) = shown_unit(&metric.metric.unit, study.coordinate);
+    let amounts = metric.amounts(study);
     let texts = briefs.iter().map(|brief| {
-        let error = brief.error.map(|error| error * factor);
-        let rounded = |value: f64| number(value * factor, error);
-        let ends = brief.ends.map(|(low, high)| format!("{} to {}, ", rounded(low), rounded(high)));
         let size = brief.size.map(|size| format!(", {}", size.as_str())).unwrap_or_default();
         let why = brief.remark.map(|why| format!(": {why}")).unwrap_or_default();
         let verdict = brief.verdict.as_str();
         match brief.difference {
-            Some(difference) => format!(
-                "{}: {} ({}{verdict}{size}{why})",
-                brief.place,
-                with_unit(&rounded(difference), &unit),
-                ends.unwrap_or_default(),
-            ),
+            Some(difference) => {
+                let amount = amounts.told(difference, brief.ends, brief.error, brief.sides);
+                let ends = amount.ends.map(|ends| format!("{ends}, ")).unwrap_or_default();
+                format!("{}: {} ({ends}{verdict}{size}{why})", brief.place, amount.text)
+            }
             None => format!("{}: {verdict}{why}", brief.place),
         }
     });
@@ -365,15 +367,18 @@ fn difference(
     row: &ModeDifference,
     words: Option<&str>,
 ) -> String {
-    let (unit, factor) = shown_unit(&metric.metric.unit, study.coordinate);
-    // The standard error sets the digits of the difference and of its interval.
-    let error = row.difference_std_error.map(|error| error * factor);
-    let shown = |value: f64| number(value * factor, error);
+    let amounts = metric.amounts(study);
+    let is_ratio = amounts.are_logarithms();
     let environment = environment_label(study, &row.environment);
-    let place = format!("{environment}, {}", contrast_label(&study.modes, &row.contrast));
-    let amount = with_unit(&shown(row.difference), &unit);
-    let interval = row.difference_ci_low.zip(row.difference_ci_high);
-    let interval = interval.map(|(low, high)| format!("{} to {}, ", shown(low), shown(high)));
+    let compared = match is_ratio {
+        true => ratio_label(&study.modes, &row.contrast),
+        false => contrast_label(&study.modes, &row.contrast),
+    };
+    let place = format!("{environment}, {compared}");
+    let ends = row.difference_ci_low.zip(row.difference_ci_high);
+    let amount = amounts.told(row.difference, ends, row.difference_std_error, Sides::Values);
+    let interval = amount.ends.map(|ends| format!("{ends}, "));
+    let amount = amount.text;
     // The verdict, and why it is no claim.
     let why = row.remark.as_ref().map(|why| format!(": {why}")).unwrap_or_default();
     let verdict = format!("{}{why}", row.verdict.as_str());
@@ -405,9 +410,12 @@ fn difference(
     let is_open = row.verdict == Verdict::Undecided && row.remark.is_none();
     let why = if is_open { ", neither a difference nor its absence was shown" } else { "" };
     let size = size.map(|size| format!("; {size}")).unwrap_or_default();
+    let what = match is_ratio {
+        true => format!("the {words} is {amount} as large"),
+        false => format!("the difference in {words} is {amount}"),
+    };
     format!(
-        "{place}: the difference in {words} is {amount} ({interval}n = {} {}{more}): \
-         {verdict}{why}{size}.",
+        "{place}: {what} ({interval}n = {} {}{more}): {verdict}{why}{size}.",
         row.n, row.unit_of_analysis,
     )
 }
@@ -635,6 +643,107 @@ pub(crate) mod tests {
             found[1],
             "Spring, Hybrid − Active: the difference in angle past the wall is −5.7° (interval −8.6 to −2.9, \
              n = 6 participants, t(5) = −5, adjusted p = 0.0123, d_av = −1.25): different."
+        );
+    }
+
+    /// The natural logarithm of a JND.
+    pub(crate) fn ln_jnd() -> Compared {
+        metric("ln_jnd_stiffer", "ln N/rad", "JND", UnitOfAnalysis::Participants)
+    }
+
+    #[test]
+    fn a_jnd_is_told_as_a_ratio_and_the_smaller_one_is_better_below_1_too() {
+        let metric = ln_jnd();
+        // JNDs of 0.12 and 0.14 N/rad.
+        let row = ModeDifference {
+            mean_first: -2.1,
+            mean_second: -2.0,
+            ..difference(&metric, Verdict::Different)
+        };
+        let found = texts_of(&metric, Primaries::Named, row);
+        let answer = "JND (the primary metric, lower is better; n = 6 participants): in Spring 0.905 times as large with hybrid as with active (0.861 to 0.951), different (adjusted p = 0.0123): hybrid is better.";
+        let sentence = "Spring, Hybrid / Active: the JND is 0.905 times as large (interval 0.861 to 0.951, n = 6 participants, \
+                        t(5) = −5, adjusted p = 0.0123, d_av = −1.25): different.";
+        assert_eq!(found, [answer, sentence]);
+        let metric = Compared { role: Role::Exploratory, ..metric };
+        let contrasts = [difference(&metric, Verdict::Undecided)];
+        let others = [ComparedMetric { contrasts: &contrasts, ..without_results(&metric) }];
+        let study = study();
+        let brief = others_in_brief(&study, &others).map(|found| found.text.to_string());
+        let told =
+            "Exploratory, JND: Spring, Hybrid / Active: 0.905 times (0.861 to 0.951, undecided).";
+        assert_eq!(brief.collect::<Vec<_>>(), [told]);
+    }
+
+    #[test]
+    fn the_matrix_has_geometric_means_of_jnds() {
+        let metric = ln_jnd();
+        let means = [mean(&metric, "active", libm::log(25.0), Some(libm::log(1.2)))];
+        let metric = ComparedMetric { means: &means, ..without_results(&metric) };
+        let matrix = matrix(&study(), &[metric]);
+        assert_eq!(matrix.rows[0].metric, "JND (N/rad)");
+        assert_eq!(matrix.rows[0].cells[0].as_deref(), Some("25.0 ×/÷ 1.20 (6)"));
+        assert!(matrix.caption.ends_with(GEOMETRIC), "{}", matrix.caption);
+    }
+
+    #[test]
+    fn effects_and_groups_of_jnds_are_ratios_and_where_ratios_are_compared_times_as_large_ones() {
+        let metric = ln_jnd();
+        let effect = |effect: &str, levels: &str| EffectDifference {
+            effect: effect.parse().unwrap(),
+            levels: Some(levels.parse().unwrap()),
+            difference: Some(0.336_472),
+            difference_std_error: Some(0.05),
+            difference_ci_low: Some(0.215_111),
+            difference_ci_high: Some(0.451_076),
+            verdict: Verdict::Different,
+            ..unestimated(&metric)
+        };
+        let group = |effect: &str| GroupDifference {
+            effect: effect.parse().unwrap(),
+            difference_std_error: Some(0.05),
+            difference_ci_low: Some(0.15),
+            difference_ci_high: Some(0.35),
+            ..between_groups(&metric)
+        };
+        let effects = [
+            effect("motor", "yes − no"),
+            effect("motor:brake", "(yes − no) × (soft − stiff)"),
+            effect("stiffness", "per 100 N/m"),
+        ];
+        let groups = ["mean over modes", "hybrid", "hybrid − active", "motor: yes − no"].map(group);
+        let compared =
+            ComparedMetric { effects: &effects, groups: &groups, ..without_results(&metric) };
+        let study = study();
+        let told = crate::factor_effects(&study, &compared)
+            .into_iter()
+            .chain(crate::group_differences(&study, &compared))
+            .map(|finding| finding.text.to_string());
+        let expected = [
+            "Spring, effects of factors on JND (4 participants). Shown: motor (yes / no: 1.400 times), motor × brake ((yes / \
+             no) × (soft / stiff): 1.400 times as large a ratio), stiffness (per 100 N/m: 1.400 times).",
+            "Spring, effect of motor (yes / no) on JND: 1.400 times (interval 1.240 to 1.570, 4 participants): different.",
+            "Spring, effect of motor × brake ((yes / no) × (soft / stiff)) on JND: 1.400 times as large a ratio (interval \
+             1.240 to 1.570, 4 participants): different.",
+            "Spring, effect of stiffness (per 100 N/m) on JND: 1.400 times (interval 1.240 to 1.570, 4 participants): \
+             different.",
+            "Spring, expert / novice in the geometric mean over modes: the JND is 1.284 times as large (interval 1.162 to 1.419, \
+             5 and 7 people, adjusted p = 0.5): undecided, neither a difference nor its absence was shown.",
+            "Spring, expert / novice in hybrid: the JND is 1.284 times as large (interval 1.162 to 1.419, 5 and 7 people, \
+             adjusted p = 0.5): undecided, neither a difference nor its absence was shown.",
+            "Spring, expert / novice in the ratio Hybrid / Active: the JND has 1.284 times as large a ratio (interval 1.162 to \
+             1.419, 5 and 7 people, adjusted p = 0.5): undecided, neither a difference nor its absence was shown.",
+            "Spring, expert / novice in the effect motor: yes / no: the JND has 1.284 times as large a ratio (interval 1.162 to \
+             1.419, 5 and 7 people, adjusted p = 0.5): undecided, neither a difference nor its absence was shown.",
+        ];
+        assert_eq!(told.collect::<Vec<_>>(), expected);
+        let brief = crate::explored_effects(&study, &compared).unwrap().text.to_string();
+        assert!(
+            brief.contains(
+                "effect of motor × brake ((yes / no) × (soft / stiff)): 1.400 times as large a ratio (1.240 to 1.570, \
+                 different)"
+            ),
+            "{brief}"
         );
     }
 

@@ -5,7 +5,7 @@ use crate::findings::Finding;
 use crate::gallery::Shown;
 use zwidth_results::{EffectDifference, FactorTest, Role, Verdict};
 use zwidth_study::{Setup, counted};
-use zwidth_tables::{number, p_value, shown_unit, with_unit};
+use zwidth_tables::{number, p_value, with_unit};
 
 /// First, of a primary metric without contrasts of modes, which effects were shown; then every effect in a
 /// sentence, with interval and test; of factors with several levels, and their interactions, the line of the
@@ -37,10 +37,11 @@ pub fn factor_effects(study: &Setup, metric: &ComparedMetric) -> Vec<Finding> {
 /// The effects on a metric that is not primary, in one sentence.
 pub fn explored_effects(study: &Setup, metric: &ComparedMetric) -> Option<Finding> {
     let briefs = metric.effects.iter().map(|row| Brief {
-        place: place(study, row),
+        place: place(study, metric, row),
         difference: row.difference,
         error: row.difference_std_error,
         ends: row.difference_ci_low.zip(row.difference_ci_high),
+        sides: row.sides(),
         verdict: row.verdict,
         size: row.size,
         remark: row.remark.as_ref(),
@@ -48,10 +49,12 @@ pub fn explored_effects(study: &Setup, metric: &ComparedMetric) -> Option<Findin
     explored(study, metric, briefs.collect(), Shown::Effects(metric.metric.metric.to_string()))
 }
 
-/// `Spring, effect of motor (yes − no)`.
-fn place(study: &Setup, row: &EffectDifference) -> String {
+/// `Spring, effect of motor (yes − no)`; of logarithms `(yes / no)`.
+fn place(study: &Setup, metric: &ComparedMetric, row: &EffectDifference) -> String {
     let factors = row.effect.to_string().replace(':', " × ");
-    let levels = row.levels.as_ref().map(|levels| format!(" ({levels})")).unwrap_or_default();
+    let amounts = metric.amounts(study);
+    let levels = row.levels.as_ref().map(|levels| amounts.compared(&levels.to_string()));
+    let levels = levels.map(|levels| format!(" ({levels})")).unwrap_or_default();
     format!("{}effect of {factors}{levels}", before(study, row.environment.as_ref(), ", "))
 }
 
@@ -63,16 +66,17 @@ fn answer(
     effects: &[&EffectDifference],
     words: &str,
 ) -> Option<String> {
-    let (unit, factor) = shown_unit(&metric.metric.unit, study.coordinate);
+    let amounts = metric.amounts(study);
     let listed = |verdicts: &[Verdict]| -> Option<String> {
         let rows: Vec<&&EffectDifference> =
             effects.iter().filter(|row| verdicts.contains(&row.verdict)).collect();
         let terms = rows.chunk_by(|a, b| a.effect == b.effect).map(|rows| {
             let each = rows.iter().filter_map(|row| {
-                let error = row.difference_std_error.map(|error| error * factor);
-                let value = with_unit(&number(row.difference? * factor, error), &unit);
-                let levels = row.levels.as_ref().map(|levels| format!("{levels}: "));
-                Some(levels.unwrap_or_default() + &value)
+                let error = row.difference_std_error;
+                let amount = amounts.told(row.difference?, None, error, row.sides());
+                let levels = row.levels.as_ref();
+                let levels = levels.map(|own| format!("{}: ", amounts.compared(&own.to_string())));
+                Some(levels.unwrap_or_default() + &amount.text)
             });
             let each: Vec<String> = each.collect();
             let values =
@@ -103,10 +107,8 @@ fn answer(
 
 /// `Spring, motor: yes − no: the force is 0.45 N higher (…)`.
 fn sentence(study: &Setup, metric: &ComparedMetric, row: &EffectDifference, words: &str) -> String {
-    let (unit, factor) = shown_unit(&metric.metric.unit, study.coordinate);
-    let error = row.difference_std_error.map(|error| error * factor);
-    let shown = |value: f64| number(value * factor, error);
-    let place = place(study, row);
+    let amounts = metric.amounts(study);
+    let place = place(study, metric, row);
     let why = match &row.remark {
         Some(remark) => format!("; {remark}"),
         None if row.verdict == Verdict::Undecided => {
@@ -117,9 +119,9 @@ fn sentence(study: &Setup, metric: &ComparedMetric, row: &EffectDifference, word
     let Some(difference) = row.difference else {
         return format!("{place} on {words}: {}{why}.", row.verdict.as_str());
     };
-    let interval = row.difference_ci_low.zip(row.difference_ci_high);
-    let interval =
-        interval.map(|(low, high)| format!("interval {} to {}, ", shown(low), shown(high)));
+    let ends = row.difference_ci_low.zip(row.difference_ci_high);
+    let amount = amounts.told(difference, ends, row.difference_std_error, row.sides());
+    let interval = amount.ends.map(|ends| format!("interval {ends}, "));
     let test = row
         .statistic
         .zip(row.df)
@@ -140,7 +142,7 @@ fn sentence(study: &Setup, metric: &ComparedMetric, row: &EffectDifference, word
     });
     format!(
         "{place} on {words}: {} ({}{}{more}): {}{why}{}{}.",
-        with_unit(&shown(difference), &unit),
+        amount.text,
         interval.unwrap_or_default(),
         counted(row.n, "participants"),
         row.verdict.as_str(),

@@ -3,9 +3,9 @@
 use crate::compared::{Brief, ComparedMetric, before, explored};
 use crate::findings::Finding;
 use crate::gallery::Shown;
-use zwidth_results::{GroupDifference, GroupEffect, Role, Verdict};
-use zwidth_study::{Setup, contrast_label, in_a_sentence};
-use zwidth_tables::{number, p_value, shown_unit, with_unit};
+use zwidth_results::{GroupDifference, GroupEffect, Role, Sides, Verdict};
+use zwidth_study::{Setup, contrast_label, in_a_sentence, ratio_label};
+use zwidth_tables::{Amount, Amounts, number, p_value};
 
 /// Every claim about groups in a sentence, with effect, interval, test and the people of either group. Where no
 /// modes are compared they are the answer.
@@ -21,10 +21,11 @@ pub fn group_differences(study: &Setup, metric: &ComparedMetric) -> Vec<Finding>
 pub fn explored_groups(study: &Setup, metric: &ComparedMetric) -> Option<Finding> {
     let briefs = metric.groups.iter().filter_map(|row| {
         Some(Brief {
-            place: place(study, row),
+            place: place(study, metric, row),
             difference: row.difference,
             error: row.difference_std_error,
             ends: row.difference_ci_low.zip(row.difference_ci_high),
+            sides: row.sides(),
             verdict: row.verdict?,
             size: row.size,
             remark: row.remark.as_ref(),
@@ -33,16 +34,30 @@ pub fn explored_groups(study: &Setup, metric: &ComparedMetric) -> Option<Finding
     explored(study, metric, briefs.collect(), Shown::Groups(metric.metric.metric.to_string()))
 }
 
-/// What of people is compared between groups: `the difference Hybrid − Active`.
-pub(crate) fn compared_words(study: &Setup, effect: &GroupEffect) -> String {
+/// Two groups and what of their people is compared: `expert − novice in the difference Hybrid − Active`; of logarithms
+/// `expert / novice in the ratio Hybrid / Active`.
+pub(crate) fn compared_words(study: &Setup, amounts: &Amounts, row: &GroupDifference) -> String {
+    let effect = effect_words(study, amounts, &row.effect);
+    format!("{} in {effect}", amounts.compared(&row.groups.to_string()))
+}
+
+fn effect_words(study: &Setup, amounts: &Amounts, effect: &GroupEffect) -> String {
     match effect {
+        GroupEffect::OverModes if amounts.are_logarithms() => {
+            "the geometric mean over modes".to_owned()
+        }
         GroupEffect::OverModes => "the mean over modes".to_owned(),
         GroupEffect::In(id) => {
             let mode = study.modes.iter().find(|mode| mode.id == *id);
             mode.map_or_else(|| id.to_string(), |mode| in_a_sentence(&mode.label))
         }
         GroupEffect::OfFactors(effect) if effect.levels.is_none() => format!("the {effect}"),
-        GroupEffect::OfFactors(effect) => format!("the effect {effect}"),
+        GroupEffect::OfFactors(effect) => {
+            format!("the effect {}", amounts.compared(&effect.to_string()))
+        }
+        GroupEffect::Of(contrast) if amounts.are_logarithms() => {
+            format!("the ratio {}", ratio_label(&study.modes, contrast))
+        }
         GroupEffect::Of(contrast) => {
             format!("the difference {}", contrast_label(&study.modes, contrast))
         }
@@ -50,9 +65,9 @@ pub(crate) fn compared_words(study: &Setup, effect: &GroupEffect) -> String {
 }
 
 /// `Spring, expert − novice in the difference Hybrid − Active`.
-fn place(study: &Setup, row: &GroupDifference) -> String {
+fn place(study: &Setup, metric: &ComparedMetric, row: &GroupDifference) -> String {
     let environment = before(study, row.environment.as_ref(), ", ");
-    format!("{environment}{} in {}", row.groups, compared_words(study, &row.effect))
+    environment + &compared_words(study, &metric.amounts(study), row)
 }
 
 /// `Spring, expert − novice in the difference Hybrid − Active: the force differs by 0.02 N (…)`; nothing of what is no
@@ -64,17 +79,21 @@ fn sentence(
     words: &str,
 ) -> Option<String> {
     let verdict = row.verdict?;
-    let (unit, factor) = shown_unit(&metric.metric.unit, study.coordinate);
-    let error = row.difference_std_error.map(|error| error * factor);
-    let shown = |value: f64| number(value * factor, error);
-    let place = place(study, row);
-    let amount = match row.difference {
-        Some(difference) => with_unit(&shown(difference), &unit),
-        None => "not known".to_owned(),
+    let amounts = metric.amounts(study);
+    let place = place(study, metric, row);
+    let ends = row.difference_ci_low.zip(row.difference_ci_high);
+    let amount = row
+        .difference
+        .map(|difference| amounts.told(difference, ends, row.difference_std_error, row.sides()));
+    let differs = match (amount.as_ref(), amounts.are_logarithms(), row.sides()) {
+        (None, ..) => format!("{words} differs by not known"),
+        (Some(Amount { text, .. }), false, _) => format!("{words} differs by {text}"),
+        (Some(Amount { text, .. }), true, Sides::Values) => {
+            format!("the {words} is {text} as large")
+        }
+        (Some(Amount { text, .. }), true, Sides::Differences) => format!("the {words} has {text}"),
     };
-    let interval = row.difference_ci_low.zip(row.difference_ci_high);
-    let interval =
-        interval.map(|(low, high)| format!("interval {} to {}, ", shown(low), shown(high)));
+    let interval = amount.and_then(|amount| amount.ends).map(|ends| format!("interval {ends}, "));
     let test = row
         .statistic
         .zip(row.df)
@@ -95,7 +114,7 @@ fn sentence(
         format!("; {}{}", size.as_str(), jnds.unwrap_or_default())
     });
     Some(format!(
-        "{place}: {words} differs by {amount} ({}{} and {} people{more}): {}{why}{}.",
+        "{place}: {differs} ({}{} and {} people{more}): {}{why}{}.",
         interval.unwrap_or_default(),
         row.n_first,
         row.n_second,

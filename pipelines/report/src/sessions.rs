@@ -3,9 +3,9 @@
 use crate::compared::{ComparedMetric, Primaries};
 use crate::findings::Finding;
 use crate::gallery::Shown;
-use zwidth_results::{Learning, Role, SessionChange};
+use zwidth_results::{Learning, Role, SessionChange, Sides};
 use zwidth_study::{EnvironmentId, ModeId, Setup};
-use zwidth_tables::{number, shown_unit, with_unit};
+use zwidth_tables::Amount;
 
 /// How participants changed from their first session to a later one, in a metric: one sentence, with
 /// interval and n of each condition. There is no sentence if fewer than two participants came
@@ -21,7 +21,8 @@ pub fn changes(
         let place = place(study, &row.environment, &row.mode)?;
         let values = [row.change, row.change_ci_low, row.change_ci_high, row.change_std_error];
         let change = change(study, metric, values)?;
-        Some(format!("{place}, {}: {change}, n = {} participants)", row.sessions, row.n))
+        let sessions = metric.amounts(study).compared(&row.sessions.to_string());
+        Some(format!("{place}, {sessions}: {change}, n = {} participants)", row.n))
     });
     let told: Vec<String> = told.collect();
     let role = match (metric.metric.role, metric.primary) {
@@ -66,27 +67,29 @@ fn place(study: &Setup, environment: &EnvironmentId, mode: &ModeId) -> Option<St
     Some(format!("{}, {}", environment.label, mode.label))
 }
 
-/// `−0.120 N (−0.150 to −0.090`: a change with its interval, from these two and its standard error,
-/// which sets the digits.
+/// `−0.120 N (−0.150 to −0.090`, of logarithms `0.887 times (0.861 to 0.914`: a change with its interval, from these two
+/// and its standard error, which sets the digits.
 fn change(
     study: &Setup,
     metric: &ComparedMetric,
     [change, low, high, error]: [Option<f64>; 4],
 ) -> Option<String> {
-    let (unit, factor) = shown_unit(&metric.metric.unit, study.coordinate);
-    let error = error.map(|error| error * factor);
-    let shown = |value: f64| number(value * factor, error);
-    Some(format!("{} ({} to {}", with_unit(&shown(change?), &unit), shown(low?), shown(high?)))
+    let amounts = metric.amounts(study);
+    let Amount { text, ends } = amounts.told(change?, low.zip(high), error, Sides::Values);
+    Some(format!("{text} ({}", ends?))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::compared::tests::{metric, without_results};
+    use crate::compared::tests::{ln_jnd, metric, without_results};
     use zwidth_results::UnitOfAnalysis;
 
     fn told(n: [usize; 2]) -> Option<String> {
-        let peak = metric("peak_n", "N", "peak force", UnitOfAnalysis::Participants);
+        told_of(&metric("peak_n", "N", "peak force", UnitOfAnalysis::Participants), n)
+    }
+
+    fn told_of(peak: &zwidth_results::Compared, n: [usize; 2]) -> Option<String> {
         let change = |mode: &str, n: usize| {
             // Without a second participant there is no interval.
             let known = |value: f64| (n > 1).then_some(value);
@@ -123,7 +126,7 @@ mod tests {
             }
         };
         let rows = [change("active", n[0]), change("hybrid", n[1])];
-        changes(&Setup::of(&zwidth_testing::study()), &without_results(&peak), &rows)
+        changes(&Setup::of(&zwidth_testing::study()), &without_results(peak), &rows)
             .map(|found| found.text.to_string())
     }
 
@@ -133,6 +136,15 @@ mod tests {
             told([5, 1]).unwrap(),
             "Exploratory, mean change between sessions in the primary metric, peak force: Spring, Active, \
              S02 − S01: −0.120\u{a0}N (−0.150 to −0.090, n = 5 participants). Not adjusted for the number of changes."
+        );
+    }
+
+    #[test]
+    fn changes_of_a_jnd_are_ratios() {
+        assert_eq!(
+            told_of(&ln_jnd(), [5, 1]).unwrap(),
+            "Exploratory, mean change between sessions in the primary metric, JND: Spring, Active, S02 / S01: 0.8869 times \
+             (0.8607 to 0.9139, n = 5 participants). Not adjusted for the number of changes."
         );
     }
 

@@ -34,7 +34,7 @@ use zwidth_study::{Environment, EnvironmentId, ModeId};
 use zwidth_tables::Table;
 
 /// Its version is raised when the page would be written differently from the same data.
-const STAGE: Stage = Stage { name: "page", version: 30 };
+const STAGE: Stage = Stage { name: "page", version: 31 };
 
 /// The job that makes the page itself.
 pub const JOB: &str = "page";

@@ -32,7 +32,7 @@ use zwidth_study::{Kind, MetricId, Scene, Setup, Task};
 use zwidth_tables::{About, Format, Measured, NoteKind, Table, TableError};
 
 /// Its version is raised when the page would be written differently from the same data.
-const STAGE: Stage = Stage { name: "summary", version: 25 };
+const STAGE: Stage = Stage { name: "summary", version: 26 };
 
 /// What the page depends on besides files.
 #[derive(Serialize)]

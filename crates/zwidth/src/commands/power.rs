@@ -15,7 +15,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use zwidth_plan as plan;
 use zwidth_plan::CurveSpread;
-use zwidth_results::{EffectLevels, GroupEffect, ModeDifference, Model, UnitOfAnalysis};
+use zwidth_results::{EffectLevels, GroupEffect, ModeDifference, Model, Sides, UnitOfAnalysis};
 use zwidth_stats::Unestimable;
 use zwidth_stats::curve::LEAST_FOR_A_CLAIM as LEAST_OF_CURVES;
 use zwidth_stats::curve_power::{CurvePlan, curve_power};
@@ -28,13 +28,14 @@ use zwidth_store::{Raw, RealFiles, StudyData, hex_blake3, write_new};
 use zwidth_study::{
     Curve, Effect, LevelContrast, Study, StudyId, Term, contrast_label, counted, curve_label,
 };
-use zwidth_tables::{number, shown_unit, with_unit};
+use zwidth_tables::{Amounts, number, shown_unit, with_unit};
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct PowerArgs {
     /// The study: its repeats, modes, alpha and contrasts are planned with
     pub(crate) study: StudyId,
-    /// The true difference between two modes, or the true effect, in the metric's SI unit
+    /// The true difference between two modes, or the true effect, in the metric's SI unit; of ln_jnd_TASK the natural
+    /// logarithm of a ratio, 0.336 for one of 1.4
     #[arg(long, value_name = "D", value_parser = positive)]
     pub(crate) difference: f64,
     /// The effect of a factor, an interaction (`motor:brake`) or a weighted contrast in place of a difference
@@ -608,6 +609,26 @@ fn widest(
     spreads.max_by(|(a, _), (b, _)| a.total_cmp(b)).map(|(_, spread)| spread)
 }
 
+/// How differences of a metric of logarithms are read, and what they are between; none of another metric.
+fn ratio(study: &Study, result: &Planned) -> Option<(Amounts, Sides)> {
+    let (task, quantity) = study.task_metric(&result.metric)?;
+    let is_between_differences =
+        result.groups.is_some() || result.effect.as_ref().is_some_and(|effect| effect.0.len() > 1);
+    let sides = if is_between_differences { Sides::Differences } else { Sides::Values };
+    let amounts = Amounts::of(&task.metric_unit(quantity), study.coordinate);
+    amounts.are_logarithms().then_some((amounts, sides))
+}
+
+/// A difference as a text of it, and behind that of logarithms the ratio.
+fn told(text: String, difference: f64, ratio: Option<&(Amounts, Sides)>) -> String {
+    match ratio {
+        None => text,
+        Some((amounts, sides)) => {
+            format!("{text} ({})", amounts.told(difference, None, None, *sides).text)
+        }
+    }
+}
+
 /// The result in sentences.
 fn sentences(study: &Study, result: &Planned) -> [String; 4] {
     let Planned { metric, difference, participants, studies, alpha, source, .. } = result;
@@ -641,11 +662,18 @@ fn sentences(study: &Study, result: &Planned) -> [String; 4] {
     let [power, low, high] =
         [result.power, result.power_ci_low, result.power_ci_high].map(|share| 100.0 * share);
     let alpha = number(*alpha, None);
+    let ratio = ratio(study, result);
+    let ratio = ratio.as_ref();
+    let units = match ratio {
+        Some(_) => "natural logarithms: e to the power of a difference is a ratio",
+        None => "in the metric's SI unit",
+    };
     [
         format!(
-            "{}: if {what} {difference}{place}, a study of {people} participants finds it with a \
+            "{}: if {what} {}{place}, a study of {people} participants finds it with a \
              probability (power) of {power:.1} % ({low:.1} to {high:.1} %, from {studies} simulated studies).",
-            named.unwrap_or_else(|| metric.clone())
+            named.unwrap_or_else(|| metric.clone()),
+            told(difference.to_string(), *difference, ratio),
         ),
         match result.participants_needed {
             Some(needed) if result.groups.is_some() => format!(
@@ -659,7 +687,8 @@ fn sentences(study: &Study, result: &Planned) -> [String; 4] {
         },
         match result.smallest_difference {
             Some(smallest) => format!(
-                "The smallest difference that {people} participants find with a power of 80 % is {smallest:.4}."
+                "The smallest difference that {people} participants find with a power of 80 % is {}.",
+                told(format!("{smallest:.4}"), smallest, ratio)
             ),
             None => format!(
                 "{people} participants find no difference with a power of 80 %, however large: the signs of so few \
@@ -670,7 +699,7 @@ fn sentences(study: &Study, result: &Planned) -> [String; 4] {
             Some(spread) => format!(
                 "This rests on these standard deviations ({source}): {:.4} between participants, {:.4} between \
                  participants in how they respond to a mode, {:.4} between repeats. Each contrast is tested at a level \
-                 of {alpha}. All differences and deviations are in the metric's SI unit.",
+                 of {alpha}. All differences and deviations are {units}.",
                 spread.participant_sd, spread.participant_mode_sd, spread.residual_sd,
             ),
             None => format!(
@@ -778,6 +807,15 @@ mod tests {
         assert!((found.participant_mode - (0.12_f64 / 2.0).sqrt()).abs() < 1e-12);
         assert!((found.participant - 0.3).abs() < 1e-12 && (found.residual - 0.2).abs() < 1e-12);
         assert!(found.source.starts_with("Spring, Hybrid − Passive"), "{}", found.source);
+    }
+
+    #[test]
+    fn a_difference_of_logarithms_is_told_as_a_ratio_too() {
+        let amounts = Amounts::of("ln N/rad", zwidth_study::Coordinate::Rotational);
+        let read = |sides| told(0.336.to_string(), 0.336, Some(&(amounts.clone(), sides)));
+        assert_eq!(told(0.336.to_string(), 0.336, None), "0.336");
+        assert_eq!(read(Sides::Values), "0.336 (1.399 times)");
+        assert_eq!(read(Sides::Differences), "0.336 (1.399 times as large a ratio)");
     }
 
     #[test]

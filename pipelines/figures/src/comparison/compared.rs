@@ -1,7 +1,7 @@
 //! Modes, participants and repeats compared, one metric per figure, from the tables of the stage
 //! `compare`.
 
-use crate::words::{mark, percent, plain};
+use crate::words::{logarithms_axis, mark, percent, plain};
 use crate::{About, FigureKind};
 use std::collections::BTreeMap;
 use zwidth_draw::style::{self, Stroke};
@@ -15,9 +15,10 @@ use zwidth_results::{
     Row as _, SessionChange, UnitOfAnalysis,
 };
 use zwidth_study::{
-    Environment, EnvironmentId, Mode, ParticipantId, Source, contrast_label, in_a_sentence,
+    Contrast, Environment, EnvironmentId, Mode, ParticipantId, Source, contrast_label,
+    in_a_sentence, ratio_label,
 };
-use zwidth_tables::{in_coordinate, p_value, shown_unit};
+use zwidth_tables::{Amounts, in_coordinate, p_value};
 
 /// The figure [`modes_compared`].
 pub const MODES_COMPARED: FigureKind = FigureKind::new(
@@ -90,28 +91,70 @@ impl MetricResults {
     }
 }
 
-/// The metric as it stands on an axis.
+/// The metric as it stands on axes. Of one of logarithms values are what they are the logarithms of, and differences are
+/// ratios, both on logarithmic axes.
 pub(super) struct Shown {
-    pub(super) factor: f64,
-    pub(super) unit: String,
+    pub(super) amounts: Amounts,
     pub(super) words: String,
 }
 
 impl Shown {
     pub(super) fn of(about: &About, metric: &Compared) -> Self {
-        let (unit, factor) = shown_unit(&metric.unit, about.coordinate);
-        let unit = if unit == "1" { String::new() } else { unit };
-        Self { factor, unit, words: in_coordinate(&metric.words, about.coordinate) }
+        let amounts = Amounts::of(&metric.unit, about.coordinate);
+        Self { amounts, words: in_coordinate(&metric.words, about.coordinate) }
     }
 
-    /// An axis of it, shared by the panels of a figure.
+    /// An axis of values, shared by the panels of a figure.
     pub(super) fn axis(&self, label: &str) -> Axis {
-        Axis::new(label, self.unit.as_str()).linked(label)
+        let unit = if self.amounts.unit() == "1" { "" } else { self.amounts.unit() };
+        let axis = match self.amounts.are_logarithms() {
+            true => logarithms_axis(label, unit),
+            false => Axis::new(label, unit),
+        };
+        axis.linked(label)
     }
 
-    /// A number as it stands on the axis; null is a gap.
-    fn number(&self, value: Option<f64>) -> f64 {
-        value.map_or(f64::NAN, |value| value * self.factor)
+    /// The same of differences.
+    pub(super) fn differences_axis(&self, label: &str) -> Axis {
+        match (self.amounts.are_logarithms(), label) {
+            (false, _) => self.axis(label),
+            (true, "difference") => logarithms_axis("ratio", "").linked(label),
+            (true, _) => logarithms_axis(&format!("{label}, ratio"), "").linked(label),
+        }
+    }
+
+    /// A value as it stands on an axis.
+    pub(super) fn value(&self, own: f64) -> f64 {
+        match self.amounts.are_logarithms() {
+            true => own + libm::log(self.amounts.factor()),
+            false => own * self.amounts.factor(),
+        }
+    }
+
+    /// The value that stands there.
+    pub(super) fn own(&self, value: f64) -> f64 {
+        match self.amounts.are_logarithms() {
+            true => value - libm::log(self.amounts.factor()),
+            false => value / self.amounts.factor(),
+        }
+    }
+
+    /// A difference as it stands on an axis of differences.
+    pub(super) fn difference(&self, own: f64) -> f64 {
+        if self.amounts.are_logarithms() { own } else { own * self.amounts.factor() }
+    }
+
+    /// Two modes of a difference.
+    pub(super) fn contrast(&self, modes: &[Mode], contrast: &Contrast) -> String {
+        compared_modes(modes, contrast, &self.amounts)
+    }
+}
+
+/// Two modes by their labels: `Hybrid − Active`, of logarithms `Hybrid / Active`.
+pub(super) fn compared_modes(modes: &[Mode], contrast: &Contrast, amounts: &Amounts) -> String {
+    match amounts.are_logarithms() {
+        true => ratio_label(modes, contrast),
+        false => contrast_label(modes, contrast),
     }
 }
 
@@ -149,19 +192,20 @@ pub fn modes_compared(
             compared.contrasts.iter().filter(|row| row.environment == environment.id).collect();
         let are_few = contrasts.len() <= FEW_CONTRASTS;
         let names = contrasts.iter().map(|row| match are_few {
-            true => plain(&verdict(&about.modes, row)),
-            false => plain(&contrast_label(&about.modes, &row.contrast)),
+            true => plain(&verdict(&about.modes, row, &shown)),
+            false => plain(&shown.contrast(&about.modes, &row.contrast)),
         });
         let names = Axis::categories(names);
         let cell = Cell::at(row, 1);
-        let y = shown.axis("difference");
+        let y = shown.differences_axis("difference");
         let panel = match contrasts.is_empty() {
             true => Panel::with_note(cell, Axis::new("", ""), y, "no two modes to compare"),
             false => Panel::new(cell, names, y, differences(&contrasts, &shown, compared)),
         };
         panels.push(panel.tall(PANEL_MM));
         if !are_few {
-            let all: Vec<String> = contrasts.iter().map(|row| verdict(&about.modes, row)).collect();
+            let all: Vec<String> =
+                contrasts.iter().map(|row| verdict(&about.modes, row, &shown)).collect();
             verdicts.push(plain(&format!("{}: {}.", environment.label, all.join("; "))));
         }
     }
@@ -239,7 +283,7 @@ fn means(
         // A person's sessions come together: the mean is over all of them.
         let own = people.entry(&cell.participant).or_default();
         own.resize(about.modes.len(), Vec::new());
-        own[place].extend(cell.mean.map(|mean| mean * shown.factor));
+        own[place].extend(cell.mean.map(|mean| shown.value(mean)));
     }
     let mut layers = Vec::new();
     for modes in people.values() {
@@ -253,7 +297,7 @@ fn means(
     }
     let mut contrasts = compared.contrasts.iter().filter(|row| row.environment == *environment);
     if let Some(commanded) = contrasts.find_map(|row| row.commanded) {
-        let at = commanded * shown.factor;
+        let at = shown.value(commanded);
         let line = Reference::new(Direction::Horizontal, at, style::reference());
         let name = Some("commanded value".to_owned());
         layers.push(Layer::Reference(Reference { name, ..line }));
@@ -264,7 +308,7 @@ fn means(
         let repeats = compared.repeats.iter().filter(|row| (&row.environment, &row.mode) == key);
         // Of one person the repeats are the units; of several, the people.
         let dots: Vec<f64> = match people.len() {
-            1 => repeats.map(|row| shown.number(row.mean)).collect(),
+            1 => repeats.map(|row| row.mean.map_or(f64::NAN, |own| shown.value(own))).collect(),
             _ => people.values().map(|modes| mean(&modes[index])).collect(),
         };
         let x = vec![index as f64; dots.len()];
@@ -274,7 +318,8 @@ fn means(
         let estimates: Vec<_> =
             means.map(|row| [Some(row.mean), row.ci_low, row.ci_high]).collect();
         let at = vec![index as f64 + ASIDE; estimates.len()];
-        let marks = intervals(Direction::Vertical, at, &estimates, shown);
+        let value = |own| shown.value(own);
+        let marks = intervals(Direction::Vertical, at, &estimates, value);
         layers.push(Layer::Intervals(Intervals { colour, ..marks }));
     }
     layers
@@ -294,14 +339,14 @@ const NAMED_REPEATS: f64 = 12.0;
 /// How far a mean stands beside what it is the mean of, in categories.
 const ASIDE: f64 = 0.18;
 
-/// Estimates with the ends of their intervals, in ink.
+/// Estimates with the ends of their intervals, in ink, each where `placed` says that it stands; null is a gap.
 pub(super) fn intervals(
     direction: Direction,
     at: Vec<f64>,
     estimates: &[[Option<f64>; 3]],
-    shown: &Shown,
+    placed: impl Fn(f64) -> f64,
 ) -> Intervals {
-    let column = |i: usize| estimates.iter().map(|row| shown.number(row[i])).collect();
+    let column = |i: usize| estimates.iter().map(|row| row[i].map_or(f64::NAN, &placed)).collect();
     Intervals::new(direction, at, [column(0), column(1), column(2)])
 }
 
@@ -316,7 +361,7 @@ fn differences(
         compared.participants.windows(2).any(|two| two[0].participant != two[1].participant);
     let mut layers = Vec::new();
     for (place, row) in contrasts.iter().enumerate() {
-        let Some(jnd) = row.jnd.map(|jnd| jnd * shown.factor) else { continue };
+        let Some(jnd) = row.jnd.map(|jnd| shown.difference(jnd)) else { continue };
         layers.push(Layer::Band(Band {
             x: [-0.45, 0.45].map(|side| place as f64 + side).to_vec(),
             low: vec![-jnd; 2],
@@ -331,12 +376,12 @@ fn differences(
         // The claim about one person rests on the orders that might have been drawn, not on trials.
         if !several {
             let redrawn = compared.redrawn.iter().filter(|r| (&r.environment, &r.contrast) == key);
-            let redrawn: Vec<f64> = redrawn.map(|r| r.difference * shown.factor).collect();
+            let redrawn: Vec<f64> = redrawn.map(|r| shown.difference(r.difference)).collect();
             layers.push(stacked(place as f64, &redrawn));
             continue;
         }
         let people = compared.participants.iter().filter(|r| (&r.environment, &r.contrast) == key);
-        let y: Vec<f64> = people.map(|person| person.difference * shown.factor).collect();
+        let y: Vec<f64> = people.map(|person| shown.difference(person.difference)).collect();
         let x = vec![place as f64; y.len()];
         let dots = Points { x, y, colour: style::GREY, opacity: 0.55, ..Points::default() };
         layers.push(Layer::Points(dots));
@@ -348,12 +393,13 @@ fn differences(
         false => [Some(row.difference), None, None],
     });
     let estimates: Vec<[Option<f64>; 3]> = estimates.collect();
-    layers.push(Layer::Intervals(intervals(Direction::Vertical, at, &estimates, shown)));
+    let placed = |own| shown.difference(own);
+    layers.push(Layer::Intervals(intervals(Direction::Vertical, at, &estimates, placed)));
     layers
 }
 
 /// `hybrid − active: different, felt, p = 0.003, 8 people`; what has a number does not break.
-fn verdict(modes: &[Mode], row: &ModeDifference) -> String {
+fn verdict(modes: &[Mode], row: &ModeDifference, shown: &Shown) -> String {
     let unit = match row.unit_of_analysis {
         UnitOfAnalysis::TrialsOf(_) => "trials",
         UnitOfAnalysis::Participants => "people",
@@ -363,7 +409,7 @@ fn verdict(modes: &[Mode], row: &ModeDifference) -> String {
     let n = Some(format!("{}\u{a0}{unit}", row.n));
     let verdict = Some(row.verdict.as_str().to_owned());
     let parts: Vec<String> = [verdict, size, p, n].into_iter().flatten().collect();
-    format!("{}: {}", contrast_label(modes, &row.contrast), parts.join(", "))
+    format!("{}: {}", shown.contrast(modes, &row.contrast), parts.join(", "))
 }
 
 /// Differences that are equally probable, as discs one beside the other at the left of a place where
@@ -414,7 +460,7 @@ pub fn participants_compared(
         let mut column = 0;
         for contrast in contrasts {
             let panel = caterpillar(contrast, &shown, compared);
-            let label = contrast_label(&about.modes, &contrast.contrast);
+            let label = shown.contrast(&about.modes, &contrast.contrast);
             let title = format!("{}: {}", plain(&environment.label), plain(&label));
             panels.push(Panel { cell: Cell::at(row, column), ..panel.titled(title) });
             column += 1;
@@ -455,13 +501,14 @@ fn caterpillar(contrast: &ModeDifference, shown: &Shown, compared: &MetricResult
         .map(|row| [Some(row.difference), row.difference_ci_low, row.difference_ci_high])
         .collect();
     let at = (0..people.len()).map(|row| row as f64).collect();
-    let mean = contrast.difference * shown.factor;
+    let mean = shown.difference(contrast.difference);
+    let placed = |own| shown.difference(own);
     let layers = vec![
         zero(Direction::Vertical),
         Layer::Reference(Reference::new(Direction::Vertical, mean, style::reference())),
-        Layer::Intervals(intervals(Direction::Horizontal, at, &estimates, shown)),
+        Layer::Intervals(intervals(Direction::Horizontal, at, &estimates, placed)),
     ];
-    Panel::new(Cell::at(0, 0), shown.axis("difference"), y, layers).tall(height)
+    Panel::new(Cell::at(0, 0), shown.differences_axis("difference"), y, layers).tall(height)
 }
 
 /// Learning: the mean at each repeat of a condition, one panel per environment, one line per mode.
@@ -495,7 +542,8 @@ pub fn repeats_compared(
             let x: Vec<f64> = rows.iter().map(|row| row.repeat as f64 - first + aside).collect();
             let estimates: Vec<_> =
                 rows.iter().map(|row| [row.mean, row.ci_low, row.ci_high]).collect();
-            let marks = intervals(Direction::Vertical, x.clone(), &estimates, &shown);
+            let value = |own| shown.value(own);
+            let marks = intervals(Direction::Vertical, x.clone(), &estimates, value);
             let y = marks.estimate.clone();
             let stroke = style::single(colour).dashed(style::dash(index));
             let name = Some(plain(&mode.label));
@@ -544,8 +592,8 @@ pub fn sessions_compared(
             let Some(change) = change else { continue };
             let title = format!("{}, {}", environment.label, in_a_sentence(&mode.label));
             let layers = bland_altman(change, index, &shown, compared);
-            let x = Axis::new("mean of both", shown.unit.as_str()).linked("mean");
-            let y = shown.axis("change");
+            let x = shown.axis("mean of both").linked("mean");
+            let y = shown.differences_axis("change");
             let panel = Panel::new(Cell::at(row, column), x, y, layers).titled(plain(&title));
             panels.push(panel.tall(PANEL_MM));
             column += 1;
@@ -581,7 +629,7 @@ fn bland_altman(
         let sides = [&change.sessions.later, &change.sessions.earlier];
         let own = people.entry(&cell.participant).or_insert([f64::NAN; 2]);
         if let Some(side) = sides.iter().position(|session| **session == cell.session) {
-            own[side] = shown.number(cell.mean);
+            own[side] = cell.mean.map_or(f64::NAN, |own| shown.value(own));
         }
     }
     let dots = Points {
@@ -592,7 +640,7 @@ fn bland_altman(
     };
     let mut layers = vec![zero(Direction::Horizontal)];
     for at in [change.change, change.limit_low, change.limit_high].into_iter().flatten() {
-        let at = at * shown.factor;
+        let at = shown.difference(at);
         let line = Reference::new(Direction::Horizontal, at, style::reference());
         layers.push(Layer::Reference(line));
     }

@@ -10,7 +10,7 @@ use zwidth_draw::{Axis, Band, Cell, Direction, Figure, Layer, Line, Panel};
 use zwidth_results::{CurveDifference, CurveNode, CurveRun, GroupEffect, LoopBranch, Verdict};
 use zwidth_store::Signal;
 use zwidth_study::{Contrast, Curve, Environment, Source, counted, curve_label};
-use zwidth_tables::p_value;
+use zwidth_tables::{Amounts, p_value};
 
 /// The figure [`curves_compared`].
 pub const CURVES_COMPARED: FigureKind = FigureKind::new(
@@ -224,7 +224,8 @@ pub fn curves_compared(
 
 /// `Hybrid − Active`, `expert − novice: Hybrid − Active`.
 fn label(about: &About, test: &CurveDifference) -> String {
-    let effect = effect_label(&about.modes, &test.effect);
+    let amounts = Amounts::of(&test.unit, about.coordinate);
+    let effect = effect_label(&about.modes, &test.effect, &amounts);
     match &test.groups {
         Some(groups) => format!("{groups}: {effect}"),
         None => effect,
@@ -236,7 +237,8 @@ fn sides(about: &About, test: &CurveDifference) -> [String; 2] {
     if let Some(groups) = &test.groups {
         return [groups.group.to_string(), groups.against.to_string()];
     }
-    let effect = effect_label(&about.modes, &test.effect);
+    let amounts = Amounts::of(&test.unit, about.coordinate);
+    let effect = effect_label(&about.modes, &test.effect, &amounts);
     match effect.split_once(Contrast::MINUS) {
         Some((first, second)) if matches!(test.effect, GroupEffect::Of(_)) => {
             [first.to_owned(), second.to_owned()]

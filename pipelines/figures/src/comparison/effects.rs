@@ -86,16 +86,17 @@ pub fn effects_compared(
             panels.push(panel.titled(title).tall(PANEL_MM));
             row += 1;
         }
-        let names = Axis::categories(effects.iter().map(|row| plain(&effect_name(row))));
+        let names = Axis::categories(effects.iter().map(|row| plain(&effect_name(row, &shown))));
         let rows = effects.iter().map(|row| Across {
             jnd: row.jnd,
             estimate: [row.difference, row.difference_ci_low, row.difference_ci_high],
         });
         let layers = across(&rows.collect::<Vec<_>>(), &shown);
-        let panel = Panel::new(Cell::at(first_row, 1), shown.axis("effect"), names, layers);
+        let panel =
+            Panel::new(Cell::at(first_row, 1), shown.differences_axis("effect"), names, layers);
         panels.push(panel.tall(PANEL_MM));
         row = row.max(first_row + 1);
-        let claims: Vec<String> = effects.iter().map(|row| claim(row)).collect();
+        let claims: Vec<String> = effects.iter().map(|row| claim(row, &shown)).collect();
         let label =
             place.map_or_else(String::new, |environment| format!("{}: ", environment.label));
         verdicts.push(format!("{label}{}.", claims.join("; ")));
@@ -142,24 +143,26 @@ pub fn effects_compared(
     }
 }
 
-/// `motor: yes − no`; a weighted contrast by its name.
-pub(super) fn effect_name(row: &EffectDifference) -> String {
+/// `motor: yes − no`, of logarithms `motor: yes / no`; a weighted contrast by its name.
+pub(super) fn effect_name(row: &EffectDifference, shown: &Shown) -> String {
     let factors = row.effect.to_string().replace(':', " × ");
     match &row.levels {
-        Some(levels) => format!("{factors}: {levels}"),
+        Some(levels) => {
+            format!("{factors}: {}", shown.amounts.compared(&levels.to_string()))
+        }
         None => factors,
     }
 }
 
 /// What came out: `motor: yes − no: different, p = 0.003, 8 participants`.
-fn claim(row: &EffectDifference) -> String {
+fn claim(row: &EffectDifference, shown: &Shown) -> String {
     let size = row.size.map(|size| size.as_str().to_owned());
     let p = row.p_adjusted.map(|p| format!("p {}", p_value(p)).replace(' ', "\u{a0}"));
     let people = (row.n > 0).then(|| counted(row.n, "participants").replace(' ', "\u{a0}"));
     let remark = row.remark.as_ref().map(ToString::to_string);
     let verdict = Some(row.verdict.as_str().to_owned());
     let parts: Vec<String> = [verdict, size, p, people, remark].into_iter().flatten().collect();
-    format!("{}: {}", effect_name(row), parts.join(", "))
+    format!("{}: {}", effect_name(row, shown), parts.join(", "))
 }
 
 /// A panel of means by the levels of a factor.
@@ -367,7 +370,7 @@ fn lines(
                     && session.is_none_or(|id| cell.session.as_str() == id)
                     && group.is_none_or(|id| members.get(&cell.participant) == Some(&id));
                 if let Some(mean) = cell.mean.filter(|_| is_here) {
-                    here.entry(&cell.participant).or_default().push(mean * shown.factor);
+                    here.entry(&cell.participant).or_default().push(shown.value(mean));
                 }
             }
             for (who, values) in here {
@@ -401,7 +404,7 @@ fn lines(
             if here > 1 || conditions.iter().any(|condition| condition.session.is_some()) {
                 line.remove(&at);
                 if !people.is_empty() {
-                    line.insert(at, [Some(mean(&people) / shown.factor), None, None]);
+                    line.insert(at, [Some(shown.own(mean(&people))), None, None]);
                 }
             }
         }
@@ -419,7 +422,7 @@ fn lines(
         }
         let at: Vec<f64> = line.keys().map(|at| place(*at)).collect();
         let of = |value: fn(&DosePoint) -> f64| -> Vec<f64> {
-            curve.iter().map(|point| value(point) * shown.factor).collect()
+            curve.iter().map(|point| shown.value(value(point))).collect()
         };
         let doses: Vec<f64> = curve.iter().map(|point| point.dose).collect();
         if !curve.is_empty() {
@@ -436,7 +439,7 @@ fn lines(
             y: match curve.is_empty() {
                 true => line
                     .values()
-                    .map(|row| row[0].map_or(f64::NAN, |mean| mean * shown.factor))
+                    .map(|row| row[0].map_or(f64::NAN, |mean| shown.value(mean)))
                     .collect(),
                 false => of(|point| point.mean),
             },
@@ -444,7 +447,7 @@ fn lines(
             ..Line::default()
         }));
         let estimates: Vec<_> = line.into_values().collect();
-        let marks = intervals(Direction::Vertical, at, &estimates, shown);
+        let marks = intervals(Direction::Vertical, at, &estimates, |own| shown.value(own));
         let marker = style::marker(look);
         let name = name.as_deref().map(plain);
         means.push(Layer::Intervals(Intervals { colour, marker, name, ..marks }));

@@ -1,16 +1,16 @@
 //! Groups of people compared, one metric per figure.
 
-use super::compared::{MetricResults, PANEL_MM, Shown, WEIGHTS, intervals, mean, or_note, zero};
+use super::compared::{
+    MetricResults, PANEL_MM, Shown, WEIGHTS, compared_modes, intervals, mean, or_note, zero,
+};
 use crate::words::{mark, percent, plain};
 use crate::{About, FigureKind};
 use std::collections::BTreeMap;
 use zwidth_draw::style;
 use zwidth_draw::{Axis, Band, Cell, Direction, Figure, Intervals, Layer, Panel, Points, dodge};
 use zwidth_results::{GroupDifference, GroupEffect};
-use zwidth_study::{
-    Environment, EnvironmentId, LevelId, Mode, ParticipantId, Source, contrast_label,
-};
-use zwidth_tables::p_value;
+use zwidth_study::{Environment, EnvironmentId, LevelId, Mode, ParticipantId, Source};
+use zwidth_tables::{Amounts, p_value};
 
 /// The figure [`groups_compared`].
 pub const GROUPS_COMPARED: FigureKind = FigureKind::new(
@@ -61,22 +61,31 @@ pub fn groups_compared(
         let first = &differences[0].groups;
         let is_one_pair = differences.iter().all(|row| row.groups == *first);
         let names = differences.iter().map(|row| match is_one_pair {
-            true => plain(&effect_label(&about.modes, &row.effect)),
-            false => plain(&format!("{}: {}", row.groups, effect_label(&about.modes, &row.effect))),
+            true => plain(&effect_label(&about.modes, &row.effect, &shown.amounts)),
+            false => plain(&format!(
+                "{}: {}",
+                shown.amounts.compared(&row.groups.to_string()),
+                effect_label(&about.modes, &row.effect, &shown.amounts)
+            )),
         });
-        let label = if is_one_pair { first.to_string() } else { "difference".to_owned() };
+        let label = match is_one_pair {
+            true => shown.amounts.compared(&first.to_string()),
+            false => "difference".to_owned(),
+        };
         let rows = differences.iter().map(|row| Across {
             jnd: row.jnd,
             estimate: [row.difference, row.difference_ci_low, row.difference_ci_high],
         });
         let layers = across(&rows.collect::<Vec<_>>(), &shown);
         let names = Axis::categories(names);
-        let panel = Panel::new(Cell::at(row, 1), shown.axis(&plain(&label)), names, layers);
+        let panel =
+            Panel::new(Cell::at(row, 1), shown.differences_axis(&plain(&label)), names, layers);
         // With nothing beside them a few rows need no more than their height.
         let alone =
             if place.is_none() { ROW_MM * (differences.len() as f64 + 1.0) } else { PANEL_MM };
         panels.push(panel.tall(alone.min(PANEL_MM)));
-        let claims = differences.iter().filter_map(|row| claim(about, row)).collect::<Vec<_>>();
+        let claims =
+            differences.iter().filter_map(|row| claim(about, row, &shown)).collect::<Vec<_>>();
         let label =
             place.map_or_else(String::new, |environment| format!("{}: ", environment.label));
         verdicts.push(format!("{label}{}.", claims.join("; ")));
@@ -100,27 +109,28 @@ pub fn groups_compared(
 }
 
 /// What of people is compared, by the modes' labels.
-pub(super) fn effect_label(modes: &[Mode], effect: &GroupEffect) -> String {
+pub(super) fn effect_label(modes: &[Mode], effect: &GroupEffect, amounts: &Amounts) -> String {
     match effect {
-        GroupEffect::OverModes | GroupEffect::OfFactors(_) => effect.to_string(),
+        GroupEffect::OverModes | GroupEffect::OfFactors(_) => amounts.compared(&effect.to_string()),
         GroupEffect::In(id) => {
             let mode = modes.iter().find(|mode| mode.id == *id);
             mode.map_or_else(|| id.to_string(), |mode| mode.label.clone())
         }
-        GroupEffect::Of(contrast) => contrast_label(modes, contrast),
+        GroupEffect::Of(contrast) => compared_modes(modes, contrast, amounts),
     }
 }
 
 /// What came out of a claim: `expert − novice, mean over modes: different, p = 0.003`.
-fn claim(about: &About, row: &GroupDifference) -> Option<String> {
+fn claim(about: &About, row: &GroupDifference, shown: &Shown) -> Option<String> {
     let verdict = Some(row.verdict?.as_str().to_owned());
     let size = row.size.map(|size| size.as_str().to_owned());
     let p = row.p_adjusted.map(|p| format!("p {}", p_value(p)).replace(' ', "\u{a0}"));
     let people =
         Some(format!("{} and {} people", row.n_first, row.n_second).replace(' ', "\u{a0}"));
     let parts: Vec<String> = [verdict, size, p, people].into_iter().flatten().collect();
-    let of = effect_label(&about.modes, &row.effect);
-    Some(format!("{}, {of}: {}", row.groups, parts.join(", ")))
+    let of = effect_label(&about.modes, &row.effect, &shown.amounts);
+    let groups = shown.amounts.compared(&row.groups.to_string());
+    Some(format!("{groups}, {of}: {}", parts.join(", ")))
 }
 
 /// Everybody's mean in each mode, group beside group, and the groups' means.
@@ -146,7 +156,7 @@ fn people(
                 let is_here = (&cell.environment, &cell.mode) == (environment, &mode.id);
                 if is_here && members.get(&cell.participant) == Some(group) {
                     let values = own.entry(&cell.participant).or_default();
-                    values.extend(cell.mean.map(|mean| mean * shown.factor));
+                    values.extend(cell.mean.map(|mean| shown.value(mean)));
                 }
             }
             x.extend(own.iter().map(|_| place - ASIDE));
@@ -161,7 +171,8 @@ fn people(
             }
         }
         layers.push(Layer::Points(Points { x, y, colour, opacity: 0.55, ..Points::default() }));
-        let marks = intervals(Direction::Vertical, at, &estimates, shown);
+        let value = |own| shown.value(own);
+        let marks = intervals(Direction::Vertical, at, &estimates, value);
         let name = Some(plain(group.as_str()));
         let marker = style::marker(index);
         layers.push(Layer::Intervals(Intervals { colour, marker, name, ..marks }));
@@ -181,7 +192,7 @@ pub(super) struct Across {
 pub(super) fn across(rows: &[Across], shown: &Shown) -> Vec<Layer> {
     let mut layers = Vec::new();
     for (place, row) in rows.iter().enumerate() {
-        let Some(jnd) = row.jnd.map(|jnd| jnd * shown.factor) else { continue };
+        let Some(jnd) = row.jnd.map(|jnd| shown.difference(jnd)) else { continue };
         let [low, high] = [-0.4, 0.4].map(|side| place as f64 + side);
         layers.push(Layer::Band(Band {
             x: vec![-jnd, jnd],
@@ -194,7 +205,8 @@ pub(super) fn across(rows: &[Across], shown: &Shown) -> Vec<Layer> {
     layers.push(zero(Direction::Vertical));
     let at = (0..rows.len()).map(|place| place as f64).collect();
     let estimates: Vec<[Option<f64>; 3]> = rows.iter().map(|row| row.estimate).collect();
-    layers.push(Layer::Intervals(intervals(Direction::Horizontal, at, &estimates, shown)));
+    let placed = |own| shown.difference(own);
+    layers.push(Layer::Intervals(intervals(Direction::Horizontal, at, &estimates, placed)));
     layers
 }
 
@@ -202,6 +214,7 @@ pub(super) fn across(rows: &[Across], shown: &Shown) -> Vec<Layer> {
 mod tests {
     use super::*;
     use crate::comparison::verdicts::verdict_rows;
+    use zwidth_draw::Ticks;
     use zwidth_results::{
         Cell as Found, Compared, GroupMean, GroupMember, Role, UnitOfAnalysis, Verdict,
     };
@@ -332,6 +345,26 @@ mod tests {
         assert!((row.estimate - 0.5 / 0.125_f64.sqrt()).abs() < 1e-12);
         assert!(row.place.ends_with("expert − novice, Hybrid − Active"), "{}", row.place);
         assert_eq!(row.who, "4 and 6 people");
+    }
+
+    #[test]
+    fn jnds_stand_on_logarithmic_axes_their_differences_as_ratios_about_1() {
+        let study = zwidth_testing::study();
+        let about = About::of(&study);
+        let claim = difference("hybrid − active", Some(0.5), Some(Verdict::Different));
+        let mut found = found(vec![claim, difference("hybrid", Some(0.5), None)]);
+        found.metric.unit = "ln N/rad".into();
+        let figure = groups_compared(&about, &study.environments, &[], &found);
+        let [means, ratios] = [&figure.panels[0].y, &figure.panels[1].x];
+        assert_eq!([&means.ticks, &ratios.ticks], [&Ticks::Logarithms; 2]);
+        assert_eq!((means.unit.as_str(), ratios.unit.as_str()), ("N/rad", ""));
+        assert_eq!(ratios.label, "expert / novice, ratio");
+        assert!(figure.footnotes[0].contains("expert / novice, Hybrid / Active: different"));
+        let rows = verdict_rows(&about, &study.environments, std::slice::from_ref(&found));
+        let [row] = rows.as_slice() else { panic!("{rows:?}") };
+        assert_eq!(row.place, "Spring: expert / novice, Hybrid / Active");
+        assert_eq!(row.value, "1.65 times as large a ratio (1.28 to 2.12)");
+        zwidth_draw::draw(&figure).unwrap();
     }
 
     #[test]

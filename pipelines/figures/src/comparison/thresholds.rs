@@ -1,7 +1,7 @@
 //! What can be felt: shares of answers with their curves, staircases, and thresholds over people.
 
 use super::compared::or_note;
-use crate::words::{logarithm, mark, percent, plain, powers_axis};
+use crate::words::{logarithms_axis, mark, percent, plain};
 use crate::{About, FigureKind};
 use std::collections::{BTreeMap, BTreeSet};
 use zwidth_draw::style::{self, Stroke};
@@ -13,7 +13,7 @@ use zwidth_results::{
     FittedShare, LevelMethod, LevelTally, PeopleThreshold, Presentation, PsychometricFit,
 };
 use zwidth_study::{
-    Contrast, Mode, ModeId, ParticipantId, Source, Task, TaskQuantity, contrast_label,
+    Contrast, Mode, ModeId, ParticipantId, Source, Task, TaskQuantity, contrast_label, ratio_label,
 };
 use zwidth_tables::{p_value, shown_unit, with_unit};
 
@@ -389,7 +389,7 @@ pub fn thresholds(
         if !contrasts.is_empty() {
             // Half and twice as much are equally far from alike.
             let number = |value: f64| match is_ratio {
-                true => logarithm(value),
+                true => libm::log(value),
                 false => levels.of_value(value),
             };
             let names = contrasts.iter().filter_map(|row| {
@@ -410,7 +410,7 @@ pub fn thresholds(
             let alike = Reference::new(Direction::Horizontal, 0.0, style::zero());
             let layers = vec![Layer::Reference(alike), Layer::Intervals(marks)];
             let y = match is_ratio {
-                true => powers_axis("ratio of JNDs", ""),
+                true => logarithms_axis("ratio of JNDs", ""),
                 false => Axis::new("difference", levels.unit.as_str()),
             };
             let x = Axis::categories(names);
@@ -437,8 +437,10 @@ pub fn thresholds(
 
 /// The two modes of a difference, or of a ratio: `hybrid − active`, `hybrid / active`.
 fn compared(about: &About, contrast: &Contrast, is_ratio: bool) -> String {
-    let label = contrast_label(&about.modes, contrast);
-    if is_ratio { label.replacen(Contrast::MINUS, " / ", 1) } else { label }
+    match is_ratio {
+        true => ratio_label(&about.modes, contrast),
+        false => contrast_label(&about.modes, contrast),
+    }
 }
 
 /// A difference in words: `JND, hybrid / active: 1.40 times [1.24, 1.57], p = 0.0003`.

@@ -13,13 +13,9 @@ use zwidth_draw::{
     TWO_COLUMNS_MM, Text, TextPlace,
 };
 use zwidth_results::{
-    EffectDifference, GroupDifference, Mean, ModeDifference, Role, UnitOfAnalysis,
+    EffectDifference, GroupDifference, Mean, ModeDifference, Role, Sides, UnitOfAnalysis,
 };
-use zwidth_study::{
-    Better, Environment, EnvironmentId, ModeId, Source, TaskQuantity, contrast_label, counted,
-    in_a_sentence,
-};
-use zwidth_tables::{number, with_unit};
+use zwidth_study::{Better, Environment, EnvironmentId, ModeId, Source, counted, in_a_sentence};
 
 /// The figure [`verdicts`].
 pub const VERDICTS: FigureKind = FigureKind::new(
@@ -151,7 +147,7 @@ fn row(
         mode.map_or_else(|| id.to_string(), |mode| in_a_sentence(&mode.label))
     });
     let size = contrast.size.map(|size| format!(", {}", size.as_str()));
-    let label = contrast_label(&about.modes, &contrast.contrast);
+    let label = shown.contrast(&about.modes, &contrast.contrast);
     let whose = if of_one { "trials" } else { "people" };
     Some(VerdictRow {
         metric: shown.words.clone(),
@@ -162,7 +158,13 @@ fn row(
         ends: ends.map(|(low, high)| [low / unit, high / unit]),
         dots: dots.into_iter().map(|dot| dot / unit).collect(),
         redrawn: redrawn.map(|r| r.difference / unit).collect(),
-        value: amount(&shown, contrast.difference, ends, contrast.difference_std_error),
+        value: amount(
+            &shown,
+            contrast.difference,
+            ends,
+            contrast.difference_std_error,
+            Sides::Values,
+        ),
         verdict: format!("{}{}", contrast.verdict.as_str(), size.unwrap_or_default()),
         who: format!("{} {whose}", contrast.n),
         better: found.metric.better,
@@ -188,13 +190,13 @@ fn effect_row(
     Some(VerdictRow {
         metric: shown.words.clone(),
         role: found.metric.role,
-        place: before(environments, row.environment.as_ref()) + &effect_name(row),
+        place: before(environments, row.environment.as_ref()) + &effect_name(row, &shown),
         by,
         estimate: difference / unit,
         ends: ends.map(|(low, high)| [low / unit, high / unit]),
         dots: Vec::new(),
         redrawn: Vec::new(),
-        value: amount(&shown, difference, ends, row.difference_std_error),
+        value: amount(&shown, difference, ends, row.difference_std_error, row.sides()),
         verdict: format!("{}{}", row.verdict.as_str(), size.unwrap_or_default()),
         who: counted(row.n, "participants"),
         better: found.metric.better,
@@ -217,21 +219,18 @@ fn group_row(
     let shown = Shown::of(about, &found.metric);
     let ends = row.difference_ci_low.zip(row.difference_ci_high);
     let size = row.size.map(|size| format!(", {}", size.as_str()));
-    let effect = effect_label(&about.modes, &row.effect);
+    let effect = effect_label(&about.modes, &row.effect, &shown.amounts);
+    let groups = shown.amounts.compared(&row.groups.to_string());
     Some(VerdictRow {
         metric: shown.words.clone(),
         role: found.metric.role,
-        place: format!(
-            "{}{}, {effect}",
-            before(environments, row.environment.as_ref()),
-            row.groups
-        ),
+        place: format!("{}{groups}, {effect}", before(environments, row.environment.as_ref()),),
         by,
         estimate: difference / unit,
         ends: ends.map(|(low, high)| [low / unit, high / unit]),
         dots: Vec::new(),
         redrawn: Vec::new(),
-        value: amount(&shown, difference, ends, row.difference_std_error),
+        value: amount(&shown, difference, ends, row.difference_std_error, row.sides()),
         verdict: format!("{}{}", verdict.as_str(), size.unwrap_or_default()),
         who: format!("{} and {} people", row.n_first, row.n_second),
         better: found.metric.better,
@@ -246,20 +245,10 @@ fn amount(
     difference: f64,
     ends: Option<(f64, f64)>,
     std_error: Option<f64>,
+    sides: Sides,
 ) -> String {
-    let is_ratio = TaskQuantity::logarithm_of(&shown.unit).is_some();
-    let value = |own: f64| if is_ratio { libm::exp(own) } else { own * shown.factor };
-    let error = std_error.map(|error| match is_ratio {
-        true => error * value(difference),
-        false => error * shown.factor,
-    });
-    let rounded = |own: f64| number(value(own), error);
-    let interval = ends.map(|(low, high)| format!(" ({} to {})", rounded(low), rounded(high)));
-    let interval = interval.unwrap_or_default();
-    match is_ratio {
-        true => format!("{} times{interval}", rounded(difference)),
-        false => with_unit(&rounded(difference), &shown.unit) + &interval,
-    }
+    let amount = shown.amounts.told(difference, ends, std_error, sides);
+    amount.text + &amount.ends.map(|ends| format!(" ({ends})")).unwrap_or_default()
 }
 
 /// The environment before what is compared there: `Spring: `; nothing over several.

@@ -4,7 +4,7 @@ use super::recorded::{Recorded, plain};
 use super::sources::Cited;
 use zwidth_study::{
     Bound, Curve, DoseScale, Effect, EffectSize, FactorOf, Families, GroupsCompared, LevelId,
-    OverTrials, Study, contrast_label, curve_label,
+    MetricId, OverTrials, Study, TaskQuantity, contrast_label, curve_label,
 };
 
 pub(super) fn paragraphs(study: &Study, recorded: &Recorded, cited: &mut Cited) -> Vec<String> {
@@ -307,6 +307,10 @@ fn claims(study: &Study, recorded: &Recorded, cited: &mut Cited) -> String {
     if !compare.bounds.is_empty() {
         let bounds = compare.bounds.iter().map(|(metric, bound)| {
             let amount = match bound {
+                // Differences of logarithms are ratios: as much less as more.
+                Bound::Absolute(value) if is_logarithm(study, metric) => {
+                    format!("a factor of {} either way", plain(libm::exp(*value)))
+                }
                 Bound::Absolute(value) => plain(*value),
                 Bound::Weber(share) => format!("{} % of the commanded value", plain(100.0 * share)),
             };
@@ -319,6 +323,12 @@ fn claims(study: &Study, recorded: &Recorded, cited: &mut Cited) -> String {
         );
     }
     text
+}
+
+/// Whether the values of a metric are natural logarithms.
+fn is_logarithm(study: &Study, metric: &MetricId) -> bool {
+    let metric = study.task_metric(metric.as_str());
+    metric.is_some_and(|(_, quantity)| quantity == TaskQuantity::Jnd)
 }
 
 /// How whole curves were compared.

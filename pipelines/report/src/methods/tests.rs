@@ -124,7 +124,7 @@ fn of_recordings_of_others_no_loop_and_no_order_is_told() {
 
 #[test]
 fn how_thresholds_were_found_is_told_by_task_and_method() {
-    use zwidth_study::{Asks, Method, Task, TaskEstimate, TaskFit, TaskLevel};
+    use zwidth_study::{Asks, Bound, Method, Task, TaskEstimate, TaskFit, TaskLevel};
     let mut study = zwidth_testing::study();
     assert!(!text(&study, &recorded(8)).contains("## Thresholds"));
     let level = |value| TaskLevel::nearest(value).unwrap();
@@ -145,6 +145,12 @@ fn how_thresholds_were_found_is_told_by_task_and_method() {
     for words in ["3 levels with 20 presentations", "Wichmann", "from 0 to 0.06", "Paule"] {
         assert!(said.contains(words), "{words} in {said}");
     }
+    let compare = Recorded { compared: vec!["ln_jnd_stiffer".to_owned()], ..recorded(8) };
+    study.compare.bounds =
+        [("ln_jnd_stiffer".parse().unwrap(), Bound::Absolute(0.25_f64.ln_1p()))].into();
+    let said = text(&study, &compare);
+    assert!(said.contains("against the bounds a factor of 1.25 either way ("), "{said}");
+    study.compare.bounds.clear();
     study.tasks[0].asks = Asks::Set;
     study.tasks[0].method = Method::Adjustment {
         starts: [level(2.0), level(6.0)],

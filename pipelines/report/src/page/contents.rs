@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use zwidth_results::{Compared, GivenAnswer, Role, Size, TrialKey, Verdict};
 use zwidth_study::{
     AnswerValue, Coordinate, Effect, EnvironmentId, Families, ModeId, ParticipantId, Perception,
-    Question, QuestionId, SessionId, Setup, TaskQuantity, in_a_sentence,
+    Question, QuestionId, SessionId, Setup, in_a_sentence,
 };
 use zwidth_tables::{Column, Measured, Values, shown_unit};
 
@@ -84,13 +84,16 @@ struct Labelled {
     label: String,
 }
 
-/// A metric. Its values are in SI; `scale` makes them what people read.
+/// A metric. Its values are in SI; `scale` makes them what people read, of logarithms their powers of e.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 struct MetricOf {
     name: String,
     label: String,
     unit: String,
     scale: f64,
+    /// Whether its values are natural logarithms of what has the unit, so that differences are read as ratios.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    is_logarithm: bool,
     is_primary: bool,
     /// Whether it rests on the plant that all trials together identify.
     is_of_plant: bool,
@@ -346,16 +349,17 @@ fn sizes(
 impl MetricOf {
     fn of(metric: &ComparedMetric, planned: &Setup, estimating: &Estimating) -> Self {
         let Compared { metric: id, unit: si, role, better, .. } = metric.metric;
-        let (unit, scale) = shown_unit(si, planned.coordinate);
+        let amounts = metric.amounts(planned);
         let lever_m = planned.device.lever_m.unwrap_or(0.0);
         Self {
             name: id.to_string(),
-            label: match TaskQuantity::logarithm_of(si) {
-                Some(_) => format!("natural logarithm of the {}", metric.words(planned.coordinate)),
-                None => metric.words(planned.coordinate),
+            label: metric.words(planned.coordinate),
+            unit: match amounts.unit() {
+                "1" => String::new(),
+                unit => unit.to_owned(),
             },
-            unit: if unit == "1" { String::new() } else { unit },
-            scale,
+            scale: amounts.factor(),
+            is_logarithm: amounts.are_logarithms(),
             is_primary: *role == Role::Primary,
             is_of_plant: estimating.of_plant.iter().any(|of_plant| of_plant == id.as_str()),
             better: better.as_str(),

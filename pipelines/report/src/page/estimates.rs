@@ -6,10 +6,11 @@ use crate::groups::compared_words;
 use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
 use zwidth_results::{
-    EffectDifference, GroupDifference, GroupEffect, Mean, ModeDifference, RedrawnDifference, Size,
-    Verdict,
+    EffectDifference, GroupDifference, GroupEffect, Mean, ModeDifference, RedrawnDifference, Sides,
+    Size, Verdict,
 };
 use zwidth_study::{Better, Effect, EnvironmentId, LevelId, ModeId, ParticipantId, Setup};
+use zwidth_tables::Amounts;
 
 /// The fewest people of a group whose own values the page shows.
 const SMALLEST_GROUP_WITH_VALUES: usize = 3;
@@ -122,6 +123,9 @@ pub(super) struct ClaimOf {
     /// Environment, factors and levels, or groups and what of them.
     of: String,
     pub(super) is_of_groups: bool,
+    /// Of logarithms: whether it says how many times as large one ratio is as another.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    is_of_ratios: bool,
     /// None over several.
     environment: Option<String>,
     /// None of one that cannot be estimated.
@@ -197,6 +201,10 @@ struct GroupOf {
     values: Vec<f64>,
 }
 
+fn is_of_ratios(amounts: &Amounts, sides: Sides) -> bool {
+    amounts.are_logarithms() && sides == Sides::Differences
+}
+
 impl ClaimOf {
     pub(super) fn of_effect(
         row: &EffectDifference,
@@ -204,6 +212,7 @@ impl ClaimOf {
         effects: &[Effect],
         study: &Setup,
     ) -> Self {
+        let amounts = metric.amounts(study);
         let effect = GroupEffect::OfFactors(row.name());
         let own = metric
             .person_values
@@ -215,9 +224,11 @@ impl ClaimOf {
             key == (&row.environment, &row.effect, levels)
         };
         Self {
-            of: format!("{}{}", before(study, row.environment.as_ref(), ": "), row.name()),
+            of: before(study, row.environment.as_ref(), ": ")
+                + &amounts.compared(&row.name().to_string()),
             environment: row.environment.as_ref().map(ToString::to_string),
             is_of_groups: false,
+            is_of_ratios: is_of_ratios(&amounts, row.sides()),
             value: row.difference,
             error: row.difference_std_error,
             low: row.difference_ci_low,
@@ -263,11 +274,13 @@ impl ClaimOf {
             }
             GroupOf { label: level.clone(), mean, sd, values }
         };
-        let environment = before(study, row.environment.as_ref(), ": ");
+        let amounts = metric.amounts(study);
         Some(Self {
-            of: format!("{environment}{} in {}", row.groups, compared_words(study, &row.effect)),
+            of: before(study, row.environment.as_ref(), ": ")
+                + &compared_words(study, &amounts, row),
             environment: row.environment.as_ref().map(ToString::to_string),
             is_of_groups: true,
+            is_of_ratios: is_of_ratios(&amounts, row.sides()),
             value: row.difference,
             error: row.difference_std_error,
             low: row.difference_ci_low,

@@ -57,6 +57,7 @@ const PARTS: &str = concat!(
     include_str!("script/screen.js"),
     include_str!("script/cursor.js"),
     include_str!("script/exports.js"),
+    include_str!("script/amounts.js"),
     include_str!("script/dots.js"),
     include_str!("script/estimates.js"),
     include_str!("script/verdicts.js"),

@@ -489,6 +489,41 @@ fn with_claims() -> Contents {
 }
 
 #[test]
+fn of_a_metric_of_logarithms_the_script_gets_the_unit_of_jnds_and_what_compares_ratios() {
+    let metric = crate::compared::tests::ln_jnd();
+    let effect = |effect: &str, levels: &str| EffectDifference {
+        effect: effect.parse().unwrap(),
+        levels: Some(levels.parse().unwrap()),
+        ..unestimated(&metric)
+    };
+    let effects = [effect("motor", "yes − no"), effect("motor:brake", "(yes − no) × (yes − no)")];
+    let groups = ["hybrid", "hybrid − active"].map(|effect| GroupDifference {
+        effect: effect.parse().unwrap(),
+        ..between_groups(&metric)
+    });
+    let compared =
+        ComparedMetric { effects: &effects, groups: &groups, ..without_results(&metric) };
+    let mut columns = TrialKey::columns(metrics().trials());
+    columns.push(Column::float("ln_jnd_stiffer", "ln N/rad", "JND", [Some(-0.5), None]));
+    let values = Measured::of(Table::new("metrics", "Metrics", columns).unwrap()).unwrap();
+    let contents =
+        Contents::of("s", "JNDs", &planned(), &estimating(), recorded(&values), &[compared], &[]);
+    let data = serde_json::to_value(contents).unwrap();
+    let own = &data["metrics"][0];
+    assert_eq!((&own["label"], &own["unit"]), (&"JND".into(), &"N/rad".into()));
+    assert_eq!((&own["is_logarithm"], &own["scale"]), (&true.into(), &1.0.into()));
+    let claims = own["claims"].as_array().unwrap().iter();
+    let claims = claims.map(|own| (own["of"].as_str().unwrap(), own["is_of_ratios"] == true));
+    let expected = [
+        ("Spring: motor: yes / no", false),
+        ("Spring: motor × brake: (yes / no) × (yes / no)", true),
+        ("Spring: expert / novice in hybrid", false),
+        ("Spring: expert / novice in the ratio Hybrid / Active", true),
+    ];
+    assert_eq!(claims.collect::<Vec<_>>(), expected);
+}
+
+#[test]
 fn effects_and_groups_stand_below_the_matrix_of_modes_and_only_where_they_are_claimed() {
     let contents = with_claims();
     let words = "Effects of factors are shown in 1 of 2 comparisons in all metrics: 1 of which it is not known what is \

@@ -38,13 +38,13 @@ function answerChart(trials, q, index, asks, metric, width, tell) {
   const values = trials.map((trial) => measured(trial, index));
   const range = padded(values.reduce((a, b) => Math.min(a, b), Infinity), values.reduce((a, b) => Math.max(a, b), -Infinity));
   const sx = scale(range, box.left, box.right);
-  for (const { value, text } of ticks(...range, (box.right - box.left) / 70)) svg.append(makeSvg("line", { x1: sx.k * value + sx.c, x2: sx.k * value + sx.c, y1: box.top, y2: box.bottom, class: "grid" }), svgText(text, sx.k * value + sx.c, box.bottom + 16, { "text-anchor": "middle" }));
+  for (const { value, text } of ticksOf(metric, ...range, (box.right - box.left) / 70)) svg.append(makeSvg("line", { x1: sx.k * value + sx.c, x2: sx.k * value + sx.c, y1: box.top, y2: box.bottom, class: "grid" }), svgText(text, sx.k * value + sx.c, box.bottom + 16, { "text-anchor": "middle" }));
   svg.append(svgText(short(metricTitle(metric), Math.floor(width / 7)), box.right, box.bottom + 34, { "text-anchor": "end", class: "group" }));
   const seen = new Map(); // dots of one answer are spread over its band, the same way every time
   trials.forEach((trial, i) => {
     const answer = answered(trial, q), place = seen.get(answer) ?? 0;
     seen.set(answer, place + 1);
-    svg.append(point(sx.k * values[i] + sx.c, sy.k * (answer + 0.6 * step * spread(place)) + sy.c, { mode: modeIndex(trial.mode), words: `${trialWords(trial)}: answered ${answer}${asks.labels?.[(answer - asks.lowest) / step] ? ` (${short(asks.labels[(answer - asks.lowest) / step])})` : ""}, ${significant(values[i])} ${metric.unit}`, open: () => openTrial(trial, index) }, trials.length > 400 ? 2.5 : 5, tell));
+    svg.append(point(sx.k * values[i] + sx.c, sy.k * (answer + 0.6 * step * spread(place)) + sy.c, { mode: modeIndex(trial.mode), words: `${trialWords(trial)}: answered ${answer}${asks.labels?.[(answer - asks.lowest) / step] ? ` (${short(asks.labels[(answer - asks.lowest) / step])})` : ""}, ${valueAt(metric, values[i])}`, open: () => openTrial(trial, index) }, trials.length > 400 ? 2.5 : 5, tell));
   });
   return svg;
 }
@@ -61,7 +61,7 @@ function answersBehind(index, trials) {
   const cell = (text) => make("td", {}, text);
   const columns = shown.map((trial) => make("th", { scope: "col" }, `trial ${trial.trial}: ${short(labelOf(study.environments, trial.environment), 20)}, ${short(labelOf(study.modes, trial.mode), 20)}, repeat ${trial.repeat}`));
   const lines = items.map((q) => make("tr", {}, make("th", { scope: "row" }, short(study.questions[q].label, 100), study.questions[q].reversed ? make("span", { class: "count" }, " (counts the other way round)") : null), ...shown.map((trial) => cell(answer(trial, q)))));
-  const scored = make("tr", { class: "scored" }, make("th", { scope: "row" }, make("strong", {}, short(label, 100))), ...shown.map((trial) => cell(make("strong", {}, significant(measured(trial, index))))));
+  const scored = make("tr", { class: "scored" }, make("th", { scope: "row" }, make("strong", {}, short(label, 100))), ...shown.map((trial) => cell(make("strong", {}, significant(atPlace(study.metrics[index], measured(trial, index)))))));
   const people = distinct(trials.map(({ participant, session }) => `${participant} ${session}`)).join(", ");
   const heading = `Answers of ${short(people, 60)} behind the score${trials.length > MOST_ANSWERED ? `: the first ${MOST_ANSWERED} of ${trials.length} trials` : ""}`;
   return make("div", { id: "score-answers", tabindex: "-1" }, make("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": heading }, make("table", {}, make("caption", {}, heading), make("thead", {}, make("tr", {}, make("th", { scope: "col" }, "question"), ...columns)), make("tbody", {}, ...lines, scored))));

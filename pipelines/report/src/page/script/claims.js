@@ -18,17 +18,19 @@ function claimRows() {
 
 /** Everybody's effect beside the means that it is made of; of groups a column for each. */
 function claimDetails(row) {
-  const { scale: factor, unit } = study.metrics[row.index], environment = row.environment === null ? null : environmentOf(row.environment);
-  const title = environment ? short(environment.label, 24) : "Several environments", words = (value) => withUnit(significant(value * factor), unit);
+  const metric = study.metrics[row.index], environment = row.environment === null ? null : environmentOf(row.environment);
+  const title = environment ? short(environment.label, 24) : "Several environments";
   if (row.groups) {
+    // Of people there are values, or of logarithms ratios where groups are compared in these.
+    const [place, words] = row.is_of_ratios ? [placeOfDifference, differenceAt] : [placeOfValue, valueAt];
     const groups = row.groups.map(({ label, mean: middle, sd, values }) => {
-      const [centre, spread] = [middle, sd].map((value) => (value ?? NaN) * factor);
-      return { label, mode: null, points: values.map((value) => ({ value: value * factor, words: `${label}: ${words(value)}` })), summary: { mean: centre, low: centre - spread, high: centre + spread } };
+      const [centre, low, high] = [0, -1, 1].map((side) => place(metric, (middle ?? NaN) + side * (side ? sd ?? NaN : 0)));
+      return { label, mode: null, points: values.map((value) => ({ value: place(metric, value), words: `${label}: ${words(metric, place(metric, value))}` })), summary: { mean: centre, low, high } };
     });
-    return [{ title: `${title}: groups, mean ± SD`, groups, lines: [], zero: false }];
+    return [{ title: `${title}: groups, mean ± SD`, groups, lines: [], zero: false, areRatios: row.is_of_ratios }];
   }
-  const points = row.people.map(({ participant: p, value }) => ({ value: value * factor, words: `${p}: ${words(value)}`, open: () => openTrials({ index: row.index, p, s: EVERY, ...row.opens, r: "all" }) }));
-  const [middle, low, high] = [row.value, row.low, row.high].map((value) => (value ?? NaN) * factor);
+  const points = row.people.map(({ participant: p, value }) => ({ value: placeOfDifference(metric, value), words: `${p}: ${differenceAt(metric, placeOfDifference(metric, value), row.is_of_ratios)}`, open: () => openTrials({ index: row.index, p, s: EVERY, ...row.opens, r: "all" }) }));
+  const [middle, low, high] = [row.value, row.low, row.high].map((value) => placeOfDifference(metric, value ?? NaN));
   const charts = points.length ? [{ title: `${title}: everybody’s effect`, groups: [{ label: "effect", mode: null, points, summary: { mean: middle, low, high } }], lines: [], zero: true }] : [];
   const conditions = row.conditions.map(({ environment: id, modes }) => {
     const own = environmentOf(id), groups = dotGroups(own, row.index, sessionsOf.size > MANY).filter(({ mode }) => modes.includes(study.modes[mode].id));

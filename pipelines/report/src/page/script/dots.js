@@ -48,8 +48,8 @@ function chartFrame(title, width, height, left, yRange, labels = null) {
 }
 
 /** Groups side by side: dots, thin lines of those that belong together, mean with its interval. */
-function groupChart({ title, width, groups, lines, yRange, zero, tell }) {
-  const { svg, box, sy } = chartFrame(title, width, 300, 56, yRange);
+function groupChart({ title, metric, width, groups, lines, yRange, zero, tell }) {
+  const { svg, box, sy } = chartFrame(title, width, 300, 56, yRange, ticksOf(metric, ...yRange, 230 / 34));
   const step = (box.right - box.left) / groups.length;
   const centre = (g) => box.left + step * (g + 0.5);
   const place = (g, i) => centre(g) - Math.min(0.12 * step, 20) + spread(i) * Math.min(0.45 * step, 72);
@@ -64,16 +64,16 @@ function groupChart({ title, width, groups, lines, yRange, zero, tell }) {
     if (!Number.isFinite(middle)) return;
     const x = centre(g) + Math.min(0.2 * step, 36), y = sy.k * middle + sy.c;
     if (Number.isFinite(low) && Number.isFinite(high)) svg.append(makeSvg("line", { x1: x, x2: x, y1: sy.k * low + sy.c, y2: sy.k * high + sy.c, class: "whisker" }));
-    svg.append(makeSvg("circle", { cx: x, cy: y, r: 4, class: "mean" }), svgText(significant(middle), x + 9, y + 4, { class: "value" }));
+    svg.append(makeSvg("circle", { cx: x, cy: y, r: 4, class: "mean" }), svgText(significant(atPlace(metric, middle)), x + 9, y + 4, { class: "value" }));
   });
   return svg;
 }
 
 /** Mean or difference with its interval as the tables have it, else of the drawn dots with their SD; and which it is. */
-function summaryOf(metric, estimates, environment, of, values) {
+function summaryOf(estimates, place, environment, of, values) {
   const given = estimates.find((one) => one.environment === environment && one.of === of);
   if (given) {
-    const [middle, low, high] = [given.value, given.low, given.high].map((value) => (value ?? NaN) * metric.scale);
+    const [middle, low, high] = [given.value, given.low, given.high].map((value) => place(value ?? NaN));
     return { mean: middle, low, high, given: true };
   }
   const middle = values.length ? mean(values) : NaN, sd = deviation(values);
@@ -81,7 +81,8 @@ function summaryOf(metric, estimates, environment, of, values) {
 }
 
 const metricTitle = ({ label, unit }) => `${short(label, 90)}${unit ? ` (${unit})` : ""}`;
-const measured = (trial, index) => (trial.metrics[index] === null || trial.metrics[index] === undefined ? NaN : trial.metrics[index] * study.metrics[index].scale);
+/** Where a trial's value stands on an axis. */
+const measured = (trial, index) => (trial.metrics[index] === null || trial.metrics[index] === undefined ? NaN : placeOfValue(study.metrics[index], trial.metrics[index]));
 const trialWords = (trial) => `${trial.participant} ${trial.session}, trial ${trial.trial}, ${short(labelOf(study.modes, trial.mode))}, repeat ${trial.repeat}`;
 const openTrial = (trial, index = null) => openTrials({ index, p: trial.participant, s: trial.session, e: trial.environment, m: [trial.mode], r: trial.repeat });
 
@@ -103,14 +104,14 @@ function dotGroups(environment, index, many) {
     const points = many
       ? [...groupBy(trials, (trial) => trial.participant)].map(([p, mine]) => ({ value: mean([...groupBy(mine, (trial) => trial.session).values()].map((own) => mean(own.map((trial) => measured(trial, index))))), of: p, words: `${p}, ${short(mode.label)}, mean of ${mine.length} trials`, open: () => openTrials({ index, p, s: EVERY, e: environment.id, m: [mode.id] }) }))
       : trials.map((trial) => ({ value: measured(trial, index), of: trial.participant, words: trialWords(trial), open: () => openTrial(trial, index) }));
-    for (const one of points) one.words += `: ${significant(one.value)} ${metric.unit}`;
-    return { label: mode.label, mode: m, points, summary: summaryOf(metric, metric.means, environment.id, mode.id, points.map((one) => one.value)) };
+    for (const one of points) one.words += `: ${valueAt(metric, one.value)}`;
+    return { label: mode.label, mode: m, points, summary: summaryOf(metric.means, (value) => placeOfValue(metric, value), environment.id, mode.id, points.map((one) => one.value)) };
   }).filter((group) => group.points.length);
 }
 
 /** Differences of every two modes by participant; with one participant by repeat. */
 function differenceGroups(environment, index, single) {
-  const metric = study.metrics[index];
+  const metric = study.metrics[index], place = (value) => placeOfDifference(metric, value), than = metric.is_logarithm ? "over" : "minus";
   const mine = study.trials.filter((trial) => trial.environment === environment.id && Number.isFinite(measured(trial, index)));
   const units = groupBy(mine, (trial) => `${trial.session}, repeat ${trial.repeat}`);
   const cells = cellsOf(index, environment.id, () => true);
@@ -118,16 +119,16 @@ function differenceGroups(environment, index, single) {
   // A contrast is drawn the way round in which the tables have it.
   const asked = ([from, to]) => (metric.differences.some((one) => one.of === `${from.id} − ${to.id}`) ? [to, from] : [from, to]);
   return pairs.map(asked).map(([from, to]) => {
-    const ofPeople = () => peoplesDifferences(cells, { mode: to.id, against: from.id }).map(({ participant: p, value }) => ({ value: value * metric.scale, words: `${p}, ${short(to.label)} minus ${short(from.label)}: ${significant(value * metric.scale)} ${metric.unit}`, open: () => openTrials({ index, p, s: EVERY, e: environment.id, m: [from.id, to.id], r: "all" }) }));
+    const ofPeople = () => peoplesDifferences(cells, { mode: to.id, against: from.id }).map(({ participant: p, value }) => ({ value: place(value), words: `${p}, ${short(to.label)} ${than} ${short(from.label)}: ${differenceAt(metric, place(value))}`, open: () => openTrials({ index, p, s: EVERY, e: environment.id, m: [from.id, to.id], r: "all" }) }));
     const points = !single ? ofPeople() : [...units].flatMap(([unit, trials]) => {
       const of = ({ id }) => trials.filter((trial) => trial.mode === id).map((trial) => measured(trial, index));
       if (!of(from).length || !of(to).length) return [];
       const value = mean(of(to)) - mean(of(from));
       const [{ participant: p, session, repeat }] = trials;
-      return [{ value, words: `${unit}, ${short(to.label)} minus ${short(from.label)}: ${significant(value)} ${metric.unit}`, open: () => openTrials({ index, p, s: session, e: environment.id, m: [from.id, to.id], r: repeat }) }];
+      return [{ value, words: `${unit}, ${short(to.label)} ${than} ${short(from.label)}: ${differenceAt(metric, value)}`, open: () => openTrials({ index, p, s: session, e: environment.id, m: [from.id, to.id], r: repeat }) }];
     });
-    const summary = summaryOf(metric, metric.differences, environment.id, `${to.id} − ${from.id}`, points.map((one) => one.value));
-    return { label: `${short(to.label, 12)} − ${short(from.label, 12)}`, names: [short(to.label), short(from.label)], mode: study.modes.indexOf(to), points, summary };
+    const summary = summaryOf(metric.differences, place, environment.id, `${to.id} − ${from.id}`, points.map((one) => one.value));
+    return { label: `${short(to.label, 12)} ${signOf(metric)} ${short(from.label, 12)}`, names: [short(to.label), short(from.label)], mode: study.modes.indexOf(to), points, summary };
   }).filter((group) => group.points.length);
 }
 
@@ -159,15 +160,15 @@ function buildDots(host) {
     const range = rangeOfGroups(facets.flatMap(({ groups }) => groups)), apart = rangeOfGroups(facets.flatMap(({ differences }) => differences), true);
     const room = printing ? PAPER : charts.clientWidth, columns = room >= 640 ? 2 : 1, width = Math.max(260, room / columns - (columns - 1) * 12);
     charts.replaceChildren(...facets.flatMap(({ environment, groups, differences }) => [
-      groupChart({ title: `${short(environment.label, 30)}${metric.unit ? ` (${metric.unit})` : ""}`, width, groups, lines: single ? [] : linesOf(groups), yRange: range, tell }),
-      differences.length ? groupChart({ title: `${short(environment.label, 24)}: differences${metric.unit ? ` (${metric.unit})` : ""}`, width, groups: differences, lines: [], yRange: apart, zero: true, tell }) : make("div"),
+      groupChart({ title: `${short(environment.label, 30)}${unitBehind(metric, false)}`, metric, width, groups, lines: single ? [] : linesOf(groups), yRange: range, tell }),
+      differences.length ? groupChart({ title: `${short(environment.label, 24)}: differences${unitBehind(metric, true)}`, metric, width, groups: differences, lines: [], yRange: apart, zero: true, tell }) : make("div"),
     ]));
     charts.querySelectorAll("svg").forEach(rove);
     const all = facets.flatMap(({ groups, differences }) => [...groups, ...differences]);
     const bars = all.every(({ summary }) => summary.given) ? "Bars: mean and interval as in the tables." : all.some(({ summary }) => summary.given) ? "Bars: mean and interval as in the tables, else mean ± SD of the dots drawn." : "Bars: mean ± SD of the dots drawn.";
     lead.textContent = facets.flatMap(({ environment, differences }) => differences.map((group) => everybodyWords(environment, group, single))).join(" ");
     tip.textContent = "Point at a dot for its trial; Enter or a click opens it.";
-    note.textContent = [`${many ? "Dots: means of participants." : "Dots: trials."}`, bars, facets.every(({ differences }) => !differences.length) ? "" : single ? `Dots of differences: by repeat, within ${[...sessionsOf.keys()][0]}; nothing is said of anybody else.` : "Dots of differences: by participant, from each one's means."].join(" ");
+    note.textContent = [metric.is_logarithm ? "Axes are logarithmic, and means geometric." : "", `${many ? "Dots: means of participants." : "Dots: trials."}`, bars, facets.every(({ differences }) => !differences.length) ? "" : single ? `Dots of differences: by repeat, within ${[...sessionsOf.keys()][0]}; nothing is said of anybody else.` : "Dots of differences: by participant, from each one's means."].join(" ");
   }
   draw();
   onWidth(charts, draw);

@@ -221,18 +221,19 @@ function toDigits(value, error) {
 
 const withUnit = (text, unit) => (unit === "" ? text : unit === "°" ? `${text}°` : `${text}\u00a0${unit}`);
 
-/** A difference in its unit, with its interval where that speaks of people. */
+/** A difference in its unit, of logarithms as a ratio, with its interval where that speaks of people. */
 function valueWords(row) {
-  const { scale: factor, unit } = study.metrics[row.index], error = row.error === null ? null : row.error * factor;
-  const text = (value) => toDigits(value * factor, error);
-  return withUnit(text(row.value), unit) + (row.isSingle || row.low === null ? "" : ` (${text(row.low)} to ${text(row.high)})`);
+  const metric = study.metrics[row.index], read = (value) => atPlace(metric, placeOfDifference(metric, value));
+  const error = row.error === null ? null : row.error * (metric.is_logarithm ? read(row.value) : metric.scale);
+  const text = (value) => toDigits(read(value), error);
+  return (metric.is_logarithm ? timesWords(text(row.value), row.is_of_ratios) : withUnit(text(row.value), metric.unit)) + (row.isSingle || row.low === null ? "" : ` (${text(row.low)} to ${text(row.high)})`);
 }
 
-/** The mode that is better, where there is a difference and one way is better: of means of two signs neither is. */
+/** The mode that is better, where there is a difference and one way is better: of means of two signs neither is, but of logarithms. */
 function bestOf({ index, verdict, means: [first, second], mode, against }) {
-  const { better } = study.metrics[index];
-  if (!verdict.startsWith("different") || better === "neither" || (better === "lower" && first * second < 0)) return null;
-  return (better === "lower" ? Math.abs(first) < Math.abs(second) : first > second) ? mode : against;
+  const { better, is_logarithm: isLogarithm } = study.metrics[index], size = isLogarithm ? (value) => value : Math.abs;
+  if (!verdict.startsWith("different") || better === "neither" || (better === "lower" && !isLogarithm && first * second < 0)) return null;
+  return (better === "lower" ? size(first) < size(second) : first > second) ? mode : against;
 }
 
 /** What the tests show, whether it is felt, and which mode is better. */

@@ -20,14 +20,14 @@ const verdictTables = [{
   isExplored: true,
 }];
 const rowKey = (row) => [study.metrics[row.index].name, row.environment, row.claim].join("/");
-const placeOf = (row) => `${labelOf(study.environments, row.environment)}: ${labelOf(study.modes, row.mode)} − ${labelOf(study.modes, row.against)}`;
+const placeOf = (row) => `${labelOf(study.environments, row.environment)}: ${labelOf(study.modes, row.mode)} ${signOf(study.metrics[row.index])} ${labelOf(study.modes, row.against)}`;
 const whoWords = (row) => `${row.n}\u00a0${row.isSingle ? "trials" : row.n === 1 ? "person" : "people"}`;
 const openRowLine = () => document.querySelector(".verdicts tr.detail");
 
 /** The dots of a row: people, or of the only one the repeats that both modes have. */
 function dotsOf(row) {
-  const { scale: factor, unit } = study.metrics[row.index];
-  const words = (who, value) => `${who}: ${withUnit(significant(value * factor), unit)}`;
+  const metric = study.metrics[row.index];
+  const words = (who, value) => `${who}: ${differenceAt(metric, placeOfDifference(metric, value), row.is_of_ratios)}`;
   const open = (p, s, r) => ({ index: row.index, p, s, ...row.opens, r });
   if (!row.isSingle) return row.people.map(({ participant: p, value }) => ({ value, words: words(p, value), view: open(p, EVERY, "all") })).sort((a, b) => a.value - b.value);
   const mine = study.trials.filter((trial) => trial.environment === row.environment && counts(trial) && trial.metrics[row.index] !== null);
@@ -197,24 +197,30 @@ function modesDetails(row) {
 
 /** The charts of a row, means, and the figures of learning, sessions and answers of its metric. */
 function metricDetails(row, verdictTable) {
-  const metric = study.metrics[row.index], { scale: factor, unit, name } = metric;
+  const metric = study.metrics[row.index], { scale: factor, unit, name, is_logarithm: isLogarithm } = metric;
   const shown = verdictTable.details(row), points = shown.flatMap(({ groups }) => groups.flatMap((group) => group.points));
   const tip = make("p", { class: "tip", hidden: !points.length }, points.some(({ open }) => open) ? "Point at a dot for its trial; Enter or a click opens it." : "Point at a dot for its value."), tell = (words) => { tip.textContent = words; };
   const charts = make("div", { class: "charts" });
   const draw = () => {
     const width = Math.max(260, Math.min(520, verdictTable.element.clientWidth / 2 - 30));
-    charts.replaceChildren(...shown.map((chart) => groupChart({ ...chart, title: `${chart.title}${unit ? ` (${unit})` : ""}`, width, yRange: rangeOfGroups(chart.groups, chart.zero), tell })));
+    charts.replaceChildren(...shown.map((chart) => groupChart({ ...chart, title: `${chart.title}${unitBehind(metric, chart.zero || chart.areRatios)}`, metric, width, yRange: rangeOfGroups(chart.groups, chart.zero), tell })));
     charts.querySelectorAll("svg").forEach(rove);
   };
   draw();
   requestAnimationFrame(() => { onWidth(charts, draw); redraws.delete(draw); }); // once it has a width; paper takes what is on the screen
   const means = row.groups ? row.groups.map(({ label, mean: value, sd }, i) => ({ of: label, value, sd, low: null, n: [row.n, row.n_against][i] })) : metric.means.filter((one) => one.environment === row.environment);
+  const areRatios = row.groups && row.is_of_ratios;
   const hasIntervals = means.some(({ low }) => low !== null), right = (text) => make("td", { class: "number" }, text);
   const head = [row.groups ? "group" : "mode", "mean", hasIntervals && "interval", "SD", "n"].filter(Boolean);
   const table = make("table", {}, make("thead", {}, make("tr", {}, ...head.map((text) => make("th", { scope: "col" }, text)))), make("tbody", {}, ...means.map((one) => {
-    const text = (value) => (value === null ? "–" : toDigits(value * factor, one.sd === null ? null : one.sd * factor));
+    // Of logarithms the mean is a geometric one, and a deviation a factor; in ratios groups have a mean ratio.
+    const read = (value) => (areRatios ? Math.exp(value) : atPlace(metric, placeOfValue(metric, value)));
+    const error = one.sd === null ? null : one.sd * (isLogarithm ? read(one.value) : factor);
+    const text = (value) => (value === null ? "–" : toDigits(read(value), error));
+    const spread = one.sd === null ? "–" : isLogarithm ? `×/÷ ${toDigits(Math.exp(one.sd), Math.expm1(one.sd))}` : toDigits(one.sd * factor, error);
+    const middle = areRatios ? timesWords(text(one.value), false) : withUnit(text(one.value), unit);
     const interval = hasIntervals ? right(one.low === null ? "–" : `${text(one.low)} to ${text(one.high)}`) : null;
-    return make("tr", {}, make("th", { scope: "row" }, row.groups ? one.of : labelOf(study.modes, one.of)), right(one.value === null ? "–" : withUnit(text(one.value), unit)), interval, right(text(one.sd)), right(`${one.n}`));
+    return make("tr", {}, make("th", { scope: "row" }, row.groups ? one.of : labelOf(study.modes, one.of)), right(one.value === null ? "–" : middle), interval, right(spread), right(`${one.n}`));
   })));
   const named = [["compare", "the modes compared"], ["effects", "effects of factors"], ["participants", "everybody’s differences"], ["groups", "groups compared"], ["learning", "from repeat to repeat"], ["sessions", "from session to session"]];
   const figures = named.map(([stem, words]) => [byId(`figure-${stem}.${name}`), words]).filter(([figure]) => figure).map(([figure, words]) => make("details", { ontoggle: (event) => { if (event.target.open && !event.target.querySelector("img")) { const image = figure.querySelector("img").cloneNode(); image.loading = "eager"; event.target.append(image); show(image); } } }, make("summary", {}, `Figure: ${words}`)));
@@ -283,7 +289,9 @@ function cellsOfTable({ drawn }) {
   const areGroups = drawn.some(({ n_against: second }) => second !== undefined && second !== null);
   const head = ["metric", "environment", "contrast", "difference", "low", "high", "unit", "jnd", "verdict", "size", "n", ...(areGroups ? ["n of the second group"] : []), "left out", "origin"];
   return [head, ...drawn.map((row) => {
-    const { label, unit, scale: factor } = study.metrics[row.index], shown = (value) => (value === null || value === undefined ? "" : exact(value * factor));
+    // For programs logarithms stay what they are, and their unit says so.
+    const metric = study.metrics[row.index], { label, is_logarithm: isLogarithm } = metric, unit = isLogarithm ? `ln ${metric.unit}`.trim() : metric.unit;
+    const shown = (value) => (value === null || value === undefined ? "" : exact(placeOfDifference(metric, value)));
     return [label, row.environment ?? "", row.claim, shown(row.value), row.isSingle ? "" : shown(row.low), row.isSingle ? "" : shown(row.high), unit, shown(row.jnd), row.verdict, row.size ?? "", row.n, ...(areGroups ? [row.n_against ?? ""] : []), row.left, study.simulated ? "simulated" : "recorded"];
   })];
 }
