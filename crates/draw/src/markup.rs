@@ -29,11 +29,14 @@ pub(crate) struct Run {
     pub(crate) script: Script,
 }
 
-/// `text` escaped so that it is set unchanged.
+/// `text` escaped so that it is set unchanged. Raised signs are not in the font: where there is one, raised figures are
+/// plain ones set higher too, so that `10⁻³` stands on one line.
 pub fn escape(text: &str) -> String {
     let mut escaped = String::new();
+    let is_set_higher = text.contains(['⁻', '⁺']);
     for letter in text.chars() {
-        if matches!(letter, '*' | '_' | '^' | '\\' | '}') || raised(letter).is_some() {
+        let is_raised = raised(letter).is_some() && !is_set_higher;
+        if matches!(letter, '*' | '_' | '^' | '\\' | '}') || is_raised {
             escaped.push('\\');
         }
         escaped.push(letter);
@@ -273,5 +276,8 @@ mod tests {
             let is_plain = |run: &Run| *run == Run { text: run.text.clone(), ..Run::default() };
             assert!(parse(&escape(text)).iter().all(is_plain));
         }
+        // The font has no raised minus.
+        check(&escape("6.0 × 10⁻¹²_a"), &[":6.0 × 10", "^:−12", ":_a"]);
+        assert_eq!(typed(&escape("6.0 × 10⁻¹²")), "6.0 × 10⁻¹²");
     }
 }
