@@ -13,7 +13,7 @@ use zwidth_results::{AnswerTally, BlindingIndex, GivenAnswer, Reliability, Trial
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, Stage};
 use zwidth_store::{Answer, LeftOutAnswer, StudyData};
 use zwidth_study::{AnswerValue, Kind, ModeId, ParticipantId, SessionId, Status, Study, TrialMeta};
-use zwidth_tables::{Table, TableError};
+use zwidth_tables::{NoteKind, Table, TableError};
 
 const STAGE: Stage = Stage { name: "likert", version: zwidth_likert::VERSION };
 
@@ -177,14 +177,16 @@ struct ScoreParameters {
 
 fn make_scores(parameters: &ScoreParameters, (): &(), making: &Making) -> Result<Made, JobError> {
     let ScoreParameters { scoring, answers, left_out, trials, simulated } = parameters;
-    let tables = vec![
-        Table::of_rows(&zwidth_likert::scores(answers, left_out, trials, scoring))?,
-        Table::of_rows(&zwidth_likert::reliability(answers, scoring))?.with_note(
-            "Cronbach's α of participants' mean answers in a condition and session; its interval after Feldt, Woodruff and Salih \
-             1987. Conditions are never taken for people.",
-        ),
-    ];
-    write_named(tables, making, *simulated)
+    let scores = Table::of_rows(&zwidth_likert::scores(answers, left_out, trials, scoring))?;
+    let mut reliability = Table::of_rows(&zwidth_likert::reliability(answers, scoring))?.with_note(
+        "Cronbach's α of participants' mean answers in a condition and session; its interval after Feldt, Woodruff and Salih \
+         1987. Conditions are never taken for people.",
+    );
+    if scoring.scores.iter().all(|score| score.questions.len() < 2) {
+        let why = "Every score is of one question: how far answers hang together is for scores of several.";
+        reliability = reliability.with_note_of(NoteKind::LeftOut, why);
+    }
+    write_named(vec![scores, reliability], making, *simulated)
 }
 
 pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
