@@ -25,14 +25,16 @@ export RAYON_NUM_THREADS=1 OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
     echo "<!-- Written by run.sh. -->"
     echo "# Thresholds, by zwidth and by others"
     echo
-    echo "$(uname -m), $(nproc) cores, $(rustc --version); psychopy 2026.1.3, psignifit 4.3; load average at the beginning $(load)."
+    echo "$(uname -m), $(getconf _NPROCESSORS_ONLN) cores, $(rustc --version); psychopy 2026.1.3, psignifit 4.3; load average at the beginning $(load)."
     echo
     echo "## Trials to a threshold within 10 %"
     echo
     echo "Sixty simulated people tell in which of two intervals there was something: Weibull's curve with β = 2, 2 % lapses, thresholds"
     echo "from 0.054 to 0.119 N. Both sides see the same people and the same chances. Each procedure estimates the level of its own share"
     echo "of right answers, and is compared with that; the difference threshold in steps above a standard is such a level. Staircases of"
-    echo "PsychoPy have the equal steps they come with, and the target that is written of equal steps (70.7 and 79.4 % right)."
+    echo "PsychoPy have the equal steps they come with, and the target that is written of equal steps (70.7 and 79.4 % right). QuestHandler"
+    echo "is told β and λ, which are those of these people; both QUEST+ have to find β. A median over sixty people is uncertain by one or two"
+    echo "of the percents that stand here, so that the trials differ by some tens from one set of people to another."
     echo
     $one "$thresholds" trials "$venv/bin/python" benches/thresholds/peer.py
     echo

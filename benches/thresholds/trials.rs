@@ -7,7 +7,7 @@ use anyhow::Context as _;
 use std::time::Instant;
 use zwidth_numerics::order::upper_median;
 use zwidth_stats::psychometric::fit::{LAPSE, Model, fit};
-use zwidth_stats::psychometric::quest;
+use zwidth_stats::psychometric::quest::{self, Quest};
 use zwidth_stats::psychometric::staircase::{self, Scale, Staircase};
 use zwidth_stats::psychometric::{Asks, Curve, LevelAnswers, Sigmoid};
 
@@ -144,17 +144,23 @@ fn quest_plan() -> quest::Plan {
 }
 
 fn quest_plus(person: &Person) -> anyhow::Result<Vec<Option<f64>>> {
-    let plan = quest_plan();
-    let (mut answers, mut found) = (Vec::new(), Vec::new());
-    let mut track = quest::track(&plan, &answers)?;
+    let mut quest = Quest::new(&quest_plan())?;
+    let mut found = Vec::new();
     for trial in 0..TRIALS {
-        answers.push(person.is_right(trial, track.next));
-        track = quest::track(&plan, &answers)?;
+        step(&mut quest, person, trial)?;
         if (trial + 1) % EVERY == 0 {
-            found.push(error_of(Some(track.threshold), person.threshold()));
+            found.push(error_of(Some(quest.track().threshold), person.threshold()));
         }
     }
     Ok(found)
+}
+
+/// An answer, and the level that follows from it.
+fn step(quest: &mut Quest, person: &Person, trial: usize) -> anyhow::Result<f64> {
+    let level = quest.next_level();
+    let place = quest.place_of(level).context("a level beside the grid")?;
+    quest.answer(place, person.is_right(trial, level))?;
+    Ok(quest.next_level())
 }
 
 pub(crate) fn measure(peer: [&str; 2]) -> anyhow::Result<()> {
@@ -206,27 +212,34 @@ pub(crate) fn measure(peer: [&str; 2]) -> anyhow::Result<()> {
     steps()
 }
 
-/// The time of a step of QUEST+.
+/// The time of a step of QUEST+, from an answer to the next level, on the grid above and on finer ones.
 fn steps() -> anyhow::Result<()> {
-    let plan = quest_plan();
     let person = Person { number: 0, curve: detecting(0) };
-    let mut answers = Vec::new();
-    let mut all = Vec::new();
-    let mut track = quest::track(&plan, &answers)?;
-    for trial in 0..TRIALS {
-        answers.push(person.is_right(trial, track.next));
-        let began = Instant::now();
-        track = quest::track(std::hint::black_box(&plan), std::hint::black_box(&answers))?;
-        all.push(1e3 * began.elapsed().as_secs_f64());
+    let scales = |number: usize| (0..number).map(|place| 0.2 + 0.8 * place as f64 / number as f64);
+    println!("\n| levels × curves | a step of QUEST+ in the middle | 95 of 100 | at most |");
+    println!("| --- | --- | --- | --- |");
+    for (number, lapses) in [
+        (7, vec![0.02]),
+        (15, vec![0.0, 0.02, 0.04, 0.06]),
+        (160, vec![0.0, 0.01, 0.02, 0.03, 0.04, 0.05, 0.06, 0.07, 0.08, 0.09]),
+    ] {
+        let plan = quest::Plan { scales: scales(number).collect(), lapses, ..quest_plan() };
+        let mut quest = Quest::new(&plan)?;
+        let mut all = Vec::new();
+        for trial in 0..TRIALS {
+            let began = Instant::now();
+            std::hint::black_box(step(&mut quest, &person, trial)?);
+            all.push(1e3 * began.elapsed().as_secs_f64());
+        }
+        all.sort_by(f64::total_cmp);
+        println!(
+            "| {} × {} | {:.3} ms | {:.3} ms | {:.3} ms |",
+            plan.levels.len(),
+            plan.thresholds.len() * plan.scales.len() * plan.lapses.len(),
+            all[all.len() / 2],
+            all[all.len() * 95 / 100],
+            all[all.len() - 1]
+        );
     }
-    all.sort_by(f64::total_cmp);
-    println!(
-        "\nA step of QUEST+ over {} levels and {} curves takes {:.2} ms in the middle, {:.2} ms in 95 of 100, {:.2} ms at most.",
-        plan.levels.len(),
-        plan.thresholds.len() * plan.scales.len(),
-        all[all.len() / 2],
-        all[all.len() * 95 / 100],
-        all[all.len() - 1]
-    );
     Ok(())
 }

@@ -17,8 +17,14 @@ pub(crate) fn write(place: u8, title: &str, table: &str) {
 /// A row per kind; columns per test, and per interval.
 pub(crate) fn table(all: &[(String, Vec<Judged>)]) -> String {
     let most = all.iter().map(|(_, judged)| judged).max_by_key(|judged| judged.len()).unwrap();
-    let testing = |judged: &&Judged| judged.rejected.of > 0;
-    let covering = |judged: &&Judged| judged.covered.of > 0;
+    // What any kind was put to has a column.
+    let of_any = |own: &&Judged, of: fn(&Judged) -> usize| {
+        all.iter()
+            .flat_map(|(_, judged)| judged)
+            .any(|judged| judged.test == own.test && of(judged) > 0)
+    };
+    let testing = |judged: &&Judged| of_any(judged, |judged| judged.rejected.of);
+    let covering = |judged: &&Judged| of_any(judged, |judged| judged.covered.of);
     let heads = most.iter().filter(testing).map(|judged| format!("{} rejects", judged.test));
     let intervals = most.iter().filter(covering).map(|judged| format!("{} covers", judged.test));
     let studies = "studies of this kind".to_owned();

@@ -277,7 +277,10 @@ fn halves(
         .filter(|entry| entry.why_left_out().is_none())
         .map(|entry| entry.meta.trial)
         .collect();
-    let Some(last) = recorded.last() else { return Vec::new() };
+    // What is done again has a higher number than what is still to come.
+    let logged = log.events.iter().filter(|event| matches!(event, Event::Recorded { .. }));
+    let mut latest = logged.rev().filter_map(Event::trial).filter(|trial| recorded.contains(trial));
+    let Some(last) = latest.next().or_else(|| recorded.last().copied()) else { return Vec::new() };
     let mut findings = Vec::new();
     for ((task, _, presentation), trials) in &shown.intervals {
         let Some(task) = data.study.task(task) else { continue };
@@ -285,7 +288,7 @@ fn halves(
             trials.iter().filter(|trial| recorded.contains(trial)).copied().collect();
         let is_whole = there.len() == usize::from(task.asks.intervals());
         // Left out as a whole, or never begun, or the last of the session.
-        if is_whole || there.is_empty() || trials.contains(last) {
+        if is_whole || there.is_empty() || trials.contains(&last) {
             continue;
         }
         let words: Vec<String> = there.iter().map(u32::to_string).collect();
@@ -574,6 +577,9 @@ mod tests {
         assert_eq!(trials(&world), [6]);
         world.answer(102, 1);
         assert_eq!(trials(&world), [6, 102]);
+        assert_eq!(world.words(), [""; 0]);
+        // The session stands in its fourth presentation, although trial 102 was recorded before.
+        world.run(&world.trials[6], world.trials[6].task.as_ref().unwrap().level.unwrap().value());
         assert_eq!(world.words(), [""; 0]);
     }
 
