@@ -215,7 +215,8 @@ pub(crate) fn measure(peer: [&str; 2]) -> anyhow::Result<()> {
 /// The time of a step of QUEST+, from an answer to the next level, on the grid above and on finer ones.
 fn steps() -> anyhow::Result<()> {
     let person = Person { number: 0, curve: detecting(0) };
-    let scales = |number: usize| (0..number).map(|place| 0.2 + 0.8 * place as f64 / number as f64);
+    let scales =
+        |number: usize| (0..number).map(move |place| 0.2 + 0.8 * place as f64 / number as f64);
     println!("\n| levels × curves | a step of QUEST+ in the middle | 95 of 100 | at most |");
     println!("| --- | --- | --- | --- |");
     for (number, lapses) in [
