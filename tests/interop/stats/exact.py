@@ -300,6 +300,8 @@ def least(x, n, k, asks, sigmoid, fixed=None, near=None, most_lapses=0.06, many=
         lapses = [[0.1]] * (asks == "yes") + [[0.02]]
         places, scales = shown[0] + span * np.array([0.35, 0.65]), span * np.array([0.1, 0.3])
         if many:
+            # A step between two levels is the best curve where many lapse.
+            lapses = [[0.1, 0.4]] * (asks == "yes") + [[0.02, 0.9 * most_lapses]]
             places = np.concatenate([shown, (shown[1:] + shown[:-1]) / 2])
             scales = np.geomspace(np.diff(shown).min() / 20, span, 8)
         starts = itertools.product(places, np.log(scales), *lapses)
@@ -310,11 +312,11 @@ def least(x, n, k, asks, sigmoid, fixed=None, near=None, most_lapses=0.06, many=
         starts = [np.delete(start, drop) for start in starts]
         bounds.pop(drop)
         if fixed[0] == "jnd":
-            # Wherever the threshold lies between the levels: a held JND has a best place between any two.
+            # Wherever the threshold lies between the levels, with any lapse: a held JND has a best place between any two.
             places = np.linspace(shown[0], shown[-1], 49)
             free = np.log(fixed[1] / np.exp(places) / 0.786) if sigmoid == "weibull" else places
-            starts = starts + [np.array([place, *near[2:]]) for place in free]
-    starts = sorted(starts, key=cost)[:6]
+            starts = starts + [np.array([place, *near[2:-1], lapse]) for place in free for lapse in (near[-1], most_lapses)]
+    starts = sorted(starts, key=cost)[:8]
     rough = min((minimize(cost, start, method="L-BFGS-B", bounds=bounds) for start in starts), key=lambda one: one.fun)
     best = minimize(cost, rough.x, method="Nelder-Mead", bounds=bounds, options={"xatol": 1e-9, "fatol": 1e-12, "maxiter": 4000})
     return best.fun, read(*shape(best.x)), ends(best.x), best.x, shares(best.x)
