@@ -222,7 +222,7 @@ fn steps() -> anyhow::Result<()> {
     for (number, lapses) in [
         (7, vec![0.02]),
         (15, vec![0.0, 0.02, 0.04, 0.06]),
-        (160, vec![0.0, 0.01, 0.02, 0.03, 0.04, 0.05, 0.06, 0.07, 0.08, 0.09]),
+        (80, vec![0.0, 0.01, 0.02, 0.03, 0.04, 0.05, 0.06, 0.07, 0.08, 0.09]),
     ] {
         let plan = quest::Plan { scales: scales(number).collect(), lapses, ..quest_plan() };
         let mut quest = Quest::new(&plan)?;

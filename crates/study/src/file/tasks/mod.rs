@@ -33,8 +33,8 @@ const MOST_SETTINGS: u32 = 100;
 const LEAST_LEVELS: usize = 3;
 /// No method has more levels.
 const MOST_LEVELS: usize = 1000;
-/// Levels times curves of QUEST+, up to which a step takes less than the 20 ms that nobody notices.
-const MOST_SHARES: usize = 1_000_000;
+/// Levels times curves of QUEST+, up to which a step takes less than a millisecond.
+const MOST_SHARES: usize = 500_000;
 /// No share of presentations at the standard is larger.
 const MOST_CATCH: f64 = 0.5;
 /// No study has more tasks.
