@@ -304,7 +304,8 @@ fn of_staircases(
     let back = |value: f64| if plan.is_factor { libm::exp(value) } else { value };
     let values: Vec<f64> = found.iter().map(scaled).collect();
     let interval = interval::mean(&values, level).ok().and_then(|mean| mean.interval);
-    let interval = interval.filter(|_| values.len() >= FEWEST_STAIRCASES);
+    // Staircases that end at one level tell nothing of how far off it is.
+    let interval = interval.filter(|own| values.len() >= FEWEST_STAIRCASES && own.std_error > 0.0);
     let threshold = mean(&found, plan.is_factor);
     // Of a logarithm's error that of the threshold, to first order.
     let error_of = |error: f64| if plan.is_factor { threshold * error } else { error };
@@ -322,9 +323,7 @@ fn of_staircases(
         threshold: Some(threshold),
         threshold_ci_low: interval.map(|interval| back(interval.ci_low)),
         threshold_ci_high: interval.map(|interval| back(interval.ci_high)),
-        threshold_std_error: interval
-            .map(|interval| error_of(interval.std_error))
-            .filter(|error| *error > 0.0),
+        threshold_std_error: interval.map(|interval| error_of(interval.std_error)),
         remark,
         ..row
     };

@@ -382,6 +382,12 @@ fn staircases_turn_at_the_threshold_and_have_no_jnd() {
     near(of_three.threshold_std_error.unwrap(), 0.333_333_333_333_333, 1e-12);
     near(of_three.threshold_ci_low.unwrap(), 2.399_115_756_750_18, 1e-9);
     near(of_three.threshold_ci_high.unwrap(), 5.267_550_909_916_487, 1e-9);
+    let alike = |track| {
+        three.iter().filter(|own| own.track == 0).map(move |own| Answered { track, ..own.clone() })
+    };
+    let alike: Vec<Answered> = (0..3).flat_map(alike).collect();
+    let of_alike = &thresholds(&alike, &parameters(task.clone())).fits[0];
+    assert_eq!((of_alike.threshold, of_alike.threshold_ci_low), (Some(3.5), None));
     let mut at = 5.0;
     let mut all = Vec::new();
     for number in 1..=8 {
