@@ -95,6 +95,137 @@ struct Flip {
     of_residuals: f64,
 }
 
+/// People's curves of differences, ready for other signs.
+///
+/// The sum of flipped differences is that of their distances from the mean, and the mean as often as there are more
+/// plus signs than minus: one pass over the people serves every statistic.
+struct Flipped<'a> {
+    /// Each person's distances from the nodes' means; 0 at nodes without scatter, which are left out of every
+    /// statistic.
+    rows: Vec<Vec<f64>>,
+    nodes: Vec<Scale>,
+    lengths: &'a [usize],
+    /// Above this |t| a node belongs to a run.
+    pointwise: f64,
+}
+
+/// What a sum over people is to a node.
+#[derive(Debug, Clone, Copy)]
+struct Scale {
+    mean: f64,
+    /// One over the root of the differences' sum of squares, which flips leave as it is: t is then a function of the
+    /// sum alone.
+    per_size: f64,
+    /// The same of the distances from the mean.
+    per_residual: f64,
+}
+
+impl<'a> Flipped<'a> {
+    fn new(
+        curves: &[Vec<f64>],
+        here: &[Moments],
+        scatters: &[bool],
+        lengths: &'a [usize],
+        pointwise: f64,
+    ) -> Self {
+        let mut rows = curves.to_vec();
+        let nodes = (0..here.len()).map(|node| {
+            let mean = here[node].mean;
+            let size = rows.iter().map(|row| row[node] * row[node]).sum::<f64>().sqrt();
+            rows.iter_mut()
+                .for_each(|row| row[node] = if scatters[node] { row[node] - mean } else { 0.0 });
+            let left = rows.iter().map(|row| row[node] * row[node]).sum::<f64>().sqrt();
+            match scatters[node] {
+                true => Scale { mean, per_size: 1.0 / size, per_residual: 1.0 / left },
+                false => Scale { mean: 0.0, per_size: 0.0, per_residual: 0.0 },
+            }
+        });
+        let nodes = nodes.collect();
+        Self { rows, nodes, lengths, pointwise }
+    }
+
+    /// Every flip in which the last person keeps the sign, the one without a turned sign first.
+    fn all(&self) -> Vec<Flip> {
+        /// So many people's signs go through all their values one turn at a time (Gray's code): a flip is then the
+        /// one before with one person's row added twice. Rounding adds up over no more.
+        const TURNED: usize = 6;
+        let turned = TURNED.min(self.rows.len() - 1);
+        let blocks = 1_u64 << (self.rows.len() - 1 - turned);
+        let of_block = |block: u64| {
+            let (mut sums, mut signs) = self.sums(|person| block << turned >> person & 1 == 1);
+            let mut flips = vec![self.flip(&sums, signs)];
+            let mut is_turned = [false; TURNED];
+            for number in 1..1_u64 << turned {
+                let person = number.trailing_zeros() as usize;
+                is_turned[person] = !is_turned[person];
+                let twice = if is_turned[person] { -2.0 } else { 2.0 };
+                let row = &self.rows[person];
+                sums.iter_mut().zip(row).for_each(|(sum, away)| *sum += twice * away);
+                signs += twice;
+                flips.push(self.flip(&sums, signs));
+            }
+            flips
+        };
+        (0..blocks).into_par_iter().flat_map_iter(of_block).collect()
+    }
+
+    /// Flips by chance.
+    fn drawn(&self, sampling: Sampling) -> Vec<Flip> {
+        let of_draw = |number: u64| {
+            let mut rng = stream(sampling.seed, number);
+            let bits: Vec<u64> =
+                (0..self.rows.len().div_ceil(64)).map(|_| rng.next_u64()).collect();
+            let (sums, signs) = self.sums(|person| bits[person / 64] >> (person % 64) & 1 == 1);
+            self.flip(&sums, signs)
+        };
+        (0..sampling.draws as u64).into_par_iter().map(of_draw).collect()
+    }
+
+    /// The sums of flipped distances from the mean, and how many more plus signs there are than minus.
+    fn sums(&self, is_turned: impl Fn(usize) -> bool) -> (Vec<f64>, f64) {
+        let mut sums = vec![0.0; self.nodes.len()];
+        let mut signs = 0.0;
+        for (person, row) in self.rows.iter().enumerate() {
+            let sign = if is_turned(person) { -1.0 } else { 1.0 };
+            sums.iter_mut().zip(row).for_each(|(sum, away)| *sum += sign * away);
+            signs += sign;
+        }
+        (sums, signs)
+    }
+
+    fn flip(&self, sums: &[f64], signs: f64) -> Flip {
+        let (mut mean, mut scaled, mut residual) = (0.0_f64, 0.0_f64, 0.0_f64);
+        for (sum, node) in sums.iter().zip(&self.nodes) {
+            let plain = (sum + node.mean * signs).abs();
+            mean = mean.max(plain);
+            scaled = scaled.max(plain * node.per_size);
+            residual = residual.max((sum * node.per_residual).abs());
+        }
+        let t = self.t(scaled);
+        // Most flips have no run.
+        let mass = match t > self.pointwise {
+            true => runs(&self.t_of(sums, signs), self.lengths, self.pointwise)
+                .map(|(_, _, mass)| mass)
+                .fold(0.0, f64::max),
+            false => 0.0,
+        };
+        Flip { t, mass, mean, of_residuals: self.t(residual) }
+    }
+
+    /// Student's t of every node.
+    fn t_of(&self, sums: &[f64], signs: f64) -> Vec<f64> {
+        let nodes = sums.iter().zip(&self.nodes);
+        nodes.map(|(sum, node)| self.t((sum + node.mean * signs) * node.per_size)).collect()
+    }
+
+    /// Student's t of a sum over the root of the sum of squares.
+    fn t(&self, sum: f64) -> f64 {
+        let people = self.rows.len() as f64;
+        let left = (people - sum * sum).max(people * f64::EPSILON);
+        sum * ((people - 1.0) / left).sqrt()
+    }
+}
+
 /// Tests whether the mean of people's curves of differences is zero everywhere. `curves` has one row per
 /// person and `lengths` the number of nodes of each branch, which a run does not pass. The largest |t| over
 /// nodes is compared with those of other signs of people's whole curves: all of them up to 14 people, else
@@ -121,68 +252,16 @@ pub fn differences(
     if !scatters.contains(&true) {
         return Err(Unestimable::Constant { units: "differences" });
     }
-    // Over the root of their sum of squares, which flips leave as it is: t is then a function of the sum alone.
-    let scaled = |about: &dyn Fn(usize) -> f64| -> Vec<Vec<f64>> {
-        let mut rows: Vec<Vec<f64>> = curves.to_vec();
-        for node in 0..nodes {
-            rows.iter_mut().for_each(|row| row[node] -= about(node));
-            let size = rows.iter().map(|row| row[node] * row[node]).sum::<f64>().sqrt();
-            let factor = if scatters[node] { 1.0 / size } else { 0.0 };
-            rows.iter_mut().for_each(|row| row[node] *= factor);
-        }
-        rows
-    };
-    let (values, residuals) = (scaled(&|_| 0.0), scaled(&|node| here[node].mean));
-    // Nodes without scatter are left out of every statistic.
-    let plain: Vec<Vec<f64>> = curves
-        .iter()
-        .map(|row| {
-            let kept = row.iter().zip(&scatters);
-            kept.map(|(value, scatters)| if *scatters { *value } else { 0.0 }).collect()
-        })
-        .collect();
-    let people = n as f64;
-    let t_of = |sum: f64| {
-        let left = (people - sum * sum).max(people * f64::EPSILON);
-        sum * ((people - 1.0) / left).sqrt()
-    };
-    let flip = |sign: &dyn Fn(usize) -> f64| {
-        let sums = |rows: &[Vec<f64>]| {
-            let mut sums = vec![0.0; nodes];
-            for (person, row) in rows.iter().enumerate() {
-                let sign = sign(person);
-                sums.iter_mut().zip(row).for_each(|(sum, value)| *sum += sign * value);
-            }
-            sums
-        };
-        let largest = |sums: &[f64]| sums.iter().fold(0.0_f64, |most, sum| most.max(sum.abs()));
-        let t: Vec<f64> = sums(&values).into_iter().map(t_of).collect();
-        let mass = runs(&t, lengths, pointwise).map(|(_, _, mass)| mass).fold(0.0, f64::max);
-        Flip {
-            t: largest(&t),
-            mass,
-            mean: largest(&sums(&plain)),
-            of_residuals: t_of(largest(&sums(&residuals))),
-        }
-    };
+    let flipped = Flipped::new(curves, &here, &scatters, lengths, pointwise);
     // A flip and its mirror have one |t|: the last person keeps the sign.
     let all = n <= ALL_FLIPS_UP_TO;
-    let flips: Vec<Flip> = if all {
-        (0..1_u64 << (n - 1))
-            .into_par_iter()
-            .map(|bits| flip(&|person| if bits >> person & 1 == 1 { -1.0 } else { 1.0 }))
-            .collect()
-    } else {
-        (0..sampling.draws as u64)
-            .into_par_iter()
-            .map(|number| {
-                let mut rng = stream(sampling.seed, number);
-                let bits: Vec<u64> = (0..n.div_ceil(64)).map(|_| rng.next_u64()).collect();
-                flip(&|person| if bits[person / 64] >> (person % 64) & 1 == 1 { -1.0 } else { 1.0 })
-            })
-            .collect()
+    let flips: Vec<Flip> = match all {
+        true => flipped.all(),
+        false => flipped.drawn(sampling),
     };
-    let observed = flip(&|_| 1.0);
+    let (sums, signs) = flipped.sums(|_| false);
+    let t = flipped.t_of(&sums, signs);
+    let observed = flipped.flip(&sums, signs);
     let share = |of: fn(&Flip) -> f64, observed: f64| {
         let extreme = flips.iter().filter(|flip| of(flip) >= observed * (1.0 - SAME)).count();
         match all {
@@ -207,7 +286,7 @@ pub fn differences(
         .zip(&scatters)
         .map(|(moments, scatters)| {
             let mean = moments.mean;
-            let std_error = moments.sd().unwrap_or(0.0) / people.sqrt();
+            let std_error = moments.sd().unwrap_or(0.0) / (n as f64).sqrt();
             let half = band.unwrap_or(pointwise) * std_error;
             Node {
                 mean,
@@ -217,9 +296,6 @@ pub fn differences(
             }
         })
         .collect();
-    // As flips have it: what is computed in two ways could differ by more than a tie.
-    let t: Vec<f64> =
-        (0..nodes.len()).map(|node| t_of(values.iter().map(|row| row[node]).sum())).collect();
     let found = runs(&t, lengths, pointwise).map(|(first, last, mass)| Run {
         first,
         last,

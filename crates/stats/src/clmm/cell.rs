@@ -57,28 +57,47 @@ impl Levels {
         self.odds.iter().map(move |odds| 1.0 / (1.0 + lift * odds))
     }
 
-    /// P(answers) of one cell (without the widths of inner categories), of e^η: no logarithm and no
-    /// exponential, at the price that many answers leave the range of numbers and give 0. With
-    /// F = 1 / (1 + odds) it is Π Fⱼ^nⱼ (1 − Fⱼ)^(Nⱼ − nⱼ), where nⱼ of Nⱼ answers next to the
-    /// threshold lie below it. nⱼ − Nⱼ F is pushed per threshold, as by `slopes`.
-    pub(super) fn probability(
+    /// P(answers) of one cell (without the widths of inner categories), of e^η at many places: no logarithm and no
+    /// exponential, at the price that many answers leave the range of numbers and give 0. With F = 1 / (1 + odds) it
+    /// is Π Fⱼ^nⱼ (1 − Fⱼ)^(Nⱼ − nⱼ), where nⱼ of Nⱼ answers next to the threshold lie below it. `shares` are
+    /// multiplied with it, place by place; nⱼ − Nⱼ F is pushed for each threshold next to which there are answers,
+    /// as by `slopes`.
+    pub(super) fn multiply_by_probability(
         &self,
         cells: &Cells,
         cell: usize,
-        lift: f64,
-        residuals: &mut Vec<f64>,
-    ) -> f64 {
-        let lift = lift.clamp(NEAREST_ODDS, FARTHEST_ODDS);
-        let mut product = 1.0;
-        let counts = cells.below[cell].iter().zip(&cells.beside[cell]);
-        for (odds, (below, beside)) in self.odds.iter().zip(counts) {
-            let odds = lift * odds;
-            let share = 1.0 / (1.0 + odds);
-            // Counts are whole numbers, and exact as such.
-            product *= power(share, *below as u32) * power(odds * share, (beside - below) as u32);
-            residuals.push(below - beside * share);
+        lifts: &[f64],
+        shares: &mut [f64],
+        residuals: &mut Vec<Residual>,
+    ) {
+        let (below, beside) = (&cells.below[cell], &cells.beside[cell]);
+        let thresholds: Vec<usize> = (0..self.odds.len()).filter(|j| beside[*j] > 0.0).collect();
+        let first = residuals.len();
+        residuals.extend(thresholds.iter().map(|j| Residual {
+            cell,
+            threshold: *j,
+            places: Vec::with_capacity(lifts.len() + LANES),
+        }));
+        for (lifts, shares) in lifts.chunks(LANES).zip(shares.chunks_mut(LANES)) {
+            let mut lanes = [1.0; LANES];
+            lanes[..lifts.len()].copy_from_slice(lifts);
+            let lifts = lanes.map(|lift| lift.clamp(NEAREST_ODDS, FARTHEST_ODDS));
+            let mut product = [1.0; LANES];
+            for (residual, j) in residuals[first..].iter_mut().zip(&thresholds) {
+                let odds = lifts.map(|lift| lift * self.odds[*j]);
+                let share = odds.map(|odds| 1.0 / (1.0 + odds));
+                let above = std::array::from_fn(|lane| odds[lane] * share[lane]);
+                // Counts are whole numbers, and exact as such.
+                let ways =
+                    [power(share, below[*j] as u32), power(above, (beside[*j] - below[*j]) as u32)];
+                for lane in 0..LANES {
+                    product[lane] *= ways[0][lane] * ways[1][lane];
+                }
+                residual.places.extend(share.map(|share| below[*j] - beside[*j] * share));
+            }
+            shares.iter_mut().zip(product).for_each(|(share, product)| *share *= product);
         }
-        product
+        residuals[first..].iter_mut().for_each(|own| own.places.truncate(lifts.len()));
     }
 
     /// The terms of one cell. If there are `residuals`, nⱼ − Nⱼ F is pushed per threshold: the
@@ -112,14 +131,25 @@ impl Levels {
     }
 }
 
-/// xⁿ by squares: the same bits on any machine.
-fn power(mut x: f64, mut n: u32) -> f64 {
-    let mut product = 1.0;
+/// Places that are gone through side by side.
+const LANES: usize = 8;
+
+/// nⱼ − Nⱼ F of one cell and threshold, place by place.
+#[derive(Debug, Clone)]
+pub(super) struct Residual {
+    pub(super) cell: usize,
+    pub(super) threshold: usize,
+    pub(super) places: Vec<f64>,
+}
+
+/// Each xⁿ by squares: the same bits on any machine.
+fn power(mut x: [f64; LANES], mut n: u32) -> [f64; LANES] {
+    let mut product = [1.0; LANES];
     while n > 0 {
         if n & 1 == 1 {
-            product *= x;
+            product.iter_mut().zip(&x).for_each(|(product, x)| *product *= x);
         }
-        x *= x;
+        x.iter_mut().for_each(|x| *x *= *x);
         n >>= 1;
     }
     product
@@ -169,12 +199,18 @@ mod tests {
                 let shares: Vec<f64> = Levels::new(&[*theta]).shares(eta).collect();
                 assert!((shares[0] - share).abs() < 1e-15);
             }
-            let mut again = Vec::new();
+            let (mut again, mut shares) = (Vec::new(), [1.0; LANES + 1]);
             let levels = Levels::new(&theta);
-            let probability = levels.probability(&cells, 0, libm::exp(eta), &mut again);
+            let lifts = [libm::exp(eta); LANES + 1];
+            levels.multiply_by_probability(&cells, 0, &lifts, &mut shares, &mut again);
+            let probability = shares[LANES];
             let error = (libm::log(probability) - expect.value).abs();
             assert!(error < 1e-13 * (1.0 + expect.value.abs()), "{error}");
-            assert!(again.iter().zip(&residuals).all(|(a, b)| (a - b).abs() < 1e-14));
+            assert_eq!(again.len(), theta.len());
+            for (own, residual) in again.iter().zip(&residuals) {
+                assert_eq!(own.places.len(), lifts.len());
+                assert!((own.places[LANES] - residual).abs() < 1e-14);
+            }
             assert!((found.value - expect.value).abs() < 1e-13 * (1.0 + expect.value.abs()));
             assert!((found.slope - expect.slope).abs() < 1e-14);
             assert!((found.bend - expect.bend).abs() < 1e-14);
@@ -188,9 +224,10 @@ mod tests {
             let found = Levels::new(&[theta]).slopes(&cells, 0, eta, None);
             assert!(found.value.is_finite() && found.slope.is_finite() && found.bend >= 0.0);
             assert!(found.value <= 0.0, "{found:?}");
-            let lift = libm::exp(near(eta));
-            let probability = Levels::new(&[theta]).probability(&cells, 0, lift, &mut Vec::new());
-            assert!((0.0..=1.0).contains(&probability), "{probability}");
+            let (lifts, mut shares) = ([libm::exp(near(eta))], [1.0]);
+            let levels = Levels::new(&[theta]);
+            levels.multiply_by_probability(&cells, 0, &lifts, &mut shares, &mut Vec::new());
+            assert!((0.0..=1.0).contains(&shares[0]), "{shares:?}");
         }
     }
 }

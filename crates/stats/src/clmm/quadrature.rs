@@ -13,7 +13,7 @@
 //! the returned gradient is the derivative of the sum itself, so a search is not misled even far
 //! from the estimates, where SDs are large and integrands nearly boxes.
 
-use super::cell::{Levels, fixed, near};
+use super::cell::{Levels, Residual, fixed, near};
 use super::laplace::{Effects, settle};
 use super::model::Cells;
 use super::point::Point;
@@ -61,10 +61,7 @@ pub(super) fn integrate(cells: &Cells, point: &Point, effects: &mut Effects) -> 
     let (log_sum, shares) = log_sum(heights.collect());
     let mut gradient = Point::zero(point.theta.len(), point.beta.len());
     gradient.sd[0] = shares.iter().zip(&lattice.outer.scores).map(|(s, score)| s * score).sum();
-    for (m, mode) in modes.iter().enumerate() {
-        let cells_of_mode = &cells.x[cells.groups[m].clone()];
-        mode.add_to(&mut gradient, &lattice, &shares, cells_of_mode);
-    }
+    modes.iter().for_each(|mode| mode.add_to(&mut gradient, &lattice, &shares, &cells.x));
     for (slope, sd) in gradient.sd.iter_mut().zip(point.sd) {
         // Beyond the largest SD nothing changes.
         if sd.abs() > LARGEST_SD {
@@ -155,11 +152,46 @@ impl Lattice {
         Self { outer, inner, strides, sums, lifts }
     }
 
-    /// The slots of the sums of outer node i with each inner one.
-    fn slots(&self, i: usize) -> impl Iterator<Item = usize> {
+    /// Σⱼ wⱼ f(u + w) for each outer node, of values f by slot and weights by inner node.
+    fn over_inner(&self, weights: &[f64], by_slot: &[f64]) -> Vec<f64> {
         let [across, along] = self.strides;
-        (0..self.inner.places.len()).map(move |j| i * across + j * along)
+        let n = self.outer.places.len();
+        if across > 1 {
+            let windows = (0..n).map(|i| &by_slot[i * across..]);
+            return windows.map(|window| sum_of_products(weights, window)).collect();
+        }
+        let mut sums = vec![0.0; n];
+        for (j, weight) in weights.iter().enumerate() {
+            let values = by_slot[j * along..].iter();
+            sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += weight * value);
+        }
+        sums
     }
+
+    /// In each slot the sum of products of an outer node's factor and an inner node's weight whose effects add up to it.
+    fn pairs(&self, factors: &[f64], weights: &[f64]) -> Vec<f64> {
+        let [across, along] = self.strides;
+        let mut by_slot = vec![0.0; self.sums.len()];
+        let (rows, stride, row) =
+            if across > 1 { (factors, across, weights) } else { (weights, along, factors) };
+        for (number, factor) in rows.iter().enumerate() {
+            let slots = by_slot[number * stride..].iter_mut();
+            slots.zip(row).for_each(|(slot, value)| *slot += factor * value);
+        }
+        by_slot
+    }
+}
+
+/// Σ aᵢ bᵢ over the shorter of the two, in four sums side by side.
+fn sum_of_products(a: &[f64], b: &[f64]) -> f64 {
+    const SUMS: usize = 4;
+    let mut sums = [0.0; SUMS];
+    for (a, b) in a.chunks(SUMS).zip(b.chunks(SUMS)) {
+        for (sum, (a, b)) in sums.iter_mut().zip(a.iter().zip(b)) {
+            *sum += a * b;
+        }
+    }
+    sums.iter().sum()
 }
 
 /// How many answers one mode has.
@@ -180,8 +212,8 @@ struct Mode {
     shares: Vec<f64>,
     /// ln of the largest.
     log_scale: f64,
-    /// nⱼ − Nⱼ F, slot by slot, cell by cell, threshold by threshold.
-    residuals: Vec<f64>,
+    /// nⱼ − Nⱼ F by slot, of each cell and threshold where there are answers.
+    residuals: Vec<Residual>,
     /// Iₘ(u) per outer node, over the largest P.
     inner: Vec<f64>,
 }
@@ -190,44 +222,34 @@ impl Mode {
     fn new(cells: &Cells, m: usize, levels: &Levels, fixed: &[f64], lattice: &Lattice) -> Self {
         let (shares, log_scale, residuals) = by_products(cells, m, levels, fixed, lattice)
             .unwrap_or_else(|| by_logarithms(cells, m, levels, fixed, lattice));
-        let weights = &lattice.inner.weights;
-        let inner = (0..lattice.outer.places.len())
-            .map(|i| lattice.slots(i).zip(weights).map(|(slot, w)| w * shares[slot]).sum())
-            .collect();
+        let inner = lattice.over_inner(&lattice.inner.weights, &shares);
         Self { shares, log_scale, residuals, inner }
     }
 
     /// Adds the posterior mean of the gradient of ln P(answers | u + w) and of ln φ(w/σᵥ)/σᵥ, with
     /// the posterior `shares` of the outer nodes.
     fn add_to(&self, gradient: &mut Point, lattice: &Lattice, shares: &[f64], x: &[Vec<f64>]) {
-        // Slot by slot first: many pairs of nodes share one, and the residuals of its cells.
-        let mut by_slot = vec![0.0; self.shares.len()];
-        let nodes = lattice.inner.weights.iter().zip(&lattice.inner.scores);
-        for (i, share) in shares.iter().enumerate().filter(|(_, share)| **share > NO_SHARE) {
-            let share = share / self.inner[i];
-            for (slot, (weight, score)) in lattice.slots(i).zip(nodes.clone()) {
-                let posterior = share * weight * self.shares[slot];
-                by_slot[slot] += posterior;
-                gradient.sd[1] += posterior * score;
-            }
-        }
-        let thresholds = gradient.theta.len();
-        for (posterior, residuals) in
-            by_slot.iter().zip(self.residuals.chunks(thresholds * x.len()))
-        {
-            for (residuals, x) in residuals.chunks(thresholds).zip(x) {
-                let all: f64 = residuals.iter().sum();
-                let theta = gradient.theta.iter_mut().zip(residuals);
-                theta.for_each(|(by, residual)| *by += posterior * residual);
-                gradient.beta.iter_mut().zip(x).for_each(|(by, x)| *by -= posterior * all * x);
-            }
+        let Axis { weights, scores, .. } = &lattice.inner;
+        let of_outer = shares.iter().zip(&self.inner);
+        let of_outer: Vec<f64> = of_outer
+            .map(|(share, inner)| if *share > NO_SHARE { share / inner } else { 0.0 })
+            .collect();
+        let scored: Vec<f64> = weights.iter().zip(scores).map(|(w, score)| w * score).collect();
+        gradient.sd[1] += sum_of_products(&of_outer, &lattice.over_inner(&scored, &self.shares));
+        // Slot by slot: many pairs of nodes share one, and the residuals of its cells.
+        let mut posterior = lattice.pairs(&of_outer, weights);
+        posterior.iter_mut().zip(&self.shares).for_each(|(pairs, share)| *pairs *= share);
+        for Residual { cell, threshold, places } in &self.residuals {
+            let mean = sum_of_products(&posterior, places);
+            gradient.theta[*threshold] += mean;
+            gradient.beta.iter_mut().zip(&x[*cell]).for_each(|(by, x)| *by -= mean * x);
         }
     }
 }
 
 /// P(answers of a mode) in each slot over the largest of them, the logarithm of the largest, and
 /// the residuals.
-type Shares = (Vec<f64>, f64, Vec<f64>);
+type Shares = (Vec<f64>, f64, Vec<Residual>);
 
 /// The shares by products of probabilities, which spares their logarithms; `None` where the answers
 /// are too many for such a product.
@@ -238,15 +260,12 @@ fn by_products(
     fixed: &[f64],
     lattice: &Lattice,
 ) -> Option<Shares> {
-    let lifts: Vec<f64> = fixed.iter().map(|fixed| libm::exp(near(*fixed))).collect();
-    let thresholds = levels.thresholds();
-    let mut residuals = Vec::with_capacity(lattice.lifts.len() * thresholds);
-    let mut shares = Vec::with_capacity(lattice.lifts.len());
-    for lift in &lattice.lifts {
-        let of_cells = cells.groups[m]
-            .clone()
-            .map(|c| levels.probability(cells, c, lift * lifts[c], &mut residuals));
-        shares.push(of_cells.product::<f64>());
+    let mut residuals = Vec::new();
+    let mut shares = vec![1.0; lattice.lifts.len()];
+    for cell in cells.groups[m].clone() {
+        let own = libm::exp(near(fixed[cell]));
+        let lifts: Vec<f64> = lattice.lifts.iter().map(|lift| lift * own).collect();
+        levels.multiply_by_probability(cells, cell, &lifts, &mut shares, &mut residuals);
     }
     let most = shares.iter().fold(0.0, |most: f64, share| most.max(*share));
     if most < LEAST_PRODUCT {
@@ -265,12 +284,19 @@ fn by_logarithms(
     lattice: &Lattice,
 ) -> Shares {
     let mut residuals = Vec::new();
-    let mut logarithms: Vec<f64> = Vec::with_capacity(lattice.sums.len());
-    for sum in &lattice.sums {
-        let of_cells = cells.groups[m]
-            .clone()
-            .map(|c| levels.slopes(cells, c, fixed[c] + sum, Some(&mut residuals)).value);
-        logarithms.push(of_cells.sum());
+    let mut logarithms = vec![0.0; lattice.sums.len()];
+    for cell in cells.groups[m].clone() {
+        let mut by_threshold = Vec::new();
+        for (logarithm, sum) in logarithms.iter_mut().zip(&lattice.sums) {
+            let eta = fixed[cell] + sum;
+            *logarithm += levels.slopes(cells, cell, eta, Some(&mut by_threshold)).value;
+        }
+        let thresholds = levels.thresholds();
+        residuals.extend((0..thresholds).map(|threshold| Residual {
+            cell,
+            threshold,
+            places: by_threshold.iter().skip(threshold).step_by(thresholds).copied().collect(),
+        }));
     }
     let log_scale = logarithms.iter().fold(f64::NEG_INFINITY, |most, x| most.max(*x));
     let shares = logarithms.iter().map(|x| libm::exp(x - log_scale)).collect();
@@ -311,7 +337,11 @@ mod tests {
             if let Some((found, scale, left)) = products {
                 assert!((scale - log_scale).abs() < 1e-11 * times);
                 assert!(found.iter().zip(&shares).all(|(a, b)| (a - b).abs() < 1e-11 * times));
-                assert!(left.iter().zip(&residuals).all(|(a, b)| (a - b).abs() < 1e-12 * times));
+                for (a, b) in left.iter().zip(&residuals) {
+                    assert_eq!((a.cell, a.threshold), (b.cell, b.threshold));
+                    let pairs = a.places.iter().zip(&b.places);
+                    assert!(pairs.into_iter().all(|(a, b)| (a - b).abs() < 1e-12 * times));
+                }
             }
         }
     }
