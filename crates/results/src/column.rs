@@ -61,30 +61,6 @@ pub enum Values {
 }
 
 impl Values {
-    /// No values yet, with room for this many.
-    pub(crate) fn with_room(kind: Type, rows: usize) -> Self {
-        match kind {
-            Type::Float => Self::Float(Vec::with_capacity(rows)),
-            Type::Integer => Self::Integer(Vec::with_capacity(rows)),
-            Type::Text => Self::Text(Vec::with_capacity(rows)),
-            Type::Flag => Self::Flag(Vec::with_capacity(rows)),
-        }
-    }
-
-    /// Appends a value of the same type or null; the caller never passes another.
-    pub(crate) fn push(&mut self, scalar: Scalar) {
-        match (self, scalar) {
-            (Self::Float(v), Scalar::Float(value)) => v.push(Some(value)),
-            (Self::Float(v), _) => v.push(None),
-            (Self::Integer(v), Scalar::Integer(value)) => v.push(Some(value)),
-            (Self::Integer(v), _) => v.push(None),
-            (Self::Text(v), Scalar::Text(value)) => v.push(Some(value)),
-            (Self::Text(v), _) => v.push(None),
-            (Self::Flag(v), Scalar::Flag(value)) => v.push(Some(value)),
-            (Self::Flag(v), _) => v.push(None),
-        }
-    }
-
     /// The value of a row; null for a row that is not there.
     pub(crate) fn scalar(&self, row: usize) -> Scalar {
         fn of<T: Clone>(values: &[Option<T>], row: usize, scalar: fn(T) -> Scalar) -> Scalar {

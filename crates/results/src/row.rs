@@ -2,6 +2,7 @@
 
 use crate::column::{Column, Field, Scalar, Type, Values};
 use crate::value::Value;
+use std::sync::Arc;
 
 /// What cannot be read as rows.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -103,18 +104,20 @@ impl<'a, V: Value + Clone> ColumnReader<'a, V> {
 pub(crate) fn values<'a, V: Value + PartialEq + 'a>(
     fields: impl ExactSizeIterator<Item = &'a V>,
 ) -> Values {
-    let mut values = Values::with_room(V::KIND, fields.len());
-    let mut last: Option<(&V, Scalar)> = None;
-    for field in fields {
-        // Texts alone: a repeated one shares its allocation, and other scalars have none.
-        let scalar = match last {
-            Some((before, scalar)) if V::KIND == Type::Text && before == field => scalar,
-            _ => field.scalar(),
-        };
-        values.push(scalar.clone());
-        last = Some((field, scalar));
+    match V::KIND {
+        Type::Float => Values::Float(fields.map(|field| f64::of(field.scalar())).collect()),
+        Type::Integer => Values::Integer(fields.map(|field| i64::of(field.scalar())).collect()),
+        Type::Flag => Values::Flag(fields.map(|field| bool::of(field.scalar())).collect()),
+        // A repeated text shares its allocation.
+        Type::Text => {
+            let mut last: Option<(&V, Option<Arc<str>>)> = None;
+            let texts = fields.map(|field| match &last {
+                Some((before, text)) if *before == field => text.clone(),
+                _ => last.insert((field, Arc::of(field.scalar()))).1.clone(),
+            });
+            Values::Text(texts.collect())
+        }
     }
-    values
 }
 
 /// Declares the rows of derived tables: name and title of the table, and a field for each column

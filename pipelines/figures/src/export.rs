@@ -13,13 +13,40 @@ use zwidth_tables::{Table, TableError};
 /// A value that is infinite; coordinates of one layer that differ in number.
 pub fn data_table(name: &str, figure: &Figure) -> Result<Table, TableError> {
     let mut points = Vec::new();
-    for (p, panel) in (1..).zip(&figure.panels) {
+    for (panel, drawn) in (1..).zip(&figure.panels) {
         let axes: Arc<str> =
-            markup::plain(&format!("{} against {}", words(&panel.y), words(&panel.x))).into();
-        for (l, layer) in (1..).zip(&panel.layers) {
-            points.extend(points_of(layer).into_iter().map(|(name, [x, y, low, high])| {
-                FigurePoint { panel: p, axes: axes.clone(), layer: l, name, x, y, low, high }
-            }));
+            markup::plain(&format!("{} against {}", words(&drawn.y), words(&drawn.x))).into();
+        for (layer, of_layer) in (1..).zip(&drawn.layers) {
+            let row = |name: Option<Arc<str>>, [x, y, low, high]: [Option<f64>; 4]| FigurePoint {
+                panel,
+                axes: axes.clone(),
+                layer,
+                name,
+                x,
+                y,
+                low,
+                high,
+            };
+            match of_layer {
+                Layer::Line(l) => points.extend(named(row, &l.name, [&l.x, &l.y, &[], &[]])),
+                Layer::Points(p) => points.extend(named(row, &p.name, [&p.x, &p.y, &[], &[]])),
+                Layer::Band(b) => points.extend(named(row, &b.name, [&b.x, &[], &b.low, &b.high])),
+                Layer::Intervals(s) => {
+                    points.extend(named(row, &s.name, [&s.at, &s.estimate, &s.low, &s.high]));
+                }
+                Layer::Likert(bars) => {
+                    let rows = (0..).zip(&bars.rows);
+                    for (number, counts) in
+                        rows.flat_map(|(n, row)| row.iter().map(move |s| (n, s)))
+                    {
+                        points.extend(counts.iter().enumerate().map(|(k, n)| {
+                            let answer = bars.answers.get(k).map(|text| markup::plain(text).into());
+                            row(answer, [Some(f64::from(number)), Some(f64::from(*n)), None, None])
+                        }));
+                    }
+                }
+                Layer::Reference(_) | Layer::Text(_) => {}
+            }
         }
     }
     let title = figure.title.clone().unwrap_or_default();
@@ -36,41 +63,18 @@ fn words(axis: &Axis) -> String {
     format!("{scale}{} ({})", axis.label, axis.unit)
 }
 
-/// The name of a point in the legend; x, y and the ends of a band or whisker. What it has not is
-/// null, and so is a gap.
-type Point = (Option<Arc<str>>, [Option<f64>; 4]);
-
-fn points_of(layer: &Layer) -> Vec<Point> {
-    match layer {
-        Layer::Line(l) => named(&l.name, [&l.x, &l.y, &[], &[]]),
-        Layer::Points(p) => named(&p.name, [&p.x, &p.y, &[], &[]]),
-        Layer::Band(b) => named(&b.name, [&b.x, &[], &b.low, &b.high]),
-        Layer::Intervals(s) => named(&s.name, [&s.at, &s.estimate, &s.low, &s.high]),
-        Layer::Likert(bars) => {
-            let mut points = Vec::new();
-            for (row, strips) in bars.rows.iter().enumerate() {
-                for counts in strips {
-                    points.extend(counts.iter().enumerate().map(|(k, n)| {
-                        let answer = bars.answers.get(k).map(|text| markup::plain(text).into());
-                        (answer, [Some(row as f64), Some(f64::from(*n)), None, None])
-                    }));
-                }
-            }
-            points
-        }
-        Layer::Reference(_) | Layer::Text(_) => Vec::new(),
-    }
-}
-
-/// One point for each value of the first column, x.
-fn named(name: &Option<String>, columns: [&[f64]; 4]) -> Vec<Point> {
+/// One row for each value of the first column, x: its name in the legend; x, y and the ends of a band or whisker. What
+/// it has not is null, and so is a gap.
+fn named<'a>(
+    row: impl Fn(Option<Arc<str>>, [Option<f64>; 4]) -> FigurePoint + 'a,
+    name: &Option<String>,
+    columns: [&'a [f64]; 4],
+) -> impl ExactSizeIterator<Item = FigurePoint> + 'a {
     let name: Option<Arc<str>> = name.as_deref().map(|name| markup::plain(name).into());
-    let mut points = Vec::new();
-    for i in 0..columns[0].len() {
+    (0..columns[0].len()).map(move |i| {
         let numbers = columns.map(|c| c.get(i).copied().filter(|value| !value.is_nan()));
-        points.push((name.clone(), numbers));
-    }
-    points
+        row(name.clone(), numbers)
+    })
 }
 
 #[cfg(test)]
