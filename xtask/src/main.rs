@@ -45,7 +45,7 @@ cargo xtask soak watchdog [CUTS [SEED]] kill hosts and pull cables under voltage
 cargo xtask soak terminals [TRIES [SEED]] close windows and end readers at random instants of a session: the program ends in order [100, seed 1]
 cargo xtask soak wire [EVERY]          a session over each link with one message gone wrong, for every (or every so-manieth) message and trouble [1]
 cargo xtask soak wire-sessions         sessions of 36 trials over each link at its rate, in simulated time: no reading is lost
-cargo xtask bench [read] [NAME…]       every bench beside its peers, or those named; writes benches/RESULTS.md, and fails where a committed ratio is 10 % worse (read: as measured last, nothing is run)
+cargo xtask bench [read|short] [NAME…] every bench beside its peers, or those named; writes benches/RESULTS.md, and fails where a committed ratio is 10 % worse (read: as measured last, nothing is run; short: each once on little, only to see that it runs)
 cargo xtask bits                       the main job's bytes: one thread, many, other processors (qemu-user), as written down
 cargo xtask bits --without-origin      only their content, without what files say of their making, against what is written down
 cargo xtask bits renew                 writes that content down

@@ -102,7 +102,8 @@ def replays_of(path, root):
 
 
 def record(path, content):
-    """Puts a trial's file in place, and its hash into the session's log, whose lines each hold a hash of all before."""
+    """Puts a trial's file in place, and its hash into the session's log, whose lines each hold a hash of all before, and
+    whose head holds that of the last."""
     path.write_bytes(content)
     log = next((path.parents[3] / "sessions").glob("*.events.jsonl"))
     number, lines, previous = int(path.stem.removeprefix("trial-")), [], ""
@@ -115,6 +116,7 @@ def record(path, content):
         previous = blake3(f"{previous}\n{line['utc']}\n{compact}".encode()).hexdigest()
         lines.append(f'{{"utc":"{line["utc"]}","what":{compact},"blake3":"{previous}"}}\n')
     log.write_text("".join(lines))
+    log.with_suffix(".head").write_text(f'{{"lines":{len(lines)},"blake3":"{previous}"}}\n')
 
 
 def main():

@@ -188,8 +188,11 @@ impl Clock {
         };
         // e^x − 1 of halves of halves of x, then e^2x − 1 = y (2 + y) of y = e^x − 1.
         let scale = 0.5_f64.powi(halvings) / lag_s;
-        let mut gone: Vec<f64> =
-            intervals.map(|h| near_expm1((self.usual_s - h) * scale)).collect();
+        let off = intervals.map(|h| (self.usual_s - h) * scale);
+        let mut gone: Vec<f64> = match farthest < NEARER {
+            true => off.map(near_expm1::<FEWER_TERMS>).collect(),
+            false => off.map(near_expm1::<TERMS>).collect(),
+        };
         for _ in 0..halvings {
             gone.iter_mut().for_each(|y| *y *= 2.0 + *y);
         }
@@ -208,15 +211,18 @@ impl Clock {
 
 /// After this many lags nothing is left that a number near 1 could show: e^−40 is 4e-18.
 const ALL_GONE: f64 = 40.0;
-/// [`near_expm1`] holds below this.
+/// Below this the series of e^x − 1 is cut off after so many terms: what follows is below 1e-17 of it.
 const NEAR: f64 = 0.25;
+const TERMS: usize = 12;
+/// The same for most lags, which are hundreds of times as long as intervals differ.
+const NEARER: f64 = 5e-3;
+const FEWER_TERMS: usize = 6;
 /// Each halving costs a fraction of a digit: intervals that differ by more than 16 lags are taken
 /// one by one.
 const MOST_HALVINGS: i32 = 6;
 
-/// e^x − 1 for |x| < ¼: its series up to the term that is below 1e-17 of it.
-fn near_expm1(x: f64) -> f64 {
-    const TERMS: usize = 12;
+/// e^x − 1 for a small x by its series: x (1 + x/2 (1 + x/3 (1 + …))).
+fn near_expm1<const N: usize>(x: f64) -> f64 {
     /// 1/n! from 1 on.
     const SHARES: [f64; TERMS] = {
         let mut shares = [1.0; TERMS];
@@ -227,7 +233,7 @@ fn near_expm1(x: f64) -> f64 {
         }
         shares
     };
-    SHARES.iter().rev().fold(0.0, |sum, share| sum * x + share) * x
+    SHARES[..N].iter().rev().fold(0.0, |sum, share| sum * x + share) * x
 }
 
 /// [y] for values at three nodes.

@@ -13,6 +13,8 @@ pub(super) struct Bench {
     pub(super) name: &'static str,
     /// How it is run, for a shell in the workspace's folder, behind [`PRELUDE`].
     pub(super) line: &'static str,
+    /// The same once, on little, only to see that it still runs.
+    pub(super) short: &'static str,
     /// Reads what it measured the last time, given the folder of builds; nothing if it never ran.
     pub(super) read: fn(&Path) -> anyhow::Result<Vec<Case>>,
     /// The page on which it says where that was, and in which of its parts; without one here, now.
@@ -26,36 +28,54 @@ const LONG: &str = "benches/long/RESULTS.md";
 const STATISTICS: &str = "benches/statistics/RESULTS.md";
 const PAGE: &str = "benches/page/RESULTS.md";
 const SCALE: &str = "benches/scale/RESULTS.md";
+const THRESHOLDS: &str = "benches/thresholds/RESULTS.md";
 
 /// What lines have in common.
 pub(super) const PRELUDE: &str = "\
     measure() { cargo bench --locked --package zwidth-benches \"$@\"; }\n\
     notes=\"${CARGO_TARGET_DIR:-target}/bench\"; mkdir -p \"$notes\"\n";
 
-/// All of them: the quick ones first.
-pub(super) const BENCHES: [Bench; 10] = [
-    criterion("store", "measure --bench reference --bench store", |target| {
-        from_criterion(target, &["trial of 4,000 samples"])
-    }),
-    criterion("dynamics", "measure --bench reference --bench dynamics", |target| {
-        from_criterion(
-            target,
-            &["exact hybrid spring", "exact recorded push", "sweep, summaries only"],
-        )
-    }),
+/// Those that measure nothing beside a peer: a name, and how each is run once on little.
+pub(super) const ALONE: [(&str, &str); 3] = [
+    ("rig", "benches/rig/run.sh 1 2"),
+    ("session", "benches/session/run.sh --scale 2"),
+    ("whole", "benches/scale/whole.sh 10 --rounds 1"),
+];
+
+/// All others: the quick ones first.
+pub(super) const BENCHES: [Bench; 11] = [
+    criterion(
+        "store",
+        ["measure --bench reference --bench store", "measure --bench store -- --test"],
+        |target| from_criterion(target, &["trial of 4,000 samples"]),
+    ),
+    criterion(
+        "dynamics",
+        ["measure --bench reference --bench dynamics", "measure --bench dynamics -- --test"],
+        |target| {
+            from_criterion(
+                target,
+                &["exact hybrid spring", "exact recorded push", "sweep, summaries only"],
+            )
+        },
+    ),
     criterion(
         "run",
-        "cargo build --release --locked && measure --bench reference --bench run",
+        [
+            "cargo build --release --locked && measure --bench reference --bench run",
+            "cargo build --release --locked && measure --bench run -- --test",
+        ],
         |target| from_criterion(target, &["zwidth run thesis-twin"]),
     ),
     Bench {
         name: "timing",
         line: "measure --bench timing >\"$notes/timing.txt\"",
+        short: "measure --bench timing >\"$notes/timing.txt\"",
         read: timing,
         machine: None,
         is_held: false,
     },
-    page_of("statistics", "benches/statistics/run.sh", (STATISTICS, 0), |_| {
+    page_of("statistics", ["benches/statistics/run.sh"; 2], (STATISTICS, 0), |_| {
         side_by_side(
             STATISTICS,
             &["model", "participants × sessions × modes × repeats"],
@@ -65,46 +85,67 @@ pub(super) const BENCHES: [Bench; 10] = [
             1e-3,
         )
     }),
-    page_of("peers", "benches/peers/run.sh --plain", (PEERS, 0), |_| solvers(&page(PEERS)?)),
-    page_of("study", "benches/peers/study/run.sh", (PEERS, 1), |_| {
-        side_by_side(
-            PEERS,
-            &["job, fresh"],
-            "zwidth, s",
-            "script, s",
-            "pandas, SciPy, matplotlib",
-            1.0,
-        )
+    page_of("thresholds", ["benches/thresholds/run.sh"; 2], (THRESHOLDS, 0), |_| {
+        Ok(fits(&page(THRESHOLDS)?).into_iter().collect())
     }),
-    page_of("long", "benches/long/run.sh", (LONG, 0), |_| {
+    page_of("peers", ["benches/peers/run.sh --plain", "benches/peers/run.sh"], (PEERS, 0), |_| {
+        solvers(&page(PEERS)?)
+    }),
+    page_of(
+        "study",
+        ["benches/peers/study/run.sh", "benches/peers/study/run.sh --rounds 1 --repeats 1"],
+        (PEERS, 1),
+        |_| {
+            side_by_side(
+                PEERS,
+                &["job, fresh"],
+                "zwidth, s",
+                "script, s",
+                "pandas, SciPy, matplotlib",
+                1.0,
+            )
+        },
+    ),
+    page_of("long", ["benches/long/run.sh", "benches/long/run.sh --rows 10000"], (LONG, 0), |_| {
         side_by_side(LONG, &["rows"], "the three, s", "pandas, s", "pandas, a part of it", 1.0)
     }),
-    page_of("page", "benches/page/run.sh", (PAGE, 0), |_| browsed(&page(PAGE)?)),
-    page_of("scale", "benches/scale/run.sh", (SCALE, 0), |_| {
-        side_by_side(
-            SCALE,
-            &["metrics, beside"],
-            "zwidth, s",
-            "a part of it, s",
-            "a part of it",
-            1.0,
-        )
-    }),
+    page_of(
+        "page",
+        ["benches/page/run.sh", "benches/page/run.sh --participants 10 --repeats 1"],
+        (PAGE, 0),
+        |_| browsed(&page(PAGE)?),
+    ),
+    page_of(
+        "scale",
+        ["benches/scale/run.sh", "benches/scale/run.sh 10 --rounds 1"],
+        (SCALE, 0),
+        |_| {
+            side_by_side(
+                SCALE,
+                &["metrics, beside"],
+                "zwidth, s",
+                "a part of it, s",
+                "a part of it",
+                1.0,
+            )
+        },
+    ),
 ];
 
 type Read = fn(&Path) -> anyhow::Result<Vec<Case>>;
 
-const fn criterion(name: &'static str, line: &'static str, read: Read) -> Bench {
-    Bench { name, line, read, machine: None, is_held: true }
+/// The lines are those of a whole run and of a short one.
+const fn criterion(name: &'static str, [line, short]: [&'static str; 2], read: Read) -> Bench {
+    Bench { name, line, short, read, machine: None, is_held: true }
 }
 
 const fn page_of(
     name: &'static str,
-    line: &'static str,
+    [line, short]: [&'static str; 2],
     page: (&'static str, usize),
     read: Read,
 ) -> Bench {
-    Bench { name, line, read, machine: Some(page), is_held: true }
+    Bench { name, line, short, read, machine: Some(page), is_held: true }
 }
 
 /// The tables of a page; none if there is no such page.
@@ -144,6 +185,17 @@ fn side_by_side(
         }
     }
     Ok(found)
+}
+
+/// Fits of psychometric functions, by maximum likelihood beside psignifit's.
+fn fits(tables: &[Table]) -> Option<Case> {
+    let table = tables.iter().find(|table| table.column("s a fit").is_some())?;
+    let [what, time] = ["what", "s a fit"].map(|heading| table.column(heading));
+    let (what, time) = (what?, time?);
+    let of =
+        |begin: &str| number(&table.rows.iter().find(|row| row[what].starts_with(begin))?[time]);
+    let [ours, theirs] = ["zwidth, maximum likelihood", "psignifit"].map(of);
+    Some(case("a fit with profile intervals".to_owned(), ours?, "psignifit", theirs?))
 }
 
 /// Solvers, each beside `exact` with its regions met before; a row with one cell is a heading.

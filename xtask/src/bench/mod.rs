@@ -6,11 +6,12 @@ mod benches;
 mod case;
 mod table;
 
-use crate::shell::target;
+use crate::shell::{files, target};
 use anyhow::{Context as _, ensure};
-use benches::{BENCHES, Bench, PRELUDE};
+use benches::{ALONE, BENCHES, Bench, PRELUDE};
 use case::{Case, listed, read_back};
 use std::fs;
+use std::path::Path;
 use std::process::Command;
 
 const RESULTS: &str = "benches/RESULTS.md";
@@ -21,6 +22,7 @@ const REGRESSION: f64 = 0.9;
 /// measured the last time. Writes the table and compares it with the committed one.
 pub(crate) fn bench(words: &[&str]) -> anyhow::Result<()> {
     let (runs, names) = match words {
+        ["short", names @ ..] => return short(names),
         ["read", names @ ..] => (false, names),
         names => (true, names),
     };
@@ -63,17 +65,46 @@ pub(crate) fn bench(words: &[&str]) -> anyhow::Result<()> {
     Ok(())
 }
 
+/// Runs these benches, or all, once on little: so that none breaks unseen. What they measure means nothing, and every page
+/// of results is put back.
+fn short(names: &[&str]) -> anyhow::Result<()> {
+    let all: Vec<(&str, &str)> =
+        BENCHES.iter().map(|bench| (bench.name, bench.short)).chain(ALONE).collect();
+    for name in names {
+        ensure!(all.iter().any(|(own, _)| own == name), "there is no bench {name:?}");
+    }
+    let pages =
+        files(Path::new("benches"))?.into_iter().filter(|page| page.ends_with("RESULTS.md"));
+    let kept =
+        pages.map(|page| Ok((fs::read(&page)?, page))).collect::<anyhow::Result<Vec<_>>>()?;
+    let chosen = all.iter().filter(|(name, _)| names.is_empty() || names.contains(name));
+    let wrong: Vec<String> = chosen
+        .filter_map(|(name, line)| run(name, line).err().map(|error| format!("{error:#}")))
+        .collect();
+    for (bytes, page) in kept {
+        fs::write(&page, bytes)?;
+    }
+    ensure!(wrong.is_empty(), "{} benches:\n{}", wrong.len(), wrong.join("\n"));
+    println!("every bench runs");
+    Ok(())
+}
+
+/// Runs a bench's line.
+fn run(name: &str, line: &str) -> anyhow::Result<()> {
+    println!("== {name}");
+    let status = Command::new("sh").args(["-euc", &format!("{PRELUDE}{line}")]).status();
+    let status = status.with_context(|| format!("cannot run `{line}`"))?;
+    ensure!(status.success(), "the bench {name} failed ({status}): `{line}`");
+    Ok(())
+}
+
 /// Cases, and the machine that they were measured on.
 type Measured = (Vec<Case>, Option<String>);
 
 /// What a bench measured, and on which machine; nothing where it was never run.
 fn measured(bench: &Bench, runs: bool) -> anyhow::Result<Option<Measured>> {
     if runs {
-        println!("== {}", bench.name);
-        let status =
-            Command::new("sh").args(["-euc", &format!("{PRELUDE}{}", bench.line)]).status();
-        let status = status.with_context(|| format!("cannot run `{}`", bench.line))?;
-        ensure!(status.success(), "the bench {} failed ({status}): `{}`", bench.name, bench.line);
+        run(bench.name, bench.line)?;
     }
     let mut found = (bench.read)(&target())?;
     if found.is_empty() {

@@ -77,7 +77,7 @@ impl Levels {
         }
         let windowed: Vec<f64> = steps.iter().zip(&self.hann).map(|(x, w)| x * w).collect();
         let n = self.cosine.len();
-        let quarter = 3 * n / 4; // sin x = cos(x + 3/4 of a turn)
+        let turned = |at: usize, by: usize| if at + by < n { at + by } else { at + by - n };
         // Mean square of the position on each line.
         let squares = (self.lines.0..self.lines.1).map(|k| {
             let mut re = 0.0;
@@ -85,8 +85,8 @@ impl Levels {
             let mut at = 0;
             for x in &windowed {
                 re += x * self.cosine[at];
-                im += x * self.cosine[(at + quarter) % n];
-                at = (at + k) % n;
+                im += x * self.cosine[turned(at, 3 * n / 4)]; // sin x = cos(x + 3/4 of a turn)
+                at = turned(at, k);
             }
             let frequency_hz = k as f64 / (n as f64 * self.step_s);
             let per_step = 2.0 * libm::sin(0.5 * TAU * frequency_hz * self.step_s);
