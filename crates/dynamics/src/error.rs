@@ -1,6 +1,8 @@
 //! What can go wrong: a parameter that makes no sense, a scene that a method cannot run, a run that
 //! does not end.
 
+use std::fmt::Display;
+
 use thiserror::Error;
 
 /// Every error of this crate.
@@ -81,26 +83,27 @@ pub(crate) fn in_bounds(state: &[f64]) -> bool {
 }
 
 /// `value` must be above zero, and neither it nor its inverse too large.
-pub(crate) fn positive(name: &str, value: f64) -> Result<()> {
+pub(crate) fn positive(name: impl Display, value: f64) -> Result<()> {
     let ok = (1.0 / LARGEST..=LARGEST).contains(&value);
     check(name, value, ok, "above 0: from 1e-30 to 1e30")
 }
 
 /// `value` must not be below zero, nor too large.
-pub(crate) fn not_negative(name: &str, value: f64) -> Result<()> {
+pub(crate) fn not_negative(name: impl Display, value: f64) -> Result<()> {
     check(name, value, (0.0..=LARGEST).contains(&value), "finite and not below 0 (at most 1e30)")
 }
 
 /// `value` must be finite, and not too large.
-pub(crate) fn finite(name: &str, value: f64) -> Result<()> {
+pub(crate) fn finite(name: impl Display, value: f64) -> Result<()> {
     check(name, value, value.abs() <= LARGEST, "finite (at most 1e30 either way)")
 }
 
-/// An error that names the parameter unless `ok`.
-pub(crate) fn check(name: &str, value: f64, ok: bool, allowed: &'static str) -> Result<()> {
+/// An error that names the parameter unless `ok`. The name is only put together for the error: a
+/// sweep checks every scene.
+pub(crate) fn check(name: impl Display, value: f64, ok: bool, allowed: &'static str) -> Result<()> {
     if ok {
         Ok(())
     } else {
-        Err(DynamicsError::Parameter { name: name.to_owned(), value, allowed })
+        Err(DynamicsError::Parameter { name: name.to_string(), value, allowed })
     }
 }

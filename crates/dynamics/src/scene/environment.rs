@@ -107,23 +107,23 @@ impl Environment {
             return Err(DynamicsError::Combination { what, remedy });
         }
         for (i, zone) in self.zones.iter().enumerate() {
-            let name = format!("environment.zones[{i}]");
-            finite(&format!("{name}.from_rad"), zone.from_rad)?;
+            let name = format_args!("environment.zones[{i}]");
+            finite(format_args!("{name}.from_rad"), zone.from_rad)?;
             match zone.demand {
                 Demand::Spring { stiffness_n_per_rad, damping_ns_per_rad, rest_rad } => {
-                    not_negative(&format!("{name}.stiffness_n_per_rad"), stiffness_n_per_rad)?;
-                    not_negative(&format!("{name}.damping_ns_per_rad"), damping_ns_per_rad)?;
-                    finite(&format!("{name}.rest_rad"), rest_rad)?;
+                    not_negative(format_args!("{name}.stiffness_n_per_rad"), stiffness_n_per_rad)?;
+                    not_negative(format_args!("{name}.damping_ns_per_rad"), damping_ns_per_rad)?;
+                    finite(format_args!("{name}.rest_rad"), rest_rad)?;
                 }
-                Demand::Force { force_n } => finite(&format!("{name}.force_n"), force_n)?,
+                Demand::Force { force_n } => finite(format_args!("{name}.force_n"), force_n)?,
                 Demand::Full | Demand::FullUp => {}
             }
         }
         // The first zone's angle is not used: it extends down without end.
         for (i, pair) in self.zones.windows(2).enumerate().skip(1) {
             let ordered = pair[0].from_rad < pair[1].from_rad;
-            let name = format!("environment.zones[{}].from_rad", i + 1);
-            check(&name, pair[1].from_rad, ordered, "above the zone's before it")?;
+            let name = format_args!("environment.zones[{}].from_rad", i + 1);
+            check(name, pair[1].from_rad, ordered, "above the zone's before it")?;
         }
         Ok(())
     }

@@ -201,19 +201,19 @@ impl Input {
         const MOST_PERIODS: f64 = 1e9;
         match self {
             Self::Line { value, rate } => {
-                finite(&format!("{name}.value"), *value)?;
-                finite(&format!("{name}.rate"), *rate)
+                finite(format_args!("{name}.value"), *value)?;
+                finite(format_args!("{name}.rate"), *rate)
             }
             Self::Step { magnitude, period_s } | Self::Ramp { magnitude, period_s } => {
-                not_negative(&format!("{name}.magnitude"), *magnitude)?;
+                not_negative(format_args!("{name}.magnitude"), *magnitude)?;
                 let slow = *period_s * MOST_PERIODS >= duration_s;
                 let allowed = "finite and at least a billionth of duration_s";
                 let ok = slow && period_s.is_finite();
-                check(&format!("{name}.period_s"), *period_s, ok, allowed)
+                check(format_args!("{name}.period_s"), *period_s, ok, allowed)
             }
             Self::Sine { magnitude, omega_rad_s } => {
-                not_negative(&format!("{name}.magnitude"), *magnitude)?;
-                positive(&format!("{name}.omega_rad_s"), *omega_rad_s)
+                not_negative(format_args!("{name}.magnitude"), *magnitude)?;
+                positive(format_args!("{name}.omega_rad_s"), *omega_rad_s)
             }
             Self::Series(series) => series.check(name),
         }
@@ -250,18 +250,18 @@ impl Series {
 
     fn check(&self, name: &str) -> Result<()> {
         let counts = (self.t_s.len() as f64, self.value.len() as f64);
-        check(&format!("{name}.series.t_s.len()"), counts.0, counts.0 > 0.0, "at least 1")?;
+        check(format_args!("{name}.series.t_s.len()"), counts.0, counts.0 > 0.0, "at least 1")?;
         let same = self.t_s.len() == self.value.len();
-        check(&format!("{name}.series.value.len()"), counts.1, same, "the number of times")?;
+        check(format_args!("{name}.series.value.len()"), counts.1, same, "the number of times")?;
         for (i, (&t, &value)) in self.t_s.iter().zip(&self.value).enumerate() {
             let in_order = if i == 0 { t <= 0.0 } else { t >= self.t_s[i - 1] };
             if in_order && t.is_finite() && value.is_finite() {
                 continue; // a fit checks a recorded series at every run: names are made for what is wrong alone
             }
-            let time = format!("{name}.series.t_s[{i}]");
-            finite(&time, t)?;
-            finite(&format!("{name}.series.value[{i}]"), value)?;
-            check(&time, t, in_order, "0 at first, then never running backwards")?;
+            let time = format_args!("{name}.series.t_s[{i}]");
+            finite(time, t)?;
+            finite(format_args!("{name}.series.value[{i}]"), value)?;
+            check(time, t, in_order, "0 at first, then never running backwards")?;
         }
         Ok(())
     }

@@ -14,17 +14,17 @@ pub struct Parameter {
 impl Parameter {
     /// A number that may be anything finite: name of its field, value, and a size it usually has.
     pub fn any(name: &'static str, value: f64, usual: f64) -> Self {
-        Self { name, value, usual, check: finite }
+        Self { name, value, usual, check: |name, value| finite(name, value) }
     }
 
     /// The same for one that is not below zero.
     pub(crate) fn not_negative(name: &'static str, value: f64, usual: f64) -> Self {
-        Self { name, value, usual, check: not_negative }
+        Self { name, value, usual, check: |name, value| not_negative(name, value) }
     }
 
     /// The same for one that is above zero.
     pub(super) fn positive(name: &'static str, value: f64, usual: f64) -> Self {
-        Self { name, value, usual, check: positive }
+        Self { name, value, usual, check: |name, value| positive(name, value) }
     }
 
     /// Refuses it, by its name, if it makes no sense.

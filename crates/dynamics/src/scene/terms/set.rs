@@ -78,7 +78,7 @@ impl Terms {
             if let Some(p) = parameters.max_by(|a, b| a.value.abs().total_cmp(&b.value.abs())) {
                 let ok = coefficients.iter().all(|x| x.abs() <= LARGEST);
                 let allowed = "such that the term's forces are at most 1e30 N per unit";
-                check(&format!("{}.{}", term.name(), p.name), p.value, ok, allowed)?;
+                check(format_args!("{}.{}", term.name(), p.name), p.value, ok, allowed)?;
             }
         }
         if self.iter().filter(|term| term.input().is_some()).count() > 1 {
