@@ -14,11 +14,6 @@ impl<const N: usize, const G: usize> Functionals<N, G> {
         Self(self.0.map(|column| column.map(&f)))
     }
 
-    /// Each pair of entries joined.
-    pub(crate) fn zip(&self, other: &Self, f: impl Fn(f64, f64) -> f64) -> Self {
-        Self(std::array::from_fn(|j| std::array::from_fn(|i| f(self.0[j][i], other.0[j][i]))))
-    }
-
     pub(crate) fn from_rows(rows: &[[f64; N]; G]) -> Self {
         Self(std::array::from_fn(|j| std::array::from_fn(|i| rows[i][j])))
     }
@@ -27,9 +22,14 @@ impl<const N: usize, const G: usize> Functionals<N, G> {
         std::array::from_fn(|j| self.0[j][i])
     }
 
-    /// The functionals of `map z`, as functionals of `z`.
-    pub(crate) fn after(&self, map: &Matrix<N>) -> Self {
-        Self(std::array::from_fn(|j| self.add([0.0; G], &map.columns[j], N)))
+    /// The functionals of `map z`, as functionals of rates of change `z`, whose last entry is 0; the
+    /// map is split after `D`.
+    pub(crate) fn after<const D: usize>(&self, map: &Matrix<N>) -> Self {
+        let mut out = Self::ZERO;
+        for (j, (sum, column)) in out.0.iter_mut().zip(&map.columns[..N - 1]).enumerate() {
+            *sum = self.add(*sum, column, if j < D { D } else { N });
+        }
+        out
     }
 
     /// Values at a state, whose last entry is 1.
@@ -56,50 +56,50 @@ impl<const N: usize, const G: usize> Functionals<N, G> {
     }
 }
 
-/// How far the guards can sag below their chord over a span, per |ż| at its start.
+/// How far the guards can sag below their chord over a span, per |z̈| at its start.
 ///
-/// With ż(t) = exp(A t) ż(0) and an envelope E of the flows, |g''(t)| = |w A ż(t)| ≤ |w A| E
-/// |ż(0)|, and a curve sags at most max|g''| span²/8 below its chord.
+/// With z̈(t) = exp(A t) z̈(0) and an envelope E of the flows, |g''(t)| = |w z̈(t)| ≤ |w| E |z̈(0)|,
+/// and a curve sags at most max|g''| span²/8 below its chord. Where the fast part of a motion has
+/// died out, z̈ is small though |A| |ż| is not.
 #[derive(Debug, Clone)]
 pub(crate) struct Sag<const N: usize, const G: usize> {
-    most: Functionals<N, G>,
+    /// |w| E.
+    curvature: Functionals<N, G>,
     span: f64,
 }
 
 impl<const N: usize, const G: usize> Sag<N, G> {
-    /// `bend` is |w A| of each guard.
-    pub(crate) fn new(bend: &Functionals<N, G>, envelope: &Matrix<N>, span: f64) -> Self {
+    /// `sizes` is |w| of each guard; the envelope is split after `D`.
+    pub(crate) fn new<const D: usize>(
+        sizes: &Functionals<N, G>,
+        envelope: &Matrix<N>,
+        span: f64,
+    ) -> Self {
+        Self { curvature: sizes.after::<D>(envelope), span }
+    }
+
+    /// How far each guard can sag from a point on where the state has the second derivative `bend`.
+    #[inline]
+    pub(crate) fn most(&self, bend: &[f64; N]) -> [f64; G] {
         /// Of the chord bound h²/8.
         const CHORD: f64 = 0.125;
-        Self { most: bend.after(envelope).map(|x| x * CHORD * span * span), span }
-    }
-
-    /// The bound at a state's rate.
-    pub(crate) fn most(&self) -> &Functionals<N, G> {
-        &self.most
-    }
-
-    /// True if no guard can fall below zero between two points at most the span apart; false if in
-    /// doubt or not a number.
-    #[inline]
-    pub(crate) fn safe(&self, rate: &[f64; N], before: &[f64; G], after: &[f64; G]) -> bool {
-        all_above(before, after, &self.most.apply_to_rate(&rate.map(f64::abs)))
+        let scale = CHORD * self.span * self.span;
+        self.curvature.apply_to_rate(&bend.map(f64::abs)).map(|x| x * scale)
     }
 
     /// For each guard, whether it may fall below zero between two points; true if in doubt or not a
-    /// number. Beyond the chord it looks at the `slope` of the guards at the first point, which
-    /// changes by at most max|g''| span = 8 sag/span: a guard that cannot turn before the second
-    /// point is lowest at one of the two, and one that rises by more than max|g''| span²/2 = 4 sag
-    /// along its tangent does not come back.
+    /// number. `sag` is what [`Sag::most`] says at the first. Beyond the chord it looks at the
+    /// `slope` of the guards at the first point, which changes by at most max|g''| span = 8
+    /// sag/span: a guard that cannot turn before the second point is lowest at one of the two, and
+    /// one that rises by more than max|g''| span²/2 = 4 sag along its tangent does not come back.
     #[inline]
     pub(crate) fn doubtful(
         &self,
-        rate: &[f64; N],
+        sag: &[f64; G],
         slope: &[f64; G],
         before: &[f64; G],
         after: &[f64; G],
     ) -> [bool; G] {
-        let sag = self.most.apply_to_rate(&rate.map(f64::abs));
         std::array::from_fn(|i| {
             let along = slope[i] * self.span;
             let lowest = before[i].min(after[i]);
@@ -111,7 +111,7 @@ impl<const N: usize, const G: usize> Sag<N, G> {
     }
 }
 
-/// True if every guard is at both points above what it can sag.
+/// True if every guard is at both points above what it can sag; false if one is not a number.
 #[inline]
 pub(crate) fn all_above<const G: usize>(
     before: &[f64; G],
@@ -121,7 +121,7 @@ pub(crate) fn all_above<const G: usize>(
     // No early end: without branches the guards are compared several at a time.
     let mut safe = true;
     for i in 0..G {
-        safe &= before[i].min(after[i]) >= sag[i];
+        safe &= (before[i] >= sag[i]) & (after[i] >= sag[i]);
     }
     safe
 }

@@ -4,12 +4,12 @@
 use zwidth_numerics::expm::{self, Ladder, Matrix, ORDER};
 use zwidth_numerics::roots;
 
-use super::functionals::{Functionals, Sag};
+use super::functionals::{Functionals, Sag, all_above};
 use crate::error::in_bounds;
 
 /// Events are located to this share of the piece they lie in: as finely as rounding lets, because
-/// what is zero at an event is set to zero there. A piece is a thirty-second of the fastest time
-/// constant at most.
+/// what is zero at an event is set to zero there. A piece is an eighth of the fastest time constant at
+/// most.
 const RESOLUTION: f64 = 1e-16;
 
 /// Rounding of a functional, relative to the sum of its terms' sizes.
@@ -24,24 +24,21 @@ pub(crate) struct Fall {
     pub(crate) guard: usize,
 }
 
-/// The flow ż = A z of a region with its guards, ready for spans of any length.
+/// The flow ż = A z of a region with its guards, ready for spans of any length; A is split after
+/// `D` (see [`Matrix`]).
 #[derive(Debug, Clone)]
-pub(crate) struct ReadyFlow<const N: usize, const G: usize> {
-    pub(crate) ladder: Ladder<N>,
+pub(crate) struct ReadyFlow<const N: usize, const D: usize, const G: usize> {
+    pub(crate) ladder: Ladder<N, D>,
     pub(crate) guards: Functionals<N, G>,
     /// Number of guards; in the places after them stands the constant 1.
     count: usize,
-    /// |w A| of each guard.
-    bend: Functionals<N, G>,
-    /// |A|.
-    absolute: Matrix<N>,
     /// How far the guards can sag over each rung.
     pub(crate) sags: Vec<Sag<N, G>>,
 }
 
-impl<const N: usize, const G: usize> ReadyFlow<N, G> {
+impl<const N: usize, const D: usize, const G: usize> ReadyFlow<N, D, G> {
     /// The flow with its guards, at most `G`.
-    pub(crate) fn new(ladder: Ladder<N>, guards: impl IntoIterator<Item = [f64; N]>) -> Self {
+    pub(crate) fn new(ladder: Ladder<N, D>, guards: impl IntoIterator<Item = [f64; N]>) -> Self {
         // Places without a guard hold the state's constant entry, which never falls below zero.
         let mut rows = [std::array::from_fn(|j| f64::from(u8::from(j == N - 1))); G];
         let mut count = 0;
@@ -50,44 +47,48 @@ impl<const N: usize, const G: usize> ReadyFlow<N, G> {
             count += 1;
         }
         let guards = Functionals::from_rows(&rows);
-        let bend = guards.after(&ladder.a).map(f64::abs);
-        let sags =
-            ladder.rungs.iter().map(|rung| Sag::new(&bend, &rung.envelope, rung.span)).collect();
-        Self { absolute: ladder.a.map(f64::abs), ladder, guards, count, bend, sags }
+        let sizes = guards.map(f64::abs);
+        let rungs = ladder.rungs.iter();
+        let sags = rungs.map(|rung| Sag::new::<D>(&sizes, &rung.envelope, rung.span)).collect();
+        Self { ladder, guards, count, sags }
+    }
+
+    /// |w| of each guard.
+    pub(crate) fn sizes(&self) -> Functionals<N, G> {
+        self.guards.map(f64::abs)
     }
 
     /// ż at a state.
     #[inline]
     pub(crate) fn rate(&self, z: &[f64; N]) -> [f64; N] {
-        self.ladder.a.apply_affine(z)
+        self.ladder.a.apply_affine::<D>(z)
+    }
+
+    /// z̈ where the rate is ż.
+    #[inline]
+    pub(crate) fn bend(&self, rate: &[f64; N]) -> [f64; N] {
+        self.ladder.a.apply_change::<D>(rate)
     }
 
     /// How far the guards can sag over `h` seconds.
     pub(crate) fn sag(&self, h: f64) -> Sag<N, G> {
-        Sag::new(&self.bend, &self.ladder.rungs[self.ladder.covering(h)].envelope, h)
+        let envelope = &self.ladder.rungs[self.ladder.covering(h)].envelope;
+        Sag::new::<D>(&self.sizes(), envelope, h)
     }
 
-    /// True if no guard can fall below zero between two points that `sag` is for; `rate` is ż at
-    /// the first.
+    /// True if no guard can fall below zero between two points that `sag` is for; false if in doubt
+    /// or not a number. `rate` is ż and `bend` is z̈ at the first.
     #[inline]
     pub(crate) fn is_free(
         &self,
         sag: &Sag<N, G>,
-        rate: &[f64; N],
+        [rate, bend]: [&[f64; N]; 2],
         before: &[f64; G],
         after: &[f64; G],
     ) -> bool {
-        sag.safe(rate, before, after) || self.doubtful(sag, rate, before, after) == [false; G]
-    }
-
-    fn doubtful(
-        &self,
-        sag: &Sag<N, G>,
-        rate: &[f64; N],
-        before: &[f64; G],
-        after: &[f64; G],
-    ) -> [bool; G] {
-        sag.doubtful(rate, &self.guards.apply_to_rate(rate), before, after)
+        let most = sag.most(bend);
+        all_above(before, after, &most)
+            || sag.doubtful(&most, &self.guards.apply_to_rate(rate), before, after) == [false; G]
     }
 
     /// Moves `z` over `span` seconds or to the first event: piece by piece, each as long as can be
@@ -103,6 +104,7 @@ impl<const N: usize, const G: usize> ReadyFlow<N, G> {
     ) -> Option<Fall> {
         let top = self.ladder.rungs.len() - 1;
         let mut rate = self.rate(z);
+        let mut bend = self.bend(&rate);
         let mut guards = self.values(z, blind);
         let mut elapsed = 0.0;
         let mut rest = span;
@@ -118,9 +120,10 @@ impl<const N: usize, const G: usize> ReadyFlow<N, G> {
             *pieces += 1;
             let rung = &self.ladder.rungs[level];
             let piece = rung.span.min(rest);
-            let next = rung.flow.apply_affine(z);
+            let next = rung.flow.apply_affine::<D>(z);
             let after = self.values(&next, blind);
-            if rung.span <= rest && self.is_free(&self.sags[level], &rate, &guards, &after) {
+            let sag = &self.sags[level];
+            if rung.span <= rest && self.is_free(sag, [&rate, &bend], &guards, &after) {
                 (*z, guards) = (next, after);
             } else if level > 0 {
                 if after.iter().any(|&value| value < 0.0) {
@@ -129,13 +132,15 @@ impl<const N: usize, const G: usize> ReadyFlow<N, G> {
                 level -= 1;
                 continue;
             } else {
-                let doubtful = self.doubtful(&self.sags[level], &rate, &guards, &after);
+                let slope = self.guards.apply_to_rate(&rate);
+                let doubtful = sag.doubtful(&sag.most(&bend), &slope, &guards, &after);
                 if let Some(Fall { after_s, guard }) = self.first_event(z, piece, &doubtful) {
                     return Some(Fall { after_s: elapsed + after_s, guard });
                 }
                 guards = self.values(z, blind);
             }
             rate = self.rate(z);
+            bend = self.bend(&rate);
             elapsed += piece;
             rest -= piece;
             below = if below > piece { below - piece } else { f64::INFINITY };
@@ -158,8 +163,8 @@ impl<const N: usize, const G: usize> ReadyFlow<N, G> {
     /// The first event of the doubtful guards within a piece no longer than the lowest rung, by
     /// Taylor polynomials; `z` is moved to it or to the piece's end.
     fn first_event(&self, z: &mut [f64; N], piece: f64, doubtful: &[bool; G]) -> Option<Fall> {
-        let series = expm::taylor(&self.ladder.a, z);
-        let size = sizes(&self.absolute, z, piece);
+        let series = expm::taylor::<N, D>(&self.ladder.a, z);
+        let size = sizes(&self.ladder.a.map(f64::abs), z, piece);
         let mut first: Option<Fall> = None;
         for guard in (0..self.count).filter(|guard| doubtful[*guard]) {
             let w = self.guards.row(guard);

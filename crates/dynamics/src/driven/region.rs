@@ -9,6 +9,8 @@ use crate::system::region::Motion;
 
 /// Entries of the state.
 pub(super) const N: usize = 12;
+/// Entries that the later ones, commands and intent, do not depend on.
+pub(super) const DYNAMIC: usize = 7;
 /// θ, rad.
 pub(super) const THETA: usize = 0;
 /// θ̇, rad/s.
@@ -47,7 +49,7 @@ pub(super) const CONTACT: usize = 2;
 type Row = affine::Row<N>;
 
 /// A region made ready.
-pub(super) type ReadyFlow = affine::ReadyFlow<N, GUARDS>;
+pub(super) type ReadyFlow = affine::ReadyFlow<N, DYNAMIC, GUARDS>;
 
 /// A lever at rest holds, and a tissue in contact clings, by this much more than it should, N: far
 /// below any force that matters and far above rounding. What departs or lifts off is then pushed on

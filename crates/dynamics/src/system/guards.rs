@@ -14,11 +14,15 @@ pub(crate) struct Guard {
     pub(crate) kind: EventKind,
 }
 
+/// Most guards of a region: four of the lever and actuators, two of a finger.
+const MOST_GUARDS: usize = 6;
+
 impl System {
     /// Velocity, the next zone or stop ahead, and the limits of the command.
     pub(crate) fn moving_guards(&self, region: &Region, side: Side) -> Vec<Guard> {
         let sign = side.sign();
-        let mut guards = vec![guard(Row::entry(OMEGA, sign), EventKind::Reversal)];
+        let mut guards = Vec::with_capacity(MOST_GUARDS);
+        guards.push(guard(Row::entry(OMEGA, sign), EventKind::Reversal));
         if let Some((angle, kind)) = self.ahead(region, side) {
             let distance = self.constant(sign * angle).minus(Row::entry(THETA, sign));
             guards.push(guard(distance, kind));
@@ -79,7 +83,7 @@ impl System {
     /// A lever at rest leaves once the net force for motion points that way: the set-valued force
     /// (brake, friction, and what lies between the motor's and the brake's force) is used up.
     pub(crate) fn rest_guards(&self, region: &Region) -> Vec<Guard> {
-        let mut guards = Vec::new();
+        let mut guards = Vec::with_capacity(MOST_GUARDS);
         if region.stop != Some(Side::Up) {
             let up = self.departing_force(region, Side::Up);
             let value = Functional { row: up.row.times(-1.0), curved: -up.curved };

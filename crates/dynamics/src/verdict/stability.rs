@@ -6,6 +6,7 @@ use crate::scene::terms::Curve;
 use crate::solve::Solver;
 use crate::system::linear::LinearPart;
 use crate::system::region::Motion;
+use crate::system::row::MOST;
 use crate::system::{OMEGA, System, THETA};
 use crate::trajectory::Trajectory;
 
@@ -24,7 +25,7 @@ impl Growth {
     /// `None` for methods without a limit.
     pub(crate) fn of(solver: &dyn Solver, a: &LinearPart, h: f64) -> Option<Self> {
         let method = spectral_radius(&solver.amplification(a, h)?);
-        Some(Self { method, exact: spectral_radius(&Ladder::new(a.a, h).flow(h)) })
+        Some(Self { method, exact: spectral_radius(&Ladder::<MOST>::new(a.a, h).flow(h)) })
     }
 
     /// The method's growth beyond that of the exact flow.

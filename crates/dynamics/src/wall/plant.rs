@@ -48,5 +48,9 @@ impl SampledWall {
 
 /// The plant's flow over a time, s.
 pub(super) fn flow(plant: Matrix<ENTRIES>, time_s: f64) -> Matrix<ENTRIES> {
-    if time_s > 0.0 { Ladder::new(plant, time_s).flow(time_s) } else { Matrix::identity() }
+    if time_s > 0.0 {
+        Ladder::<ENTRIES>::new(plant, time_s).flow(time_s)
+    } else {
+        Matrix::identity()
+    }
 }

@@ -1,6 +1,9 @@
 //! How much the exponential magnifies a relative error of its matrix.
 
-use super::{Matrix, ORDER, RADIUS, growth, plus_identity, series};
+use super::{Matrix, ORDER, growth, plus_identity, series};
+
+/// The matrix is halved to this size, so that three powers of its derivative are enough.
+const RADIUS: f64 = 0.031_25;
 
 /// Relative condition number of the exponential in the Frobenius norm,
 /// `κ(A) = ‖L(A)‖ ‖A‖ / ‖exp(A)‖`, with the Fréchet derivative `L(A, E) = ∫₀¹ exp(A (1-s)) E exp(A
@@ -58,7 +61,7 @@ impl<const N: usize> Halved<N> {
         }
         let halvings = if rate > RADIUS { libm::ilogb(rate / RADIUS) + 1 } else { 0 };
         let lowest = a.map(|x| libm::ldexp(x, -halvings));
-        let mut change = series(&lowest, 1.0, ORDER);
+        let mut change = series::<N, N>(&lowest, 1.0, ORDER);
         let mut flows = vec![plus_identity(&change)];
         for _ in 0..halvings {
             change = change.zip(&change.product(&change), |x, square| 2.0 * x + square);

@@ -1,4 +1,9 @@
 //! Small square matrices.
+//!
+//! A matrix is *split* after `D` entries if its later rows are zero in the first `D` columns: what
+//! is left of the state after these entries moves by itself, as an input does. Products of split
+//! matrices are split, and their zeros need not be multiplied. Any matrix is split after all its
+//! entries (`D = N`).
 
 /// A square matrix, stored by columns, so that a product with a vector runs over whole columns.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,31 +35,80 @@ impl<const N: usize> Matrix<N> {
     /// `A v`.
     #[inline]
     pub fn apply(&self, v: &[f64; N]) -> [f64; N] {
+        self.apply_split::<N>(v)
+    }
+
+    /// `A v` for a matrix split after `D`.
+    #[inline]
+    pub fn apply_split<const D: usize>(&self, v: &[f64; N]) -> [f64; N] {
         let mut out = [0.0; N];
-        for (column, &x) in self.columns.iter().zip(v) {
-            for (o, &c) in out.iter_mut().zip(column) {
-                *o += c * x;
-            }
-        }
+        self.add_split::<D>(&mut out, v, N);
         out
     }
 
     /// `A v` for a vector that ends in 1 and a matrix whose last row is zero but for its last
-    /// entry: the form an affine map has in augmented coordinates, and a third cheaper.
+    /// entry: the form an affine map has in augmented coordinates. The matrix is split after `D`.
     #[inline]
-    pub fn apply_affine(&self, v: &[f64; N]) -> [f64; N] {
+    pub fn apply_affine<const D: usize>(&self, v: &[f64; N]) -> [f64; N] {
         let mut out = self.columns[N - 1];
-        for (column, &x) in self.columns[..N - 1].iter().zip(v) {
-            for (o, &c) in out[..N - 1].iter_mut().zip(column) {
+        self.add_split::<D>(&mut out, v, N - 1);
+        out
+    }
+
+    /// The same for a vector that ends in 0, the change of one that ends in 1.
+    #[inline]
+    pub fn apply_change<const D: usize>(&self, v: &[f64; N]) -> [f64; N] {
+        let mut out = [0.0; N];
+        self.add_split::<D>(&mut out, v, N - 1);
+        out
+    }
+
+    /// Adds to the first `entries` of `out` what as many entries of `v` contribute, for a matrix
+    /// split after `D`.
+    #[inline(always)]
+    fn add_split<const D: usize>(&self, out: &mut [f64; N], v: &[f64; N], entries: usize) {
+        // The tail first: it waits for nothing in the head, which changes faster.
+        for (j, (column, &x)) in self.columns[..entries].iter().zip(v).enumerate().rev() {
+            let rows = match j {
+                _ if j < D => D,
+                _ if j + 1 < N && D < N => N - 1,
+                _ => N,
+            };
+            for (o, &c) in out[..rows.min(entries)].iter_mut().zip(column) {
                 *o += c * x;
             }
         }
-        out
     }
 
     /// `A B`.
     pub fn product(&self, other: &Self) -> Self {
-        Self { columns: std::array::from_fn(|j| self.apply(&other.columns[j])) }
+        self.product_split::<N>(other)
+    }
+
+    /// `A B` of two matrices split after `D`.
+    #[inline]
+    pub fn product_split<const D: usize>(&self, other: &Self) -> Self {
+        let mut out = Self::ZERO;
+        for (j, (sum, column)) in out.columns.iter_mut().zip(&other.columns).enumerate() {
+            let entries = if j < D {
+                D
+            } else if j + 1 < N {
+                N - usize::from(D < N)
+            } else {
+                N
+            };
+            self.add_split::<D>(sum, column, entries);
+        }
+        out
+    }
+
+    /// `A + x 1`.
+    #[inline]
+    pub fn shifted(mut self, x: f64) -> Self {
+        for (i, column) in self.columns.iter_mut().enumerate() {
+            column[i] += x;
+        }
+        self
     }
 
     /// `Aᵀ W A`, the form `W` seen from before the map `A`.
@@ -64,13 +118,21 @@ impl<const N: usize> Matrix<N> {
     }
 
     /// Each entry mapped.
+    #[inline]
     pub fn map(&self, f: impl Fn(f64) -> f64) -> Self {
-        Self { columns: self.columns.map(|column| column.map(&f)) }
+        let mut out = *self;
+        out.columns.as_flattened_mut().iter_mut().for_each(|x| *x = f(*x));
+        out
     }
 
     /// Each pair of entries joined.
+    #[inline]
     pub fn zip(&self, other: &Self, f: impl Fn(f64, f64) -> f64) -> Self {
-        Self::from_fn(|i, j| f(self.at(i, j), other.at(i, j)))
+        let mut out = *self;
+        for (x, y) in out.columns.as_flattened_mut().iter_mut().zip(other.columns.as_flattened()) {
+            *x = f(*x, *y);
+        }
+        out
     }
 
     /// `vᵀ A v`.

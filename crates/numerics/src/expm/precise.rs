@@ -8,8 +8,8 @@
 use super::matrix::Matrix;
 use super::pair::Pair;
 
-/// Powers of the series: (1/32)^15 / 15! is below 1e-34.
-const POWERS: usize = 14;
+/// Powers of the series: (1/8)^19 / 19! is below 1e-34.
+const POWERS: usize = 18;
 
 /// A matrix as the sum of a rounded part and what rounding took away.
 #[derive(Clone, Copy)]
@@ -19,7 +19,7 @@ struct Pairs<const N: usize> {
 }
 
 /// `exp((A + rest) span 2^k)` for `k = 0 … count - 1`, each rounded once. `span` is short:
-/// `growth(A) span ≤ 1/32`.
+/// `growth(A) span ≤ 1/8`.
 pub(super) fn doublings<const N: usize>(
     a: &Matrix<N>,
     rest: &Matrix<N>,

@@ -2,10 +2,10 @@
 
 use zwidth_numerics::expm::{Ladder, Matrix};
 
-use super::block::{self, BLOCK, Block};
+use super::block::{self, BLOCK, Block, CHAIN};
 use super::uneven::Table;
 use super::work::Work;
-use crate::affine::{Functionals, ReadyFlow, Sag};
+use crate::affine::{ReadyFlow, Sag};
 use crate::solve::shorten;
 use crate::system::System;
 use crate::system::region::Region;
@@ -13,29 +13,34 @@ use crate::system::transition::EventKind;
 
 /// A step of fixed length, ready to use.
 #[derive(Debug, Clone)]
-pub(super) struct EvenStep<const N: usize, const G: usize> {
+pub(super) struct EvenStep<const N: usize, const D: usize, const G: usize> {
     h: f64,
     /// Flows over 1, 2, … steps, up to as many as were asked for.
     flows: Vec<Matrix<N>>,
-    /// Guard values after the step.
-    guards: Functionals<N, G>,
-    /// Rate after the step.
-    rate: Matrix<N>,
     sag: Sag<N, G>,
     /// What proves a block of steps free, once enough of them were taken.
     block: Option<Block<N, G>>,
-    taken: u32,
+    /// Blocks asked for.
+    asked: u32,
 }
 
-impl<const N: usize, const G: usize> EvenStep<N, G> {
-    /// The flow over `k` steps, from 1 to [`BLOCK`].
+impl<const N: usize, const D: usize, const G: usize> EvenStep<N, D, G> {
+    /// The flow over `k` steps, from 1 to [`CHAIN`].
     #[inline]
     pub(super) fn flow(&mut self, k: usize) -> &Matrix<N> {
         while self.flows.len() < k {
-            self.flows.push(block::power(&self.flows));
+            self.flows.push(block::power::<N, D>(&self.flows));
         }
         &self.flows[k - 1]
     }
+}
+
+/// State, its rate and the guard values at a moment.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Moment<const N: usize, const G: usize> {
+    pub(super) z: [f64; N],
+    pub(super) rate: [f64; N],
+    pub(super) guards: [f64; G],
 }
 
 /// The steps that regions are made ready for.
@@ -49,13 +54,13 @@ pub(super) struct Reach {
 
 /// A region ready for exact steps.
 #[derive(Debug, Clone)]
-pub(super) struct Compiled<const N: usize, const G: usize> {
+pub(super) struct Compiled<const N: usize, const D: usize, const G: usize> {
     pub(super) region: Region,
-    pub(super) flow: ReadyFlow<N, G>,
-    kinds: Vec<EventKind>,
-    pub(super) work: Option<Work<N>>,
-    step: Option<Box<EvenStep<N, G>>>,
-    table: Option<Table<N>>,
+    pub(super) flow: ReadyFlow<N, D, G>,
+    kinds: [EventKind; G],
+    pub(super) work: Option<Work<N, D>>,
+    step: Option<Box<EvenStep<N, D, G>>>,
+    table: Option<Table<N, D>>,
     uneven: u32,
     /// Whether it is prepared for an even grid.
     even: bool,
@@ -64,7 +69,7 @@ pub(super) struct Compiled<const N: usize, const G: usize> {
     wanted_h: f64,
 }
 
-impl<const N: usize, const G: usize> Compiled<N, G> {
+impl<const N: usize, const D: usize, const G: usize> Compiled<N, D, G> {
     pub(super) fn new(system: &System, region: &Region, reach: Reach, energy: bool) -> Self {
         let flow = system.flow(region);
         let a = Matrix::from_fn(|i, j| flow.rows[i].0[j]);
@@ -82,7 +87,10 @@ impl<const N: usize, const G: usize> Compiled<N, G> {
         Self {
             region: *region,
             flow: ReadyFlow::new(ladder, guards),
-            kinds: flow.guards.iter().map(|guard| guard.kind).collect(),
+            // Places without a guard never fall.
+            kinds: std::array::from_fn(|i| {
+                flow.guards.get(i).map_or(EventKind::Input, |guard| guard.kind)
+            }),
             work: energy.then(|| Work::new(system, region, &a, reach_s)),
             step: None,
             table: None,
@@ -121,50 +129,70 @@ impl<const N: usize, const G: usize> Compiled<N, G> {
         wanted
     }
 
-    /// The flows over the steps of a block, with rate and guard values after it, if a block of
-    /// steps of this length is prepared and free of events, and no work is integrated.
+    /// State, rate and guard values at a state.
+    #[inline]
+    pub(super) fn look(&self, z: [f64; N]) -> Moment<N, G> {
+        Moment { z, rate: self.flow.rate(&z), guards: self.flow.guards.apply(&z) }
+    }
+
+    /// What is after a block of steps, if one of this length is prepared and free of events, and no
+    /// work is integrated; the states after each step are written into `states`.
     #[inline]
     pub(super) fn free_block(
         &mut self,
         h: f64,
-        z: &[f64; N],
-        rate: &[f64; N],
-        guards: &[f64; G],
-    ) -> Option<(&[Matrix<N>], [f64; N], [f64; G])> {
-        /// Blocks asked for before the proof of one, which costs as much as the steps of some tens,
-        /// is worth it.
-        const WORTH: u32 = 32;
-        let step = self
-            .step
-            .as_mut()
-            .filter(|step| step.h.to_bits() == h.to_bits() && self.work.is_none())?;
-        step.taken += u32::from(step.block.is_none());
-        if step.taken == WORTH && step.block.is_none() {
-            step.flow(BLOCK);
-            step.block = Some(Block::new(&self.flow.guards, &self.flow.ladder, &step.flows, h));
+        from: &Moment<N, G>,
+        states: &mut [[f64; N]; BLOCK],
+    ) -> Option<Moment<N, G>> {
+        /// Blocks asked for before the proof of one, which costs as much as some steps, is worth it.
+        const WORTH: u32 = 2;
+        if !self.is_ready(h, true) || self.work.is_some() {
+            return None;
         }
-        let (rate, guards) = step.block.as_ref()?.free(z, rate, guards)?;
-        Some((&step.flows, rate, guards))
+        let step = self.step.as_mut()?;
+        step.asked += u32::from(step.block.is_none());
+        if step.asked == WORTH && step.block.is_none() {
+            step.flow(CHAIN);
+            step.block = Some(Block::new(&self.flow, step.flows.first_chunk()?, h));
+        }
+        let block = step.block.as_ref()?;
+        let [one, two, three, four]: &[Matrix<N>; CHAIN] = step.flows.first_chunk()?;
+        states[0] = one.apply_affine::<D>(&from.z);
+        states[1] = two.apply_affine::<D>(&from.z);
+        states[3] = four.apply_affine::<D>(&from.z);
+        states[7] = four.apply_affine::<D>(&states[3]);
+        let guards = [0, 1, 3, 7].map(|at| self.flow.guards.apply(&states[at]));
+        if !block.is_free(&self.flow.bend(&from.rate), &from.guards, &guards) {
+            return None;
+        }
+        states[2] = three.apply_affine::<D>(&from.z);
+        states[4] = one.apply_affine::<D>(&states[3]);
+        states[5] = two.apply_affine::<D>(&states[3]);
+        states[6] = three.apply_affine::<D>(&states[3]);
+        let [.., guards] = guards;
+        Some(Moment { z: states[7], rate: self.flow.rate(&states[7]), guards })
     }
 
-    /// Rate and guard values after the prepared step, if no event can lie inside.
+    /// What is after the prepared step from `from`, the last of `k` from `base`, at most [`CHAIN`];
+    /// none if an event may lie inside.
     #[inline]
     pub(super) fn free_step(
-        &self,
-        z: &[f64; N],
-        rate: &[f64; N],
-        guards: &[f64; G],
-    ) -> Option<([f64; N], [f64; G])> {
-        let step = self.step.as_ref()?;
-        let after = step.guards.apply(z);
-        let is_free = self.flow.is_free(&step.sag, rate, guards, &after);
-        is_free.then(|| (step.rate.apply_affine(z), after))
+        &mut self,
+        base: &[f64; N],
+        k: usize,
+        from: &Moment<N, G>,
+    ) -> Option<Moment<N, G>> {
+        let next = self.stepped(base, k)?;
+        let after = self.look(next);
+        let bend = self.flow.bend(&from.rate);
+        let sag = &self.step.as_ref()?.sag;
+        self.flow.is_free(sag, [&from.rate, &bend], &from.guards, &after.guards).then_some(after)
     }
 
-    /// `k` prepared steps from `base` on, at most [`BLOCK`].
+    /// `k` prepared steps from `base` on, at most [`CHAIN`].
     #[inline]
     pub(super) fn stepped(&mut self, base: &[f64; N], k: usize) -> Option<[f64; N]> {
-        self.step.as_mut().map(|step| step.flow(k).apply_affine(base))
+        self.step.as_mut().map(|step| step.flow(k).apply_affine::<D>(base))
     }
 
     /// State after a span of any length up to the reach, and the number of the bound that covers
@@ -181,17 +209,10 @@ impl<const N: usize, const G: usize> Compiled<N, G> {
         (next, cover)
     }
 
-    fn prepare(&self, h: f64) -> EvenStep<N, G> {
-        let flow = self.flow.ladder.flow(h);
-        EvenStep {
-            h,
-            flows: vec![flow],
-            guards: self.flow.guards.after(&flow),
-            rate: self.flow.ladder.a.product(&flow),
-            sag: self.flow.sag(h),
-            block: None,
-            taken: 0,
-        }
+    fn prepare(&self, h: f64) -> EvenStep<N, D, G> {
+        let mut flows = Vec::with_capacity(CHAIN);
+        flows.push(self.flow.ladder.flow(h));
+        EvenStep { h, flows, sag: self.flow.sag(h), block: None, asked: 0 }
     }
 
     /// Moves `z` over `span` seconds or to the first event, whose time from the start and kind are

@@ -11,7 +11,6 @@ use crate::error::{DynamicsError, Result, finite};
 use crate::scene::ModelScene;
 use crate::scene::actuators::{BrakeLaw, DriveMode};
 use crate::scene::environment::Environment;
-use crate::solve::with_length;
 use crate::system::command::Actuator;
 use crate::system::region::{Contact, Side};
 use crate::system::row::MOST;
@@ -85,8 +84,8 @@ impl HeldScene {
         // A controller's moves have one length: pieces are then halves of it, and leave nothing
         // over.
         let reach = Reach { longest_s, even: true };
-        let [motor, brake] = [&self.motor, &self.brake]
-            .map(|system| with_length!(system.layout.n, system.stepped(Exact::default(), reach)));
+        let [motor, brake] =
+            [&self.motor, &self.brake].map(|system| system.stepped(Exact::default(), reach));
         let (z, _) = self.motor.start();
         let held = HeldCommand { by_motor: true, force_n: 0.0 };
         let mut run =

@@ -12,7 +12,7 @@ mod run;
 mod uneven;
 mod work;
 
-use super::{Grid, Solver, with_length};
+use super::{Grid, Solver};
 use crate::error::{DynamicsError, Result};
 use crate::system::System;
 use crate::trajectory::Trajectory;
@@ -44,8 +44,7 @@ impl Exact {
         let longest_s = grid.longest_step();
         let longest_s = if longest_s > 0.0 { longest_s } else { 1.0 };
         let reach = Reach { longest_s, even: grid.even_part().is_some() };
-        let run = with_length!(system.layout.n, system.stepped(*self, reach));
-        Ok(run)
+        Ok(system.stepped(*self, reach))
     }
 }
 

@@ -1,7 +1,7 @@
 //! A run of the exact solver: sample after sample, from event to event.
 
-use super::block::BLOCK;
-use super::compiled::{Compiled, Reach};
+use super::block::{BLOCK, CHAIN};
+use super::compiled::{Compiled, Moment, Reach};
 use super::work::Sums;
 use super::{Exact, Prepared};
 use crate::energy::EnergyBalance;
@@ -26,36 +26,63 @@ pub(super) trait Stepped: Prepared + Send {
     fn counts(&self) -> [u64; 2];
 }
 
+/// A run with the constants of a layout: entries, those before the inputs, and guards.
+macro_rules! run_of {
+    ($layout:expr, $arguments:tt, [$(($n:literal, $d:literal, $g:literal)),+]) => {
+        match ($layout.n, $layout.dynamic, $layout.finger) {
+            $(($n, $d, finger) if finger.is_some() == ($g == 6) => {
+                Box::new(Run::<$n, $d, $g>::new $arguments)
+            })+
+            _ => Box::new(Run::<11, 6, 6>::new $arguments),
+        }
+    };
+}
+
 impl System {
     /// A run of the system. A region has at most four guards of the lever and actuators, and two
     /// of a finger.
-    pub(super) fn stepped<'a, const N: usize>(
-        &'a self,
-        limits: Exact,
-        reach: Reach,
-    ) -> Box<dyn Stepped + 'a> {
-        match self.layout.finger {
-            Some(_) => Box::new(Run::<N, 6>::new(limits, self, reach)),
-            None => Box::new(Run::<N, 4>::new(limits, self, reach)),
-        }
+    pub(super) fn stepped(&self, limits: Exact, reach: Reach) -> Box<dyn Stepped + '_> {
+        run_of!(
+            self.layout,
+            (limits, self, reach),
+            [
+                (5, 2, 4),
+                (6, 2, 4),
+                (7, 2, 4),
+                (6, 3, 4),
+                (7, 3, 4),
+                (8, 3, 4),
+                (7, 4, 4),
+                (8, 4, 4),
+                (9, 4, 4),
+                (7, 4, 6),
+                (8, 4, 6),
+                (9, 4, 6),
+                (8, 5, 6),
+                (9, 5, 6),
+                (10, 5, 6),
+                (9, 6, 6),
+                (10, 6, 6)
+            ]
+        )
     }
 }
 
 /// The state with its rate and guard values, the counts, and the regions met so far.
-struct Run<'a, const N: usize, const G: usize> {
+struct Run<'a, const N: usize, const D: usize, const G: usize> {
     limits: Exact,
     system: &'a System,
     reach: Reach,
-    regions: Vec<Compiled<N, G>>,
+    regions: Vec<Compiled<N, D, G>>,
     current: usize,
     cursor: Cursor,
-    z: [f64; N],
-    rate: [f64; N],
-    guards: [f64; G],
-    /// The state so many even steps ago (fewer than a block), from which the next ones are taken
+    now: Moment<N, G>,
+    /// The state so many even steps ago (fewer than a chain), from which the next ones are taken
     /// too: one product each, none of which waits for another.
     base: [f64; N],
     steps: usize,
+    /// Those after the steps of a block.
+    states: [[f64; N]; BLOCK],
     events: Vec<Event>,
     pieces: u64,
     compiled: u64,
@@ -93,7 +120,7 @@ impl<const N: usize> Record<N> for Show<'_> {
     }
 }
 
-impl<const N: usize, const G: usize> Prepared for Run<'_, N, G> {
+impl<const N: usize, const D: usize, const G: usize> Prepared for Run<'_, N, D, G> {
     fn run_into(&mut self, grid: &Grid, out: &mut Trajectory) -> Result<()> {
         out.clear(self.system.layout, grid.samples());
         self.along(grid, &mut Keep(out))?;
@@ -109,13 +136,13 @@ impl<const N: usize, const G: usize> Prepared for Run<'_, N, G> {
     }
 }
 
-impl<const N: usize, const G: usize> Stepped for Run<'_, N, G> {
+impl<const N: usize, const D: usize, const G: usize> Stepped for Run<'_, N, D, G> {
     fn take_up(&mut self, t_s: f64, z: &[f64], contact: Contact) -> Result<()> {
         let mut full = [0.0; MOST];
         full[..N].copy_from_slice(&z[..N]);
         self.system.pass(&mut self.cursor, t_s, &mut full);
         let region = self.system.settle(&full, contact, None);
-        self.z = shorten(&full);
+        self.now.z = shorten(&full);
         self.enter(&region, t_s)
     }
 
@@ -130,7 +157,7 @@ impl<const N: usize, const G: usize> Stepped for Run<'_, N, G> {
     }
 
     fn state(&self) -> &[f64] {
-        &self.z
+        &self.now.z
     }
 
     fn region(&self) -> &Region {
@@ -142,21 +169,21 @@ impl<const N: usize, const G: usize> Stepped for Run<'_, N, G> {
     }
 }
 
-impl<'a, const N: usize, const G: usize> Run<'a, N, G> {
+impl<'a, const N: usize, const D: usize, const G: usize> Run<'a, N, D, G> {
     fn new(limits: Exact, system: &'a System, reach: Reach) -> Self {
         let (full, cursor) = system.start();
         Self {
             limits,
             system,
             reach,
-            regions: Vec::new(),
+            // As many as a device scene meets; a list that grows would move them.
+            regions: Vec::with_capacity(8),
             current: 0,
             cursor,
-            z: shorten(&full),
-            rate: [0.0; N],
-            guards: [0.0; G],
+            now: Moment { z: shorten(&full), rate: [0.0; N], guards: [0.0; G] },
             base: [0.0; N],
             steps: 0,
+            states: [[0.0; N]; BLOCK],
             events: Vec::new(),
             pieces: 0,
             compiled: 0,
@@ -171,7 +198,7 @@ impl<'a, const N: usize, const G: usize> Run<'a, N, G> {
         let (mut full, mut cursor) = self.system.start();
         self.system.pass(&mut cursor, start, &mut full);
         let region = self.system.first_region(&full);
-        (self.z, self.cursor) = (shorten(&full), cursor);
+        (self.now.z, self.cursor) = (shorten(&full), cursor);
         // Regions stay as they are: they are what a prepared system saves.
         self.events.clear();
         (self.pieces, self.compiled) = (0, 0);
@@ -179,7 +206,7 @@ impl<'a, const N: usize, const G: usize> Run<'a, N, G> {
         self.enter(&region, start)?;
         self.note(start, EventKind::Input);
         let swings = self.system.swings();
-        out.record(&[start], &[self.z], self.current);
+        out.record(&[start], &[self.now.z], self.current);
         let even = grid.even_part().map_or(0, |(_, steps)| steps);
         let mut i = 0;
         while i + 1 < grid.samples() {
@@ -199,10 +226,10 @@ impl<'a, const N: usize, const G: usize> Run<'a, N, G> {
             if self.cursor.end_s <= to && i + 1 < grid.samples() {
                 self.pass_input(to)?;
             } else if swings && i.is_multiple_of(FRESH_INPUT_SAMPLES) {
-                self.system.write_inputs(&self.cursor, to, &mut self.z);
+                self.system.write_inputs(&self.cursor, to, &mut self.now.z);
                 self.refresh();
             }
-            out.record(&[to], &[self.z], self.current);
+            out.record(&[to], &[self.now.z], self.current);
         }
         Ok(())
     }
@@ -223,21 +250,17 @@ impl<'a, const N: usize, const G: usize> Run<'a, N, G> {
         if last > steps || last > inputs_until || self.cursor.end_s <= grid.time(last) {
             return false;
         }
-        let free = self.regions[self.current].free_block(step_s, &self.z, &self.rate, &self.guards);
-        let Some((flows, rate, guards)) = free else { return false };
-        let mut states = [[0.0; N]; BLOCK];
-        for (state, flow) in states.iter_mut().zip(flows) {
-            *state = flow.apply_affine(&self.z);
-        }
-        (self.z, self.rate, self.guards) = (states[BLOCK - 1], rate, guards);
-        self.base = self.z;
+        let free = self.regions[self.current].free_block(step_s, &self.now, &mut self.states);
+        let Some(after) = free else { return false };
+        self.now = after;
+        self.base = self.now.z;
         if swings && last == inputs_until {
-            self.system.write_inputs(&self.cursor, grid.time(last), &mut self.z);
-            states[BLOCK - 1] = self.z;
+            self.system.write_inputs(&self.cursor, grid.time(last), &mut self.now.z);
+            self.states[BLOCK - 1] = self.now.z;
             self.refresh();
         }
-        let t_s = std::array::from_fn(|k| grid.time(i + 1 + k));
-        out.record::<BLOCK>(&t_s, &states, self.current);
+        let t_s = std::array::from_fn(|k| (i + 1 + k) as f64 * step_s);
+        out.record::<BLOCK>(&t_s, &self.states, self.current);
         true
     }
 
@@ -270,7 +293,7 @@ impl<'a, const N: usize, const G: usize> Run<'a, N, G> {
     /// From one span of the inputs to the next; only a jump can change the region.
     #[inline]
     fn pass_input(&mut self, t: f64) -> Result<()> {
-        let jump = self.system.pass(&mut self.cursor, t, &mut self.z);
+        let jump = self.system.pass(&mut self.cursor, t, &mut self.now.z);
         if jump {
             return self.happen(t, EventKind::Input);
         }
@@ -285,12 +308,12 @@ impl<'a, const N: usize, const G: usize> Run<'a, N, G> {
         let compiled = &mut self.regions[self.current];
         let ready = compiled.is_ready(h, even);
         if ready {
-            if let Some((rate, guards)) = compiled.free_step(&self.z, &self.rate, &self.guards) {
+            if let Some(after) = compiled.free_step(&self.base, self.steps + 1, &self.now) {
                 if let Some(work) = &compiled.work {
-                    work.add(&self.z, h, &mut self.sums);
+                    work.add(&self.now.z, h, &mut self.sums);
                 }
-                self.step();
-                (self.rate, self.guards) = (rate, guards);
+                self.now = after;
+                self.count_step();
                 return Ok(());
             }
         } else if self.cross_uneven(h) {
@@ -299,15 +322,12 @@ impl<'a, const N: usize, const G: usize> Run<'a, N, G> {
         self.search(t, h, ready)
     }
 
-    /// The state after one more prepared step from the base.
+    /// One more prepared step from the base.
     #[inline]
-    fn step(&mut self) {
+    fn count_step(&mut self) {
         self.steps += 1;
-        if let Some(next) = self.regions[self.current].stepped(&self.base, self.steps) {
-            self.z = next;
-        }
-        if self.steps == BLOCK {
-            (self.base, self.steps) = (self.z, 0);
+        if self.steps == CHAIN {
+            (self.base, self.steps) = (self.now.z, 0);
         }
     }
 
@@ -316,16 +336,18 @@ impl<'a, const N: usize, const G: usize> Run<'a, N, G> {
     fn cross_uneven(&mut self, h: f64) -> bool {
         self.pieces += 1;
         let compiled = &self.regions[self.current];
-        let (next, cover) = compiled.far(&self.z, h);
-        let guards = compiled.flow.guards.apply(&next);
-        if !compiled.flow.is_free(&compiled.flow.sags[cover], &self.rate, &self.guards, &guards) {
+        let (next, cover) = compiled.far(&self.now.z, h);
+        let after = compiled.look(next);
+        let bend = compiled.flow.bend(&self.now.rate);
+        let sag = &compiled.flow.sags[cover];
+        let now = &self.now;
+        if !compiled.flow.is_free(sag, [&now.rate, &bend], &now.guards, &after.guards) {
             return false;
         }
         if let Some(work) = &compiled.work {
-            work.add(&self.z, h, &mut self.sums);
+            work.add(&self.now.z, h, &mut self.sums);
         }
-        self.rate = compiled.flow.rate(&next);
-        (self.z, self.guards) = (next, guards);
+        self.now = after;
         (self.base, self.steps) = (next, 0);
         true
     }
@@ -339,9 +361,9 @@ impl<'a, const N: usize, const G: usize> Run<'a, N, G> {
         let mut rest = h;
         while rest > 0.0 {
             let compiled = &self.regions[self.current];
-            let before = self.z;
+            let before = self.now.z;
             let limit = self.limits.most_pieces;
-            let event = compiled.scan(&mut self.z, rest, &mut self.pieces, limit);
+            let event = compiled.scan(&mut self.now.z, rest, &mut self.pieces, limit);
             if let Some(work) = &compiled.work {
                 work.add(&before, event.map_or(rest, |(after, _)| after), &mut self.sums);
             }
@@ -352,7 +374,7 @@ impl<'a, const N: usize, const G: usize> Run<'a, N, G> {
                 if compiled.flow.ladder.is_long(rest) {
                     // The many short pieces that proved it free of events were rounded as often;
                     // some long ones are not.
-                    self.z = compiled.flow.ladder.advance(&before, rest);
+                    self.now.z = compiled.flow.ladder.advance(&before, rest);
                 }
                 break;
             };
@@ -369,12 +391,14 @@ impl<'a, const N: usize, const G: usize> Run<'a, N, G> {
         if ready && self.events.len() == events {
             // Nothing happened: the state is that of the prepared step, which is rounded once,
             // whatever pieces it took to prove it.
-            self.step();
+            let next = self.regions[self.current].stepped(&self.base, self.steps + 1);
+            self.now.z = next.unwrap_or(self.now.z);
             self.look();
+            self.count_step();
         } else {
             self.refresh();
         }
-        if !in_bounds(&self.z) {
+        if !in_bounds(&self.now.z) {
             return Err(self.system.not_finite(t + h));
         }
         Ok(())
@@ -386,9 +410,9 @@ impl<'a, const N: usize, const G: usize> Run<'a, N, G> {
             return Err(self.system.too_much(self.limits.most_events, "events", t));
         }
         let region = self.regions[self.current].region;
-        let before_j = self.system.stored_j(&self.z);
-        let next = self.system.transit(&region, kind, &mut self.z);
-        self.impacts_j += self.system.stored_j(&self.z) - before_j;
+        let before_j = self.system.stored_j(&self.now.z);
+        let next = self.system.transit(&region, kind, &mut self.now.z);
+        self.impacts_j += self.system.stored_j(&self.now.z) - before_j;
         self.enter(&next, t)?;
         self.note(t, kind);
         Ok(())
@@ -396,7 +420,7 @@ impl<'a, const N: usize, const G: usize> Run<'a, N, G> {
 
     fn note(&mut self, t_s: f64, kind: EventKind) {
         let region = self.regions[self.current].region;
-        self.events.push(Event { t_s, kind, theta_rad: self.z[THETA], region });
+        self.events.push(Event { t_s, kind, theta_rad: self.now.z[THETA], region });
     }
 
     fn enter(&mut self, region: &Region, t: f64) -> Result<()> {
@@ -423,21 +447,20 @@ impl<'a, const N: usize, const G: usize> Run<'a, N, G> {
     /// Rate and guard values of a state that does not come from a base.
     #[inline]
     fn refresh(&mut self) {
-        (self.base, self.steps) = (self.z, 0);
+        (self.base, self.steps) = (self.now.z, 0);
         self.look();
     }
 
     /// Rate and guard values of the state.
     #[inline]
     fn look(&mut self) {
-        let flow = &self.regions[self.current].flow;
-        (self.rate, self.guards) = (flow.rate(&self.z), flow.guards.apply(&self.z));
+        self.now = self.regions[self.current].look(self.now.z);
     }
 
     fn balance(&self) -> EnergyBalance {
         let [external_j, motor_j, brake_j, friction_j, terms_j, tissue_j] = self.sums;
         let (start, _) = self.system.start();
-        let stored_j = self.system.stored_j(&self.z) - self.system.stored_j(&start);
+        let stored_j = self.system.stored_j(&self.now.z) - self.system.stored_j(&start);
         let impacts_j = self.impacts_j;
         EnergyBalance {
             external_j,

@@ -33,16 +33,16 @@ struct Part<const N: usize> {
 /// The angle is measured from where the region's spring rests: forces are then small where they
 /// should be, and not differences of large numbers.
 #[derive(Debug, Clone)]
-pub(super) struct Work<const N: usize> {
+pub(super) struct Work<const N: usize, const D: usize> {
     rest_rad: f64,
-    ladder: Ladder<N>,
+    ladder: Ladder<N, D>,
     parts: Vec<Part<N>>,
 }
 
 /// Work by part, in the order of the balance.
 pub(super) type Sums = [f64; PARTS];
 
-impl<const N: usize> Work<N> {
+impl<const N: usize, const D: usize> Work<N, D> {
     pub(super) fn new(system: &System, region: &Region, a: &Matrix<N>, reach_s: f64) -> Self {
         let rest_rad = system.rest_rad(region);
         let rows: [[f64; N]; N] =
@@ -76,7 +76,7 @@ impl<const N: usize> Work<N> {
         }
         // Less than the lowest rung is left: by quadrature along the Taylor series.
         if rest > 0.0 {
-            let series = expm::taylor(&self.ladder.a, &z);
+            let series = expm::taylor::<N, D>(&self.ladder.a, &z);
             for (node, weight) in GAUSS {
                 let state = expm::evaluate(&series, node * rest);
                 for part in &self.parts {
@@ -95,7 +95,12 @@ fn shifted<const N: usize>(row: [f64; N], rest_rad: f64) -> [f64; N] {
 }
 
 impl<const N: usize> Part<N> {
-    fn new(place: usize, force: [f64; N], velocity: [f64; N], ladder: &Ladder<N>) -> Self {
+    fn new<const D: usize>(
+        place: usize,
+        force: [f64; N],
+        velocity: [f64; N],
+        ladder: &Ladder<N, D>,
+    ) -> Self {
         // The power as a symmetric form.
         let power = Matrix::from_fn(|i, j| 0.5 * (force[i] * velocity[j] + force[j] * velocity[i]));
         let span = ladder.rungs[0].span;
