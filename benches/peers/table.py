@@ -27,6 +27,8 @@ def group(row):
     target, remark = float(row[3]), row[10]
     if remark.startswith("chatters"):
         return 3, "right-hand side switched on the sign of the velocity, no events: it chatters"
+    if target < 0.0:
+        return 4, "1,000 scenes of other parameters each, per scene"
     return (0, "exact") if target == 0.0 else (1 if target > 1e-8 else 2, f"error ≤ {target:.0e} rad")
 
 
@@ -48,8 +50,11 @@ def cells(row, exact):
 
 
 def table(all_rows):
-    ready = next(row for row in all_rows if row[:2] == ["zwidth exact", "ready"])
-    exact = min(float(ready[8]), float(ready[9]))
+    def best(method):
+        row = next(row for row in all_rows if row[:2] == ["zwidth exact", method])
+        return min(float(row[8]), float(row[9]))
+
+    exact, swept = best("ready"), best("new parameters")
     heads = ["peer", "method", "sine", "tolerance", "largest step", "error of θ, rad", "evaluations",
              "time of two passes, µs", "time / exact"]
     lines = [heads, ["---"] * len(heads)]
@@ -58,7 +63,7 @@ def table(all_rows):
         if group(row) != part:
             part = group(row)
             lines.append([f"**{part[1]}**"] + [""] * (len(heads) - 1))
-        lines.append(cells(row, exact))
+        lines.append(cells(row, swept if float(row[3]) < 0.0 else exact))
     return "\n".join("| " + " | ".join(line) + " |" for line in lines)
 
 
@@ -68,7 +73,9 @@ every peer. All but the last part use the same mode machine: forward, stick, bac
 events between them; the release from stick is in closed form. Each peer has the setting (tolerance, largest step, sine
 evaluated at each stage or carried in the state) that is fastest among those whose largest error of θ over the samples,
 against the exact solution, stays below the bound. Times are the shortest of many runs, in two passes. Ready: regions
-met before; first run: matrices made anew. Evaluations: of the right-hand side and its derivative; products with a flow
+met before; first run: matrices made anew. New parameters: a sweep over stiffness (3.5…8 N/rad), damping (0.5…2 N s/rad)
+and magnitude (1…2.5 N), each scene made anew from its numbers; beside it Dormand–Prince with the setting that is best
+among those whose error stays below 1e-06 rad in all scenes, and with the setting of the one scene. Evaluations: of the right-hand side and its derivative; products with a flow
 matrix for exact.
 """
 

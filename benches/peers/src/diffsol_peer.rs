@@ -11,7 +11,7 @@ use diffsol::{
 };
 
 use crate::dopri::Aim;
-use crate::scene::{END_S, Phase, START, Samples, State, full, release};
+use crate::scene::{END_S, Phase, START, STICKING, Samples, State};
 
 type Matrix = NalgebraMat<f64>;
 type Solver = NalgebraLU<f64>;
@@ -55,15 +55,20 @@ fn problem<const N: usize>(
         .rhs_implicit(
             move |y, _, t, slope| {
                 a.count();
-                slope.copy_from_slice(&a.phase.get().slope::<N>(t, &array(y)));
+                slope.copy_from_slice(&a.phase.get().slope::<N>(&STICKING, t, &array(y)));
             },
             move |_, _, _, v, product| {
                 b.count();
-                product.copy_from_slice(&b.phase.get().jacobian_times::<N>(&array(v)));
+                product.copy_from_slice(&b.phase.get().jacobian_times::<N>(&STICKING, &array(v)));
             },
         )
-        .init(move |_, t, y| y.copy_from_slice(&full::<N>(t, c.start.get())), N)
-        .root(move |y, _, _, guards| guards.copy_from_slice(&d.phase.get().guards([y[0], y[1]])), 2)
+        .init(move |_, t, y| y.copy_from_slice(&STICKING.full::<N>(t, c.start.get())), N)
+        .root(
+            move |y, _, _, guards| {
+                guards.copy_from_slice(&d.phase.get().guards(&STICKING, [y[0], y[1]]))
+            },
+            2,
+        )
         .build()
 }
 
@@ -103,7 +108,7 @@ where
     let (mut t, mut y, mut phase) = START;
     while t < END_S {
         if phase == Phase::Stick {
-            let (until, next) = release(t, y[0]);
+            let (until, next) = STICKING.release(t, y[0]);
             out.hold(y[0], until);
             (t, phase) = (until, next);
             continue;
@@ -119,7 +124,7 @@ where
         };
         let Some((at, state, guard)) = event else { break };
         (t, y) = (at, state);
-        phase = phase.next(guard, t, &mut y);
+        phase = phase.next(&STICKING, guard, t, &mut y);
     }
     Ok(shared.evaluations.get())
 }

@@ -2,7 +2,7 @@
 //! of Hairer, Nørsett & Wanner (Solving Ordinary Differential Equations I, II.6) and events on it.
 //! Nothing generic, nothing allocated.
 
-use crate::scene::{END_S, Full, Phase, START, Samples, State, full, release};
+use crate::scene::{END_S, Full, Numbers, Phase, START, Samples, State};
 
 /// What a run aims for.
 #[derive(Debug, Clone, Copy)]
@@ -31,6 +31,7 @@ struct Step<const N: usize> {
 
 #[inline]
 fn attempt<const N: usize>(
+    numbers: &Numbers,
     phase: Phase,
     t: f64,
     h: f64,
@@ -38,18 +39,18 @@ fn attempt<const N: usize>(
     k1: &Full<N>,
     tolerance: f64,
 ) -> Step<N> {
-    let k2 = phase.slope::<N>(t + 0.2 * h, &along!(y, h, 0.2, k1));
-    let k3 = phase.slope::<N>(t + 0.3 * h, &along!(y, h, 3.0 / 40.0, k1; 9.0 / 40.0, k2));
+    let k2 = phase.slope::<N>(numbers, t + 0.2 * h, &along!(y, h, 0.2, k1));
+    let k3 = phase.slope::<N>(numbers, t + 0.3 * h, &along!(y, h, 3.0 / 40.0, k1; 9.0 / 40.0, k2));
     let at = along!(y, h, 44.0 / 45.0, k1; -56.0 / 15.0, k2; 32.0 / 9.0, k3);
-    let k4 = phase.slope::<N>(t + 0.8 * h, &at);
+    let k4 = phase.slope::<N>(numbers, t + 0.8 * h, &at);
     let at = along!(y, h, 19372.0 / 6561.0, k1; -25360.0 / 2187.0, k2; 64448.0 / 6561.0, k3; -212.0 / 729.0, k4);
-    let k5 = phase.slope::<N>(t + 8.0 / 9.0 * h, &at);
+    let k5 = phase.slope::<N>(numbers, t + 8.0 / 9.0 * h, &at);
     let at = along!(y, h, 9017.0 / 3168.0, k1; -355.0 / 33.0, k2; 46732.0 / 5247.0, k3; 49.0 / 176.0, k4;
         -5103.0 / 18656.0, k5);
-    let k6 = phase.slope::<N>(t + h, &at);
+    let k6 = phase.slope::<N>(numbers, t + h, &at);
     let end = along!(y, h, 35.0 / 384.0, k1; 500.0 / 1113.0, k3; 125.0 / 192.0, k4; -2187.0 / 6784.0, k5;
         11.0 / 84.0, k6);
-    let k7 = phase.slope::<N>(t + h, &end);
+    let k7 = phase.slope::<N>(numbers, t + h, &end);
     let error: State = along!([0.0, 0.0], h, 71.0 / 57600.0, k1; -71.0 / 16695.0, k3; 71.0 / 1920.0, k4;
         -17253.0 / 339200.0, k5; 22.0 / 525.0, k6; -1.0 / 40.0, k7);
     let share = |i: usize| error[i] / (tolerance * (1.0 + y[i].abs().max(end[i].abs())));
@@ -80,13 +81,17 @@ impl<const N: usize> Step<N> {
     /// The first guard that is below 0 at the step's end, and the share at which it falls through
     /// 0.
     #[inline]
-    fn event(&self, phase: Phase) -> Option<(f64, usize)> {
-        let below = phase.guards([self.end[0], self.end[1]]);
+    fn event(&self, numbers: &Numbers, phase: Phase) -> Option<(f64, usize)> {
+        let below = phase.guards(numbers, [self.end[0], self.end[1]]);
         if below[0] >= 0.0 && below[1] >= 0.0 {
             return None;
         }
         let root = |i: usize| {
-            if below[i] < 0.0 { crossing(|s| phase.guards(self.at(s))[i]) } else { f64::INFINITY }
+            if below[i] < 0.0 {
+                crossing(|s| phase.guards(numbers, self.at(s))[i])
+            } else {
+                f64::INFINITY
+            }
         };
         let shares = [root(0), root(1)];
         let first = usize::from(shares[1] < shares[0]);
@@ -124,18 +129,18 @@ pub(crate) fn crossing(f: impl Fn(f64) -> f64) -> f64 {
 }
 
 /// Runs the scene; returns the number of evaluations.
-pub(crate) fn run(aim: Aim, out: &mut Samples) -> u64 {
+pub(crate) fn run(numbers: &Numbers, aim: Aim, out: &mut Samples) -> u64 {
     out.clear();
     let (mut t, mut y, mut phase) = START;
     let mut evaluations = 0;
     while t < END_S {
         if phase == Phase::Stick {
-            let (until, next) = release(t, y[0]);
+            let (until, next) = numbers.release(t, y[0]);
             out.hold(y[0], until);
             (t, phase) = (until, next);
         } else {
             let smooth = if aim.sine_joins { smooth::<4> } else { smooth::<2> };
-            evaluations += smooth(aim, &mut t, &mut y, &mut phase, out);
+            evaluations += smooth(numbers, aim, &mut t, &mut y, &mut phase, out);
         }
     }
     // The last step may end a rounding before the last sample.
@@ -145,6 +150,7 @@ pub(crate) fn run(aim: Aim, out: &mut Samples) -> u64 {
 
 /// One phase, to its end.
 fn smooth<const N: usize>(
+    numbers: &Numbers,
     aim: Aim,
     t: &mut f64,
     y: &mut State,
@@ -155,25 +161,25 @@ fn smooth<const N: usize>(
     /// too long.
     const FIRST_S: f64 = 5e-4;
     let mut h = FIRST_S.min(aim.largest_step_s);
-    let mut z = full::<N>(*t, *y);
-    let mut slope = phase.slope(*t, &z);
+    let mut z = numbers.full::<N>(*t, *y);
+    let mut slope = phase.slope(numbers, *t, &z);
     let mut evaluations = 1;
     while *t < END_S {
-        let step = attempt(*phase, *t, h, &z, &slope, aim.tolerance);
+        let step = attempt(numbers, *phase, *t, h, &z, &slope, aim.tolerance);
         evaluations += 6;
         let factor = (0.9 * step.error.max(1e-10).powf(-0.2)).clamp(0.2, 5.0);
         if step.error > 1.0 {
             h *= factor.min(1.0);
             continue;
         }
-        let event = step.event(*phase);
+        let event = step.event(numbers, *phase);
         let until = *t + event.map_or(1.0, |(share, _)| share) * h;
         while out.next_s() <= until {
             out.push(step.at((out.next_s() - *t) / h));
         }
         if let Some((share, guard)) = event {
             (*t, *y) = (until, step.at(share));
-            *phase = phase.next(guard, *t, y);
+            *phase = phase.next(numbers, guard, *t, y);
             return evaluations;
         }
         (*t, z, slope) = (until, step.end, step.slope);

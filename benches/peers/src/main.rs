@@ -7,6 +7,7 @@ mod dopri;
 mod ode_solvers_peer;
 mod ours;
 mod scene;
+mod swept;
 mod tune;
 
 use std::process::ExitCode;
@@ -17,7 +18,8 @@ fn main() -> ExitCode {
             ours::reference().map(|theta| theta.iter().map(|x| format!("{x:e}\n")).collect())
         }
         Some("measure") => tune::measure(),
-        _ => Err("usage: zwidth-peers reference | measure".to_owned()),
+        Some("sweep") => tune::sweep(),
+        _ => Err("usage: zwidth-peers reference | measure | sweep".to_owned()),
     };
     match done {
         Ok(text) => {

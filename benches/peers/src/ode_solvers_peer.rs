@@ -8,7 +8,7 @@ use ode_solvers::continuous_output_model::ContinuousOutputModel;
 use ode_solvers::{Dopri5, OutputType, SVector, System};
 
 use crate::dopri::{Aim, crossing};
-use crate::scene::{END_S, Phase, START, Samples, State, full, release};
+use crate::scene::{END_S, Phase, START, STICKING, Samples, State};
 
 struct Segment<'a> {
     phase: Phase,
@@ -18,11 +18,11 @@ struct Segment<'a> {
 
 impl<const N: usize> System<f64, SVector<f64, N>> for Segment<'_> {
     fn system(&self, t: f64, y: &SVector<f64, N>, slope: &mut SVector<f64, N>) {
-        *slope = self.phase.slope(t, &y.data.0[0]).into();
+        *slope = self.phase.slope(&STICKING, t, &y.data.0[0]).into();
     }
 
     fn solout(&mut self, t: f64, y: &SVector<f64, N>, _: &SVector<f64, N>) -> bool {
-        let left = self.phase.guards([y[0], y[1]]).iter().any(|guard| *guard < 0.0);
+        let left = self.phase.guards(&STICKING, [y[0], y[1]]).iter().any(|guard| *guard < 0.0);
         if !left {
             self.from_s.set(t);
         }
@@ -37,7 +37,7 @@ pub(crate) fn run(aim: Aim, out: &mut Samples) -> Result<u64, String> {
     let mut evaluations = 0;
     while t < END_S {
         if phase == Phase::Stick {
-            let (until, next) = release(t, y[0]);
+            let (until, next) = STICKING.release(t, y[0]);
             out.hold(y[0], until);
             (t, phase) = (until, next);
         } else {
@@ -65,7 +65,7 @@ fn smooth<const N: usize>(
         *t,
         END_S,
         0.0,
-        SVector::from(full::<N>(*t, *y)),
+        SVector::from(STICKING.full::<N>(*t, *y)),
         aim.tolerance,
         aim.tolerance,
         0.9,
@@ -84,11 +84,12 @@ fn smooth<const N: usize>(
         .map_err(|error| error.to_string())?;
     let (_, end) = model.bounds();
     let at = |t: f64| -> State { model.evaluate(t).map_or([f64::NAN; 2], |y| [y[0], y[1]]) };
-    let below = phase.guards(stepper.y_out().last().map_or([f64::NAN; 2], |y| [y[0], y[1]]));
+    let below =
+        phase.guards(&STICKING, stepper.y_out().last().map_or([f64::NAN; 2], |y| [y[0], y[1]]));
     let time = |share: f64| (from_s.get() + share * (end - from_s.get())).min(end);
     let root = |i: usize| {
         if below[i] < 0.0 {
-            time(crossing(|share| phase.guards(at(time(share)))[i]))
+            time(crossing(|share| phase.guards(&STICKING, at(time(share)))[i]))
         } else {
             f64::INFINITY
         }
@@ -101,7 +102,7 @@ fn smooth<const N: usize>(
     }
     (*t, *y) = (until, at(until));
     if roots[first].is_finite() {
-        *phase = phase.next(first, *t, y);
+        *phase = phase.next(&STICKING, first, *t, y);
     }
     Ok(u64::from(stats.num_eval))
 }

@@ -1,24 +1,26 @@
 //! zwidth's own solvers on the scene: exact, and its general adaptive methods.
 
-use zwidth_dynamics::{Exact, Grid, Input, DriveMode, Prepared, Solver, System, table3};
+use zwidth_dynamics::{
+    DriveMode, Environment, Exact, Grid, Input, Prepared, Solver, System, table3,
+};
 
-use crate::scene::{SAMPLES, STEP_S, Samples};
-
-/// The sine's magnitude, N.
-const MAGNITUDE_N: f64 = 2.15;
+use crate::scene::{Numbers, SAMPLES, STEP_S, STICKING, Samples};
 
 pub(crate) fn grid() -> Grid {
     Grid::Even { step_s: STEP_S, steps: SAMPLES - 1 }
 }
 
-pub(crate) fn system() -> Result<System, String> {
-    System::new(table3::scene(DriveMode::Hybrid, Input::sine(MAGNITUDE_N)))
-        .map_err(|error| error.to_string())
+pub(crate) fn system(numbers: &Numbers) -> Result<System, String> {
+    let mut scene = table3::scene(DriveMode::Hybrid, Input::sine(numbers.magnitude));
+    scene.environment =
+        Environment::spring(numbers.stiffness, numbers.damping, -table3::HALF_STROKE_RAD);
+    System::new(scene).map_err(|error| error.to_string())
 }
 
 /// θ of the exact solution at every sample, rad.
 pub(crate) fn reference() -> Result<Vec<f64>, String> {
-    let run = Exact::default().run(&system()?, &grid()).map_err(|error| error.to_string())?;
+    let run =
+        Exact::default().run(&system(&STICKING)?, &grid()).map_err(|error| error.to_string())?;
     Ok(run.theta_rad().collect())
 }
 

@@ -3,7 +3,7 @@
 //! lever's stops are never reached in this scene, so no peer has to look for them. Where the lever
 //! sticks nothing is integrated: the time of its release follows from the sine in closed form.
 
-use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
+use std::f64::consts::{E, FRAC_PI_2, FRAC_PI_4, LN_2, PI, SQRT_2, TAU};
 
 /// θ, rad, and θ̇, rad/s.
 pub(crate) type State = [f64; 2];
@@ -16,18 +16,42 @@ pub(crate) type Full<const N: usize> = [f64; N];
 
 /// M_O, kg, at a lever of 1 m.
 const MASS: f64 = 0.005;
-/// K_O, N/rad.
-const STIFFNESS: f64 = 4.0;
-/// B_O, N s/rad.
-const DAMPING: f64 = 1.0;
 /// θ_rest, rad; the lever starts there.
 const REST: f64 = -FRAC_PI_4;
 /// Largest motor force F_m, N.
 const MOTOR: f64 = 3.25;
-/// Magnitude of the sine a, N.
-const MAGNITUDE: f64 = 2.15;
 /// Its angular frequency, rad/s.
 const OMEGA: f64 = FRAC_PI_2;
+
+/// The numbers that a sweep changes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Numbers {
+    /// K_O, N/rad.
+    pub(crate) stiffness: f64,
+    /// B_O, N s/rad.
+    pub(crate) damping: f64,
+    /// Magnitude of the sine a, N.
+    pub(crate) magnitude: f64,
+}
+
+/// Those of the one scene.
+pub(crate) const STICKING: Numbers = Numbers { stiffness: 4.0, damping: 1.0, magnitude: 2.15 };
+
+/// Number of scenes in the sweep.
+pub(crate) const SWEPT: u32 = 1000;
+
+/// The numbers of scene `i` of the sweep: multiples of irrational numbers fill the ranges evenly without
+/// a random generator (Weyl 1916). In all of them the lever stays between its stops, and the brake below its limit.
+pub(crate) fn swept(i: u32) -> Numbers {
+    let spread = |irrational: f64, low: f64, high: f64| {
+        low + (high - low) * (f64::from(i) * irrational).fract()
+    };
+    Numbers {
+        stiffness: spread(SQRT_2, 3.5, 8.0),
+        damping: spread(LN_2, 0.5, 2.0),
+        magnitude: spread(E, 1.0, 2.5),
+    }
+}
 
 /// Step of the output grid, s.
 pub(crate) const STEP_S: f64 = 0.008_3;
@@ -55,33 +79,75 @@ pub(crate) enum Phase {
     Stick,
 }
 
-/// u at rest, N.
-fn spring(theta: f64) -> f64 {
-    STIFFNESS * (theta - REST)
-}
+impl Numbers {
+    /// u at rest, N.
+    fn spring(&self, theta: f64) -> f64 {
+        self.stiffness * (theta - REST)
+    }
 
-/// F_ex(t) = a + a sin ωt, N.
-#[inline]
-pub(crate) fn push(t: f64) -> f64 {
-    MAGNITUDE + MAGNITUDE * (OMEGA * t).sin()
+    /// F_ex(t) = a + a sin ωt, N.
+    #[inline]
+    fn push(&self, t: f64) -> f64 {
+        self.magnitude + self.magnitude * (OMEGA * t).sin()
+    }
+
+    /// θ and θ̇ with the rest of what is integrated.
+    pub(crate) fn full<const N: usize>(&self, t: f64, y: State) -> Full<N> {
+        let a = self.magnitude;
+        let swing = [a * (OMEGA * t).sin(), a * OMEGA * (OMEGA * t).cos()];
+        std::array::from_fn(|i| if i < 2 { y[i] } else { swing[i - 2] })
+    }
+
+    /// The phase that follows from θ̇ = 0.
+    fn at_rest(&self, t: f64, theta: f64) -> Phase {
+        let force = self.push(t);
+        if force > self.spring(theta) {
+            Phase::Forward
+        } else if force < self.spring(theta).min(MOTOR) {
+            self.backward(theta)
+        } else {
+            Phase::Stick
+        }
+    }
+
+    fn backward(&self, theta: f64) -> Phase {
+        if self.spring(theta) > MOTOR { Phase::Saturated } else { Phase::Backward }
+    }
+
+    /// When a lever that sticks at `theta` since `t` is released, and into which phase.
+    pub(crate) fn release(&self, t: f64, theta: f64) -> (f64, Phase) {
+        let rises = self.next_time(t, self.spring(theta), false);
+        let falls = self.next_time(t, self.spring(theta).min(MOTOR), true);
+        if rises < falls { (rises, Phase::Forward) } else { (falls, self.backward(theta)) }
+    }
+
+    /// The next time after `t` at which the push rises or falls through a force; infinite if it never
+    /// does.
+    fn next_time(&self, t: f64, force: f64, falling: bool) -> f64 {
+        let angle = (force / self.magnitude - 1.0).asin();
+        let first = if falling { PI - angle } else { angle };
+        if first.is_nan() { f64::INFINITY } else { t + (first - OMEGA * t).rem_euclid(TAU) / OMEGA }
+    }
 }
 
 impl Phase {
     /// Stiffness, damping and constant part of the actuators' resisting force.
     #[inline]
-    pub(crate) fn law(self) -> [f64; 3] {
+    pub(crate) fn law(self, numbers: &Numbers) -> [f64; 3] {
         match self {
-            Self::Forward | Self::Backward => [STIFFNESS, DAMPING, -STIFFNESS * REST],
+            Self::Forward | Self::Backward => {
+                [numbers.stiffness, numbers.damping, -numbers.stiffness * REST]
+            }
             Self::Saturated | Self::Stick => [0.0, 0.0, MOTOR],
         }
     }
 
     /// Rate of the state.
     #[inline]
-    pub(crate) fn slope<const N: usize>(self, t: f64, y: &Full<N>) -> Full<N> {
-        let [k, b, c] = self.law();
+    pub(crate) fn slope<const N: usize>(self, numbers: &Numbers, t: f64, y: &Full<N>) -> Full<N> {
+        let [k, b, c] = self.law(numbers);
         let mut slope = [0.0; N];
-        let force = if N == 4 { MAGNITUDE + y[2] } else { push(t) };
+        let force = if N == 4 { numbers.magnitude + y[2] } else { numbers.push(t) };
         slope[0] = y[1];
         slope[1] = (force - k * y[0] - b * y[1] - c) * (1.0 / MASS);
         if N == 4 {
@@ -92,8 +158,8 @@ impl Phase {
     }
 
     /// Its derivative by the state, times v.
-    pub(crate) fn jacobian_times<const N: usize>(self, v: &Full<N>) -> Full<N> {
-        let [k, b, _] = self.law();
+    pub(crate) fn jacobian_times<const N: usize>(self, numbers: &Numbers, v: &Full<N>) -> Full<N> {
+        let [k, b, _] = self.law(numbers);
         let mut product = [0.0; N];
         product[0] = v[1];
         product[1] = (-k * v[0] - b * v[1]) / MASS;
@@ -107,8 +173,8 @@ impl Phase {
 
     /// Above 0 inside the phase: the distance to reversal and to the motor's limit.
     #[inline]
-    pub(crate) fn guards(self, y: State) -> [f64; 2] {
-        let below_limit = MOTOR - spring(y[0]) - DAMPING * y[1];
+    pub(crate) fn guards(self, numbers: &Numbers, y: State) -> [f64; 2] {
+        let below_limit = MOTOR - numbers.spring(y[0]) - numbers.damping * y[1];
         match self {
             Self::Forward | Self::Stick => [y[1], 1.0],
             Self::Saturated => [-y[1], -below_limit],
@@ -117,50 +183,13 @@ impl Phase {
     }
 
     /// The phase after a guard has reached 0; a reversal sets θ̇ to 0.
-    pub(crate) fn next(self, guard: usize, t: f64, y: &mut State) -> Self {
+    pub(crate) fn next(self, numbers: &Numbers, guard: usize, t: f64, y: &mut State) -> Self {
         if guard == 0 {
             y[1] = 0.0;
-            return at_rest(t, y[0]);
+            return numbers.at_rest(t, y[0]);
         }
         if self == Self::Saturated { Self::Backward } else { Self::Saturated }
     }
-}
-
-/// θ and θ̇ with the rest of what is integrated.
-pub(crate) fn full<const N: usize>(t: f64, y: State) -> Full<N> {
-    let swing = [MAGNITUDE * (OMEGA * t).sin(), MAGNITUDE * OMEGA * (OMEGA * t).cos()];
-    std::array::from_fn(|i| if i < 2 { y[i] } else { swing[i - 2] })
-}
-
-/// The phase that follows from θ̇ = 0.
-fn at_rest(t: f64, theta: f64) -> Phase {
-    let force = push(t);
-    if force > spring(theta) {
-        Phase::Forward
-    } else if force < spring(theta).min(MOTOR) {
-        backward(theta)
-    } else {
-        Phase::Stick
-    }
-}
-
-fn backward(theta: f64) -> Phase {
-    if spring(theta) > MOTOR { Phase::Saturated } else { Phase::Backward }
-}
-
-/// When a lever that sticks at `theta` since `t` is released, and into which phase.
-pub(crate) fn release(t: f64, theta: f64) -> (f64, Phase) {
-    let rises = next_time(t, spring(theta), false);
-    let falls = next_time(t, spring(theta).min(MOTOR), true);
-    if rises < falls { (rises, Phase::Forward) } else { (falls, backward(theta)) }
-}
-
-/// The next time after `t` at which the push rises or falls through a force; infinite if it never
-/// does.
-fn next_time(t: f64, force: f64, falling: bool) -> f64 {
-    let angle = (force / MAGNITUDE - 1.0).asin();
-    let first = if falling { PI - angle } else { angle };
-    if first.is_nan() { f64::INFINITY } else { t + (first - OMEGA * t).rem_euclid(TAU) / OMEGA }
 }
 
 /// Where every peer starts.

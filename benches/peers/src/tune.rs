@@ -11,17 +11,18 @@ use crate::diffsol_peer::{self, Method};
 use crate::dopri::{self, Aim};
 use crate::ode_solvers_peer;
 use crate::ours;
-use crate::scene::Samples;
+use crate::scene::{STICKING, Samples};
+use crate::swept;
 
 /// Largest error of θ over the samples that a tuned peer may have, rad.
 const TARGETS_RAD: [f64; 2] = [1e-6, 1e-10];
 /// Tolerances tried.
-const TOLERANCES: [f64; 23] = [
+pub(crate) const TOLERANCES: [f64; 23] = [
     1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 3e-6, 1e-6, 3e-7, 1e-7, 3e-8, 1e-8, 3e-9, 1e-9,
     3e-10, 1e-10, 3e-11, 1e-11, 3e-12, 1e-12, 3e-13, 1e-13,
 ];
 /// Largest steps tried, s. An explicit method of order 5 is stable up to about 17 ms on this scene.
-const LARGEST_STEPS_S: [f64; 10] =
+pub(crate) const LARGEST_STEPS_S: [f64; 10] =
     [f64::INFINITY, 0.018, 0.016, 0.014, 0.012, 0.01, 0.008, 0.006, 0.004, 0.002];
 /// Time spent on one trial of a setting.
 const TRIAL: Duration = Duration::from_millis(3);
@@ -32,7 +33,7 @@ const ROUNDS: usize = 6;
 const TOO_SLOW: Duration = Duration::from_millis(400);
 
 /// A run of a peer with its setting fixed.
-type Run<'a> = Box<dyn FnMut(&mut Samples) -> Result<u64, String> + 'a>;
+pub(crate) type Run<'a> = Box<dyn FnMut(&mut Samples) -> Result<u64, String> + 'a>;
 /// Makes such runs.
 type Make<'a> = Box<dyn Fn(Aim) -> Result<Run<'a>, String> + 'a>;
 
@@ -47,14 +48,17 @@ struct Peer<'a> {
 }
 
 /// A peer at its best setting for a target.
-struct Tuned<'a> {
-    name: &'static str,
-    method: &'static str,
-    target_rad: f64,
-    aim: Option<Aim>,
-    error_rad: f64,
-    evaluations: u64,
-    run: Run<'a>,
+pub(crate) struct Tuned<'a> {
+    pub(crate) name: &'static str,
+    pub(crate) method: &'static str,
+    pub(crate) target_rad: f64,
+    pub(crate) aim: Option<Aim>,
+    pub(crate) error_rad: f64,
+    pub(crate) evaluations: u64,
+    /// Scenes per run.
+    pub(crate) scenes: u32,
+    /// The run in one or several parts, each timed by itself.
+    pub(crate) parts: Vec<Run<'a>>,
 }
 
 fn diffsol(method: Method, aim: Aim) -> Result<Run<'static>, String> {
@@ -71,7 +75,9 @@ fn peers(system: &System) -> Vec<Peer<'_>> {
         method: "DP5(4)",
         steps: true,
         forms,
-        make: Box::new(|aim| Ok(Box::new(move |out: &mut Samples| Ok(dopri::run(aim, out))))),
+        make: Box::new(|aim| {
+            Ok(Box::new(move |out: &mut Samples| Ok(dopri::run(&STICKING, aim, out))))
+        }),
     };
     let diffsol_by = |method, name| Peer {
         name: "diffsol 0.18",
@@ -120,7 +126,7 @@ fn peers(system: &System) -> Vec<Peer<'_>> {
 }
 
 /// Largest difference of θ, rad; infinite if a sample is missing or not a number.
-fn error(out: &Samples, reference: &[f64]) -> f64 {
+pub(crate) fn error(out: &Samples, reference: &[f64]) -> f64 {
     let differences = || out.theta.iter().zip(reference).map(|(a, b)| (a - b).abs());
     let whole = out.theta.len() == reference.len() && out.theta_dot.len() == reference.len();
     if whole && differences().all(f64::is_finite) {
@@ -175,7 +181,16 @@ fn tune<'a>(
             let Peer { name, method, .. } = *peer;
             found = Some((
                 time,
-                Tuned { name, method, target_rad, aim: Some(aim), error_rad, evaluations, run },
+                Tuned {
+                    name,
+                    method,
+                    target_rad,
+                    aim: Some(aim),
+                    error_rad,
+                    evaluations,
+                    scenes: 1,
+                    parts: vec![run],
+                },
             ));
         }
     }
@@ -204,7 +219,8 @@ fn exact<'a>(
             aim: None,
             error_rad: 0.0,
             evaluations,
-            run,
+            scenes: 1,
+            parts: vec![run],
         });
     }
     Ok(all)
@@ -214,7 +230,7 @@ fn exact<'a>(
 /// target, tolerance, largest step, error, evaluations, seconds in the first and second pass,
 /// remark.
 pub(crate) fn measure() -> Result<String, String> {
-    let (system, grid, reference) = (ours::system()?, ours::grid(), ours::reference()?);
+    let (system, grid, reference) = (ours::system(&STICKING)?, ours::grid(), ours::reference()?);
     let mut out = Samples::default();
     let mut all = exact(&system, &grid, &mut out)?;
     let mut rows = String::new();
@@ -231,6 +247,8 @@ pub(crate) fn measure() -> Result<String, String> {
             }
         }
     }
+    let one = tuned_by_hand(&all);
+    all.extend(swept::peers(&grid, one, &mut out)?);
     let passes = [pass(&mut all, &mut out), pass(&mut all, &mut out)];
     for (i, tuned) in all.iter().enumerate() {
         writeln!(rows, "{}", row(tuned, passes[0][i], passes[1][i]))
@@ -239,25 +257,59 @@ pub(crate) fn measure() -> Result<String, String> {
     Ok(rows)
 }
 
-/// The shortest run of each over all rounds.
+/// The setting of Dormand–Prince by hand for the one scene and the coarser target.
+fn tuned_by_hand(all: &[Tuned<'_>]) -> Option<Aim> {
+    let by_hand = |tuned: &&Tuned<'_>| {
+        tuned.name == "hand-coded Rust"
+            && tuned.target_rad.to_bits() == TARGETS_RAD[0].to_bits()
+            && tuned.aim.is_some_and(|aim| aim.sine_joins)
+    };
+    all.iter().find(by_hand).and_then(|tuned| tuned.aim)
+}
+
+/// Times the exact solver, Dormand–Prince by hand and the sweep alone: the rows of a quick look.
+pub(crate) fn sweep() -> Result<String, String> {
+    let (system, grid, reference) = (ours::system(&STICKING)?, ours::grid(), ours::reference()?);
+    let mut out = Samples::default();
+    let mut all = exact(&system, &grid, &mut out)?;
+    let peers = peers(&system);
+    let by_hand =
+        peers.iter().filter(|peer| peer.name == "hand-coded Rust" && peer.forms == [true]);
+    all.extend(by_hand.filter_map(|peer| tune(peer, TARGETS_RAD[0], &reference, &mut out)));
+    let one = tuned_by_hand(&all);
+    all.extend(swept::peers(&grid, one, &mut out)?);
+    let passes = [pass(&mut all, &mut out), pass(&mut all, &mut out)];
+    Ok(all
+        .iter()
+        .enumerate()
+        .map(|(i, tuned)| row(tuned, passes[0][i], passes[1][i]) + "\n")
+        .collect())
+}
+
+/// The shortest run of each over all rounds; of a run in parts the sum of the parts' shortest.
 fn pass(all: &mut [Tuned<'_>], out: &mut Samples) -> Vec<Duration> {
-    let mut least = vec![Duration::MAX; all.len()];
+    let mut least: Vec<Vec<Duration>> =
+        all.iter().map(|tuned| vec![Duration::MAX; tuned.parts.len()]).collect();
     for _ in 0..ROUNDS {
         for (tuned, least) in all.iter_mut().zip(&mut least) {
-            *least = (*least).min(best(&mut tuned.run, ROUND, out));
+            let time = ROUND / tuned.parts.len() as u32;
+            for (run, least) in tuned.parts.iter_mut().zip(least) {
+                *least = (*least).min(best(run, time, out));
+            }
         }
     }
-    least
+    least.iter().map(|parts| parts.iter().sum()).collect()
 }
 
 fn row(tuned: &Tuned<'_>, first: Duration, second: Duration) -> String {
-    let Tuned { name, method, target_rad, error_rad, evaluations, .. } = tuned;
+    let Tuned { name, method, target_rad, error_rad, evaluations, scenes, .. } = tuned;
     let sine =
         tuned.aim.map_or("", |aim| if aim.sine_joins { "in the state" } else { "evaluated" });
     let tolerance = tuned.aim.map_or_else(String::new, |aim| format!("{:e}", aim.tolerance));
     let step = tuned.aim.map(|aim| aim.largest_step_s).filter(|step| step.is_finite());
     let step = step.map_or_else(String::new, |step| step.to_string());
-    let (first, second) = (first.as_secs_f64(), second.as_secs_f64());
+    let (first, second) =
+        (first.as_secs_f64() / f64::from(*scenes), second.as_secs_f64() / f64::from(*scenes));
     format!(
         "{name}\t{method}\t{sine}\t{target_rad:e}\t{tolerance}\t{step}\t{error_rad:e}\t{evaluations}\t{first:e}\t{second:e}\t"
     )
