@@ -1,6 +1,6 @@
 //! How much the exponential magnifies a relative error of its matrix.
 
-use super::{Matrix, ORDER, growth, plus_identity, series};
+use super::{Matrix, ORDER, growth, series};
 
 /// The matrix is halved to this size, so that three powers of its derivative are enough.
 const RADIUS: f64 = 0.031_25;
@@ -62,10 +62,10 @@ impl<const N: usize> Halved<N> {
         let halvings = if rate > RADIUS { libm::ilogb(rate / RADIUS) + 1 } else { 0 };
         let lowest = a.map(|x| libm::ldexp(x, -halvings));
         let mut change = series::<N, N>(&lowest, 1.0, ORDER);
-        let mut flows = vec![plus_identity(&change)];
+        let mut flows = vec![change.shifted(1.0)];
         for _ in 0..halvings {
             change = change.zip(&change.product(&change), |x, square| 2.0 * x + square);
-            flows.push(plus_identity(&change));
+            flows.push(change.shifted(1.0));
         }
         change.largest().is_finite().then_some(Self { lowest, flows })
     }

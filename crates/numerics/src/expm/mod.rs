@@ -196,21 +196,20 @@ impl<const N: usize, const D: usize> Ladder<N, D> {
         let span = libm::ldexp(top, -halvings);
         let mut change = series::<N, D>(&a, span, ORDER);
         let bound = series::<N, D>(&a.map(f64::abs), span, BOUND_ORDER).map(|x| BOUND_MARGIN * x);
-        let mut rung = Rung { span, flow: plus_identity(&change), envelope: plus_identity(&bound) };
         let mut rungs = Vec::with_capacity(halvings.clamp(0, MOST_RUNGS as i32) as usize + 1);
-        while rung.span < top && rungs.len() < MOST_RUNGS {
-            change = change.zip(&change.product_split::<D>(&change), |x, square| 2.0 * x + square);
+        rungs.push(Rung { span, flow: change.shifted(1.0), envelope: bound.shifted(1.0) });
+        while let Some(last) = rungs.last().filter(|rung| rung.span < top)
+            && rungs.len() <= MOST_RUNGS
+        {
+            change = joined::<N, D>(&change, &change);
             // |Φ(s + t)| ≤ |Φ(s)| |Φ(t)| entry by entry carries the envelope over.
-            let second = rung.flow.map(f64::abs).product_split::<D>(&rung.envelope);
-            let next = Rung {
-                span: 2.0 * rung.span,
-                flow: plus_identity(&change),
-                envelope: rung.envelope.zip(&second, f64::max),
-            };
-            rungs.push(rung);
-            rung = next;
+            let second = last.flow.map(f64::abs).product_split::<D>(&last.envelope);
+            rungs.push(Rung {
+                span: 2.0 * last.span,
+                flow: change.shifted(1.0),
+                envelope: last.envelope.zip(&second, f64::max),
+            });
         }
-        rungs.push(rung);
         let mut ladder = Self { a, rate, rungs, rest: None };
         if ladder.is_long(reach) {
             let rest = rest();
@@ -259,48 +258,53 @@ impl<const N: usize, const D: usize> Ladder<N, D> {
         if top.span.to_bits() == t.to_bits() {
             return top.flow;
         }
-        let [flow] = self.flows(t);
-        flow
+        let precise = self.precise_multiples(t, 1).into_iter().find(Matrix::is_finite);
+        precise.unwrap_or_else(|| self.change(t).shifted(1.0))
     }
 
-    /// `exp(A k t)` for `k = 1 … M`: where the last of these is long in twice the precision, which
-    /// takes little more than the last one alone.
-    pub fn flows<const M: usize>(&self, t: f64) -> [Matrix<N>; M] {
-        let long = self.is_long(M as f64 * t);
+    /// `exp(A k t)` for `k = 1 … count`, each rounded a few times at most: where the last of these is
+    /// long in twice the precision, which takes little more than the last one alone.
+    pub fn multiples(&self, t: f64, count: usize) -> Vec<Matrix<N>> {
+        let mut changes = Vec::with_capacity(count);
+        changes.push(self.change(t));
+        while changes.len() < count {
+            let half = changes.len().div_ceil(2);
+            let (a, b) = (&changes[half - 1], &changes[changes.len() - half]);
+            changes.push(joined::<N, D>(a, b));
+        }
+        let mut flows: Vec<_> = changes.iter().map(|change| change.shifted(1.0)).collect();
+        for (flow, precise) in flows.iter_mut().zip(self.precise_multiples(t, count)) {
+            if precise.is_finite() {
+                *flow = precise;
+            }
+        }
+        flows
+    }
+
+    /// `exp(A t) - 1` in the working precision.
+    fn change(&self, t: f64) -> Matrix<N> {
+        let angle = self.rate * t;
+        let halvings = if angle > RADIUS { libm::ilogb(angle / RADIUS) + 1 } else { 0 };
+        let shortest = series::<N, D>(&self.a, libm::ldexp(t, -halvings), ORDER);
+        (0..halvings).fold(shortest, |change, _| joined::<N, D>(&change, &change))
+    }
+
+    /// The multiples in twice the precision; none if that is not needed, or the angle is too large
+    /// for a number.
+    fn precise_multiples(&self, t: f64, count: usize) -> Vec<Matrix<N>> {
+        let angle = self.rate * t;
+        if !self.is_long(count as f64 * t) || !angle.is_finite() {
+            return Vec::new();
+        }
+        let halvings = if angle > RADIUS { libm::ilogb(angle / RADIUS) + 1 } else { 0 };
         let rest = self.rest.as_deref().copied().unwrap_or(Matrix::ZERO);
-        let precise: Option<[Matrix<N>; M]> =
-            long.then(|| precise_flows(&self.a, &rest, self.rate, t)).flatten();
-        std::array::from_fn(|k| {
-            let precise = precise.map(|flows| flows[k]).filter(Matrix::is_finite);
-            // In the working precision: each unit vector advanced along the ladder.
-            precise.unwrap_or_else(|| {
-                let t = (k + 1) as f64 * t;
-                let identity = Matrix::<N>::identity();
-                Matrix { columns: identity.columns.map(|unit| self.advance(&unit, t)) }
-            })
-        })
+        precise::multiples(&self.a, &rest, t, halvings, count)
     }
 
     /// Index of the shortest rung whose span is at least `t` (the longest if none is).
     pub fn covering(&self, t: f64) -> usize {
         self.rungs.iter().position(|rung| rung.span >= t).unwrap_or(self.rungs.len() - 1)
     }
-}
-
-/// `exp((A + rest) k t)` for `k = 1 … M` and `t` > 0 in twice the precision, rounded once; `rate` as in [`Ladder`]. `None`
-/// where the angle is too large for a number.
-fn precise_flows<const N: usize, const M: usize>(
-    a: &Matrix<N>,
-    rest: &Matrix<N>,
-    rate: f64,
-    t: f64,
-) -> Option<[Matrix<N>; M]> {
-    let angle = rate * t;
-    if !angle.is_finite() {
-        return None;
-    }
-    let halvings = if angle > RADIUS { libm::ilogb(angle / RADIUS) + 1 } else { 0 };
-    Some(precise::multiples(a, rest, t, halvings))
 }
 
 /// `exp(A t) - 1`. The rungs are doubled in this form, `X(2s) = 2 X(s) + X(s)²`, because the change
@@ -311,13 +315,14 @@ fn series<const N: usize, const D: usize>(a: &Matrix<N>, t: f64, order: usize) -
     let scaled = a.map(|x| x * t);
     let mut sum = Matrix::ZERO;
     for k in (1..=order).rev() {
-        sum = scaled.product_split::<D>(&plus_identity(&sum)).map(|x| x * INVERSE[k]);
+        sum = scaled.product_split::<D>(&sum.shifted(1.0)).map(|x| x * INVERSE[k]);
     }
     sum
 }
 
-fn plus_identity<const N: usize>(change: &Matrix<N>) -> Matrix<N> {
-    change.shifted(1.0)
+/// The change over one span and then another, both split after `D`, which commute: `X + Y + X Y`.
+fn joined<const N: usize, const D: usize>(x: &Matrix<N>, y: &Matrix<N>) -> Matrix<N> {
+    x.zip(y, |x, y| x + y).zip(&x.product_split::<D>(y), |sum, product| sum + product)
 }
 
 #[cfg(test)]
@@ -375,8 +380,8 @@ mod tests {
     #[test]
     fn multiples_are_the_flows_one_by_one_though_the_last_of_them_is_too_large_for_a_number() {
         let ladder = Ladder::<1>::new(Matrix::from_fn(|_, _| 200.0), 10.0);
-        let flows: [Matrix<1>; 4] = ladder.flows(1.0);
-        for (k, flow) in (1..=3).zip(flows) {
+        let flows = ladder.multiples(1.0, 4);
+        for (k, flow) in (1..=3).zip(&flows) {
             let exact = libm::exp(200.0 * f64::from(k));
             assert!((flow.at(0, 0) / exact - 1.0).abs() < 1e-13, "{k}: {}", flow.at(0, 0));
         }

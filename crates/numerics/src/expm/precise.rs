@@ -35,23 +35,19 @@ pub(super) fn doublings<const N: usize>(
     flows
 }
 
-/// `exp((A + rest) k t)` for `k = 1 … M`, each rounded once, by `halvings` of `t`, after which it
+/// `exp((A + rest) k t)` for `k = 1 … count`, each rounded once, by `halvings` of `t`, after which it
 /// is short.
-pub(super) fn multiples<const N: usize, const M: usize>(
+pub(super) fn multiples<const N: usize>(
     a: &Matrix<N>,
     rest: &Matrix<N>,
     t: f64,
     halvings: i32,
-) -> [Matrix<N>; M] {
+    count: usize,
+) -> Vec<Matrix<N>> {
     let shortest = short(a, rest, libm::ldexp(t, -halvings));
     let one = (0..halvings).fold(shortest, |change, _| change.followed_by(&change));
-    let mut all = one;
-    std::array::from_fn(|k| {
-        if k > 0 {
-            all = all.followed_by(&one);
-        }
-        all.plus_identity().high
-    })
+    let all = std::iter::successors(Some(one), |all| Some(all.followed_by(&one)));
+    all.take(count).map(|change| change.plus_identity().high).collect()
 }
 
 /// `exp((A + rest) t) - 1` over a short span.
@@ -135,7 +131,7 @@ mod tests {
 
     #[test]
     fn multiples_are_the_flows_over_so_many_spans() {
-        let flows: [Matrix<2>; 7] = multiples(&turn(1.0), &Matrix::ZERO, 5.0, 8);
+        let flows = multiples(&turn(1.0), &Matrix::ZERO, 5.0, 8, 7);
         for (k, flow) in (1..).zip(flows) {
             let angle = 5.0 * f64::from(k);
             let (cosine, sine) =

@@ -65,6 +65,8 @@ pub(super) struct Compiled<const N: usize, const D: usize, const G: usize> {
     /// Whether it is prepared for an even grid.
     even: bool,
     reach_s: f64,
+    /// Whether its flow over the reach is finite.
+    pub(super) reaches: bool,
     /// Length of the last interval without a prepared step; the second of its kind gets one.
     wanted_h: f64,
 }
@@ -85,6 +87,7 @@ impl<const N: usize, const D: usize, const G: usize> Compiled<N, D, G> {
         };
         let guards = flow.guards.iter().map(|guard| shorten(&guard.value.row.0));
         Self {
+            reaches: ladder.reaches(reach_s),
             region: *region,
             flow: ReadyFlow::new(ladder, guards),
             // Places without a guard never fall.
@@ -107,13 +110,14 @@ impl<const N: usize, const D: usize, const G: usize> Compiled<N, D, G> {
     #[inline]
     pub(super) fn is_ready(&mut self, h: f64, even: bool) -> bool {
         /// Steps that have to be uneven before the table for them, which costs some tens of them,
-        /// is worth it.
-        const WORTH: u32 = 32;
+        /// is worth it; thousands of them where its flows are computed in twice the precision.
+        const WORTH: [u32; 2] = [32, 4096];
         if self.step.as_ref().is_some_and(|step| step.h.to_bits() == h.to_bits()) {
             return true;
         }
         let first = even && self.step.is_none();
-        let again = self.wanted_h.to_bits() == h.to_bits();
+        // Once there is a table, a step of its own is not worth making: others follow it.
+        let again = self.wanted_h.to_bits() == h.to_bits() && self.table.is_none();
         // What is left over at an even grid's end is the same in every run, and not worth it
         // either.
         let wanted = first || again && (even || !self.even);
@@ -122,8 +126,8 @@ impl<const N: usize, const D: usize, const G: usize> Compiled<N, D, G> {
             self.step = Some(Box::new(self.prepare(h)));
         } else {
             self.uneven += 1;
-            if self.uneven == WORTH {
-                self.table = Some(Table::new(&self.flow.ladder, self.reach_s));
+            if self.uneven == WORTH[usize::from(self.flow.ladder.is_long(self.reach_s))] {
+                self.table = Table::new(&self.flow.ladder, self.reach_s);
             }
         }
         wanted
@@ -196,15 +200,15 @@ impl<const N: usize, const D: usize, const G: usize> Compiled<N, D, G> {
     }
 
     /// State after a span of any length up to the reach, and the number of the bound that covers
-    /// it.
+    /// it; `bend` is z̈ now.
     #[inline]
-    pub(super) fn far(&self, z: &[f64; N], span: f64) -> ([f64; N], usize) {
+    pub(super) fn far(&self, from: &Moment<N, G>, bend: &[f64; N], span: f64) -> ([f64; N], usize) {
         let ladder = &self.flow.ladder;
         let shorter = ladder.rungs.iter().rposition(|rung| rung.span < span);
         let cover = shorter.map_or(0, |at| at + 1).min(ladder.rungs.len() - 1);
         let next = match &self.table {
-            Some(table) => table.advance(&ladder.a, z, span),
-            None => ladder.advance(z, span),
+            Some(table) => table.advance(&ladder.a, [&from.z, &from.rate, bend], span),
+            None => ladder.advance(&from.z, span),
         };
         (next, cover)
     }

@@ -336,9 +336,9 @@ impl<'a, const N: usize, const D: usize, const G: usize> Run<'a, N, D, G> {
     fn cross_uneven(&mut self, h: f64) -> bool {
         self.pieces += 1;
         let compiled = &self.regions[self.current];
-        let (next, cover) = compiled.far(&self.now.z, h);
-        let after = compiled.look(next);
         let bend = compiled.flow.bend(&self.now.rate);
+        let (next, cover) = compiled.far(&self.now, &bend, h);
+        let after = compiled.look(next);
         let sag = &compiled.flow.sags[cover];
         let now = &self.now;
         if !compiled.flow.is_free(sag, [&now.rate, &bend], &now.guards, &after.guards) {
@@ -437,7 +437,7 @@ impl<'a, const N: usize, const D: usize, const G: usize> Run<'a, N, D, G> {
             }
         }
         // A flow that is not finite would show as NaN in the states, long after its reason.
-        if !self.regions[self.current].flow.ladder.reaches(self.reach.longest_s) {
+        if !self.regions[self.current].reaches {
             return Err(self.system.not_finite(t));
         }
         self.refresh();
