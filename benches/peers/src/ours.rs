@@ -1,7 +1,7 @@
 //! zwidth's own solvers on the scene: exact, and its general adaptive methods.
 
 use zwidth_dynamics::{
-    DriveMode, Environment, Exact, Grid, Input, Prepared, Solver, System, table3,
+    DriveMode, Environment, Exact, Grid, Input, Prepared, Solver, System, Trajectory, table3,
 };
 
 use crate::scene::{Numbers, SAMPLES, STEP_S, STICKING, Samples};
@@ -29,17 +29,19 @@ pub(crate) fn prepare(system: &System) -> Result<Box<dyn Prepared + '_>, String>
     Exact::default().prepare(system, &grid()).map_err(|error| error.to_string())
 }
 
+/// A trajectory that runs are written into: θ and θ̇ of every sample, and the rest of its state.
+pub(crate) fn room(grid: &Grid) -> Result<Trajectory, String> {
+    Exact::default().run(&system(&STICKING)?, grid).map_err(|error| error.to_string())
+}
+
 /// An exact run of a system that is ready; returns the number of products with a flow matrix.
 pub(crate) fn exact(
     prepared: &mut dyn Prepared,
     grid: &Grid,
-    out: &mut Samples,
+    out: &mut Trajectory,
 ) -> Result<u64, String> {
-    out.clear();
-    let run = prepared
-        .visit(grid, &mut |_, z| out.push([z[0], z[1]]))
-        .map_err(|error| error.to_string())?;
-    Ok(run.work.evaluations)
+    prepared.run_into(grid, out).map_err(|error| error.to_string())?;
+    Ok(out.work.evaluations)
 }
 
 /// A run of a general solver; returns the number of evaluations.

@@ -1,7 +1,10 @@
 //! A sweep: a thousand scenes of other parameters each. From its numbers on every scene is made anew, with all of its
 //! matrices. The peer has the setting that is best for all of them, or that of the one scene.
 
-use zwidth_dynamics::Grid;
+use std::cell::RefCell;
+use std::rc::Rc;
+
+use zwidth_dynamics::{Grid, Trajectory};
 
 use crate::dopri::{self, Aim};
 use crate::ours;
@@ -24,16 +27,18 @@ pub(crate) fn peers<'a>(
     out: &mut Samples,
 ) -> Result<Vec<Tuned<'a>>, String> {
     let numbers: Vec<Numbers> = (0..SWEPT).map(swept).collect();
+    let room = Rc::new(RefCell::new(ours::room(grid)?));
     let mut references = Vec::new();
     let mut evaluations = 0;
     for numbers in &numbers {
-        evaluations += exact(numbers, grid, out)?;
-        references.push(out.theta.clone());
+        evaluations += exact(numbers, grid, &mut room.borrow_mut())?;
+        references.push(room.borrow().theta_rad().collect::<Vec<f64>>());
     }
     let parts = numbers.chunks(PART).map(|part| {
-        let part = part.to_vec();
-        Box::new(move |out: &mut Samples| {
-            part.iter().try_fold(0, |sum, numbers| Ok(sum + exact(numbers, grid, out)?))
+        let (part, room) = (part.to_vec(), Rc::clone(&room));
+        Box::new(move |_: &mut Samples| {
+            let mut room = room.borrow_mut();
+            part.iter().try_fold(0, |sum, numbers| Ok(sum + exact(numbers, grid, &mut room)?))
         }) as Run<'a>
     });
     let ours = Tuned {
@@ -73,7 +78,7 @@ pub(crate) fn peers<'a>(
 }
 
 /// One scene from its numbers to its samples.
-fn exact(numbers: &Numbers, grid: &Grid, out: &mut Samples) -> Result<u64, String> {
+fn exact(numbers: &Numbers, grid: &Grid, out: &mut Trajectory) -> Result<u64, String> {
     let system = ours::system(numbers)?;
     ours::exact(ours::prepare(&system)?.as_mut(), grid, out)
 }
