@@ -32,7 +32,7 @@ impl<const N: usize, const D: usize> Table<N, D> {
         /// Spans in the longest time: far fewer than a double can count.
         const MOST_SPANS: f64 = 1e12;
         let span = libm::ldexp(ladder.rungs[0].span, -FINER);
-        if !(reach / span < MOST_SPANS) {
+        if span <= 0.0 || reach / span > MOST_SPANS {
             return None;
         }
         let longest = reach + 0.5 * span;
