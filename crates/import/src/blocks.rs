@@ -64,6 +64,8 @@ pub(super) struct Block {
     pub(super) text: Vec<u8>,
     /// The dialect of the text, with the number of lines before it.
     pub(super) dialect: Dialect,
+    /// Bytes of the header.
+    pub(super) header: usize,
 }
 
 impl Blocks {
@@ -138,7 +140,8 @@ impl Blocks {
         let header_lines = count_lines(&self.header);
         let dialect = Dialect { before: self.lines - header_lines, ..self.dialect };
         let records = self.take(end);
-        Ok(Some(Block { text: [&self.header, records.as_slice()].concat(), dialect }))
+        let header = self.header.len();
+        Ok(Some(Block { text: [&self.header, records.as_slice()].concat(), dialect, header }))
     }
 
     /// BLAKE3 of all that was read, hexadecimal.

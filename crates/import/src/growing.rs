@@ -41,7 +41,7 @@ pub(super) struct Part<'a> {
     pub(super) labels: &'a [usize],
     pub(super) rows: &'a [usize],
     /// Their numbers, a column each.
-    pub(super) values: Vec<Vec<f64>>,
+    pub(super) values: Vec<&'a [f64]>,
     /// Rows of the file before those of `recording`.
     pub(super) before: Standing,
     /// Whether the trial has no other rows.
@@ -122,7 +122,7 @@ impl<'a> Growing<'a> {
         let signals = self.plan.taken.iter().map(|taken| (&taken.line, taken.factor, taken.wrap));
         let channels = self.plan.channels.iter().map(|channel| (&channel.line, 1.0, None));
         for (i, (line, factor, wrap)) in signals.chain(channels).enumerate() {
-            let mut values = part.values[i].clone();
+            let mut values = part.values[i].to_vec();
             if let Some(wrap) = wrap {
                 unwrap_angle(&mut values, wrap);
             }

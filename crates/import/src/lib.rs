@@ -22,6 +22,7 @@ mod counter;
 mod csv;
 mod declared;
 mod errors;
+mod even;
 mod exclusions;
 mod feather;
 mod format;

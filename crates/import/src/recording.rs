@@ -9,6 +9,7 @@ use super::spelling::shown;
 use super::spelling::{find, is_missing, truth};
 use super::table::{Cell, Cells, ColumnRef, Table};
 use super::text::check_readable;
+use arrow::array::Array as _;
 use regex::Regex;
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -234,6 +235,13 @@ impl Recording {
 
     /// The numbers of a column in the rows given; the error names the first cell that is none.
     pub(super) fn numbers(&self, column: usize, rows: &[usize]) -> Result<Vec<f64>, StoreError> {
+        // A column that is not mapped may be shorter.
+        let values = self.all_numbers(column).and_then(|values| {
+            rows.iter().map(|row| values.get(*row).copied()).collect::<Option<Vec<f64>>>()
+        });
+        if let Some(values) = values {
+            return Ok(values);
+        }
         let remedy = "mend the cell, or set delimiter and decimal in [file]";
         let numbers = rows.iter().map(|row| match self.number(column, *row) {
             Ok(Some(value)) => Ok(value),
@@ -241,6 +249,16 @@ impl Recording {
             Err(what) => Err(self.cell_error(column, *row, &what, remedy)),
         });
         numbers.collect()
+    }
+
+    /// The values of a column of numbers, none of which is missing or refused: most are such.
+    fn all_numbers(&self, column: usize) -> Option<&[f64]> {
+        let Cells::Numbers(cells) = &self.table.columns[column] else { return None };
+        let values = cells.values();
+        let is_whole = cells.null_count() == 0
+            && self.cells.missing_words.is_empty()
+            && values.iter().fold(true, |all, value| all & value.is_finite());
+        is_whole.then_some(values)
     }
 
     /// These numbers as ours, by a line and the factor of their unit.
@@ -311,13 +329,17 @@ impl Recording {
         let readable = (0..limit).filter(|row| !bad.contains_key(row));
         let kept: Vec<usize> = match form.cells.missing {
             Missing::Error => readable.collect(),
-            Missing::Drop => readable
-                .filter(|row| {
-                    // Text that is no number counts as a value here: reading the column reports it.
-                    text.iter().all(|column| !self.is_without_label(*column, *row))
-                        && numeric.iter().all(|column| self.number(*column, *row) != Ok(None))
-                })
-                .collect(),
+            Missing::Drop => {
+                let gappy = numeric.iter().filter(|column| self.all_numbers(**column).is_none());
+                let gappy: Vec<usize> = gappy.copied().collect();
+                readable
+                    .filter(|row| {
+                        // Text that is no number counts as a value here: reading the column reports it.
+                        text.iter().all(|column| !self.is_without_label(*column, *row))
+                            && gappy.iter().all(|column| self.number(*column, *row) != Ok(None))
+                    })
+                    .collect()
+            }
         };
         let missing = limit - kept.len() - bad.len();
         Ok(Rows { read, missing, past_limit: read - limit, kept, bad, joined: Vec::new() })

@@ -7,14 +7,15 @@ use super::context::Context;
 use super::counter;
 use super::csv;
 use super::errors::{Errors, all};
+use super::even;
 use super::growing::Part;
 use super::identity::{Identity, identity};
 use super::limits::{Budget, Take};
-use super::mapping::{FileForm, Who};
+use super::mapping::{CellForm, FileForm, Who};
 use super::plan::Plan;
 use super::recording::{Recording, Rows, Standing, empty_between, groups};
 use super::spelling::plain;
-use super::table::{Cell, ColumnRef};
+use super::table::{Cell, ColumnRef, Table};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -238,6 +239,19 @@ impl<'a> Source<'a> {
         read.into_par_iter().map(|block| self.parse(&block?)).collect()
     }
 
+    /// The table of a block in which all is plain, if numbers may not be spelled as words or with a comma.
+    fn even(&self, block: &Block, take: &Take) -> Option<Table> {
+        let CellForm { decimal_comma, missing_words, .. } = &self.form.cells;
+        let labels = self.who.columns();
+        // Of a label the text is needed.
+        let is_number = |place: usize, name: Option<&str>| {
+            self.plan.columns().any(|column| column.means(place, name))
+                && !labels.iter().any(|column| column.means(place, name))
+        };
+        let is_plain = !decimal_comma && missing_words.is_empty();
+        is_plain.then(|| even::read(self.path, block, take, &is_number)).flatten()
+    }
+
     fn parse(&self, block: &Block) -> Result<Parsed, Errors> {
         // Columns that are not mapped cost time: where times are recorded they are not read.
         let looked_at: Vec<ColumnRef> =
@@ -245,7 +259,10 @@ impl<'a> Source<'a> {
         let columns = self.plan.columns().chain(self.who.columns()).chain(&looked_at).collect();
         let budget = Budget::default();
         let take = Take::of(columns, &budget);
-        let table = csv::read(self.path, &block.text, block.dialect, &take)?;
+        let table = match self.even(block, &take) {
+            Some(table) => table,
+            None => csv::read(self.path, &block.text, block.dialect, &take)?,
+        };
         let mut recording =
             Recording::part(self.path, table, self.form.cells.clone(), self.groups.clone());
         if let Some(time) = self.plan.time {
@@ -297,7 +314,7 @@ impl Stretch<'_> {
             numeric,
             labels,
             rows: &rows.kept[self.range.clone()],
-            values: values.iter().map(|column| column[self.range.clone()].to_vec()).collect(),
+            values: values.iter().map(|column| &column[self.range.clone()]).collect(),
             before: self.before,
             is_whole: false,
         }

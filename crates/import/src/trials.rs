@@ -409,12 +409,13 @@ fn convert(
     let begins: Vec<usize> = pieces().map(|rows| rows[0]).collect();
     let trials = all(pieces().enumerate().map(|(i, stretch)| {
         let identity = identity(who, recording, stretch[0], context.study)?;
+        let values = all(numeric.iter().map(|column| recording.numbers(*column, stretch)))?;
         let part = Part {
             recording,
             numeric: &numeric,
             labels: &labels,
             rows: stretch,
-            values: all(numeric.iter().map(|column| recording.numbers(*column, stretch)))?,
+            values: values.iter().map(Vec::as_slice).collect(),
             before: Standing::default(),
             is_whole: true,
         };
