@@ -12,6 +12,7 @@ pub(crate) mod entry;
 pub(crate) mod events;
 pub(crate) mod footer;
 pub(crate) mod frame;
+pub(crate) mod groups;
 pub(crate) mod head;
 pub(crate) mod journaled;
 pub(crate) mod json;

@@ -153,26 +153,33 @@ pub fn described(
 }
 
 /// A signal as a column; null throughout where the recording lacks it.
-/// The storage types hold the values: floats are narrowed as the schema says, counts were checked.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
 pub(crate) fn signal_column(c: &Column, samples: &Samples) -> (Field, ArrayRef) {
     let field = described(c.name, c.storage.data_type(), true, c.unit, c.description);
-    let array: ArrayRef = match (samples.get(c.signal), c.storage) {
-        (None, _) => new_null_array(field.data_type(), samples.len()),
-        (Some(v), Storage::F64) => Arc::new(Float64Array::from(v.to_vec())),
-        (Some(v), Storage::F32) => Arc::new(v.iter().map(|v| *v as f32).collect::<Float32Array>()),
-        (Some(v), Storage::U16) => Arc::new(v.iter().map(|v| *v as u16).collect::<UInt16Array>()),
+    let array = match samples.get(c.signal) {
+        None => new_null_array(field.data_type(), samples.len()),
+        Some(values) => stored(values, c.storage),
     };
     (field, array)
+}
+
+/// The values of a column, as they are stored.
+/// The storage types hold the values: floats are narrowed as the schema says, counts were checked.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+pub(crate) fn stored(values: &[f64], storage: Storage) -> ArrayRef {
+    match storage {
+        Storage::F64 => Arc::new(Float64Array::from(values.to_vec())),
+        Storage::F32 => Arc::new(values.iter().map(|v| *v as f32).collect::<Float32Array>()),
+        Storage::U16 => Arc::new(values.iter().map(|v| *v as u16).collect::<UInt16Array>()),
+    }
 }
 
 /// A study's own channel as a column; null throughout where the recording lacks it.
 fn channel_column(channel: &Channel, samples: &Samples) -> (Field, ArrayRef) {
     let Channel { id, unit, description } = channel;
     let field = described(id.as_str(), DataType::Float64, true, unit, description);
-    let array: ArrayRef = match samples.channel(id) {
+    let array = match samples.channel(id) {
         None => new_null_array(field.data_type(), samples.len()),
-        Some(values) => Arc::new(Float64Array::from(values.to_vec())),
+        Some(values) => stored(values, Storage::F64),
     };
     (field, array)
 }

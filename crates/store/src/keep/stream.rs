@@ -4,12 +4,15 @@
 use crate::disk::atomic::{create_folders, folder_of, place, temporary};
 use crate::form::digest::ColumnDigest;
 use crate::form::encode::{GROUP_ROWS, recorded};
+use crate::form::groups::Groups;
 use crate::form::read::OpenColumns;
+use crate::form::seen::Signals;
 use crate::form::trial::backwards;
-use crate::form::write::{DIGEST, cannot_encode, entries, footer, trial_batch};
+use crate::form::write::{DIGEST, cannot_encode, entries, footer, stored, trial_batch};
 use crate::{Append, Asked, Files, Samples, Signal, StoreError, TrialFile, check_samples};
-use parquet::arrow::ArrowWriter;
-use std::collections::BTreeMap;
+use arrow::array::ArrayRef;
+use arrow::datatypes::SchemaRef;
+use rayon::prelude::*;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use zwidth_study::{TrialForm, TrialMeta};
@@ -22,14 +25,23 @@ pub struct TrialWriter {
     /// Where it will lie, for errors.
     path: PathBuf,
     beside: PathBuf,
-    writer: ArrowWriter<Out>,
+    groups: Groups<Out>,
+    schema: SchemaRef,
     meta: TrialMeta,
     file: TrialFile,
     form: TrialForm,
-    /// One for each of the trial's columns: all row groups have the same ones.
-    digests: BTreeMap<String, ColumnDigest>,
+    /// The trial's columns that have values: all row groups have the same ones.
+    columns: Vec<Written>,
     rows: usize,
     last_s: Option<f64>,
+}
+
+/// A column with values.
+struct Written {
+    name: String,
+    /// Its place in the file.
+    place: usize,
+    digest: ColumnDigest,
 }
 
 /// A trial that is written and synced, under a name that readers pass by.
@@ -58,21 +70,26 @@ impl TrialWriter {
         form: &TrialForm,
     ) -> Result<Self, StoreError> {
         let beside = temporary(near);
-        let batch = trial_batch(&meta, &Samples::default(), form, path)?;
+        // Without values but times, in place of which others are added.
+        let mut rows = Samples::default();
+        rows.set(Signal::Time, vec![0.0; Self::AT_ONCE]);
+        let rows = trial_batch(&meta, &rows, form, path)?;
+        let schema = rows.schema();
         // The entries of the footer are known at the end: the digests are among them.
-        let properties = recorded(&batch.schema(), Vec::new(), Some(GROUP_ROWS))
-            .map_err(|e| cannot_encode(path, &e))?;
+        let properties =
+            recorded(&schema, Vec::new(), Some(GROUP_ROWS)).map_err(|e| cannot_encode(path, &e))?;
         let out = Out::begin(files, &beside).map_err(|e| StoreError::io(path, "write", &e))?;
-        let writer = ArrowWriter::try_new(out, batch.schema(), Some(properties))
+        let groups = Groups::begin(out, rows, properties, GROUP_ROWS)
             .map_err(|e| cannot_encode(path, &e))?;
         Ok(Self {
             path: path.to_owned(),
             beside,
-            writer,
+            groups,
+            schema,
             meta,
             file,
             form: form.clone(),
-            digests: BTreeMap::new(),
+            columns: Vec::new(),
             rows: 0,
             last_s: None,
         })
@@ -97,21 +114,31 @@ impl TrialWriter {
             return Err(backwards(&self.path, last_s, *first_s).row0(before));
         }
         self.last_s = t.last().copied();
-        let is_known = |name: &str| self.digests.contains_key(&format!("{DIGEST}{name}"));
-        let same = samples.named().count() == self.digests.len()
-            && samples.named().all(|(name, ..)| is_known(name));
-        if before > 0 && !same {
+        let named: Vec<_> = samples.named().collect();
+        if before == 0 {
+            let columns = named.iter().map(|(name, storage, _)| {
+                let place = self.schema.index_of(name);
+                let place = place.map_err(|e| cannot_encode(&self.path, &e.into()))?;
+                let digest = ColumnDigest::new(*storage);
+                Ok(Written { name: (*name).to_owned(), place, digest })
+            });
+            self.columns = columns.collect::<Result<_, StoreError>>()?;
+        }
+        let known = self.columns.iter().map(|column| column.name.as_str());
+        if !known.eq(named.iter().map(|(name, ..)| *name)) {
             let what = "some of its rows have other columns than the rest";
             return Err(StoreError::new(&self.path, what, "leave that column out"));
         }
-        for (name, storage, values) in samples.named() {
-            let digest = self.digests.entry(format!("{DIGEST}{name}"));
-            digest.or_insert_with(|| ColumnDigest::new(storage)).add(values);
-        }
-        let batch = trial_batch(&self.meta, samples, &self.form, &self.path)?;
+        let columns = self.columns.par_iter_mut().zip(&named);
+        let columns: Vec<(usize, ArrayRef)> = columns
+            .map(|(column, (_, storage, values))| {
+                column.digest.add(values);
+                (column.place, stored(values, *storage))
+            })
+            .collect();
         self.rows += samples.len();
-        let written = self.writer.write(&batch);
-        written.map_err(|e| self.writer.inner_mut().error(&self.path, &e))
+        let written = self.groups.add(&columns, samples.len());
+        written.map_err(|e| self.groups.out().error(&self.path, &e))
     }
 
     /// Adds an entry to the file's footer.
@@ -133,14 +160,11 @@ impl TrialWriter {
     /// The disk's.
     pub fn end(mut self) -> Result<Staged, StoreError> {
         let mut footer = footer(&self.meta, &self.file, &self.form);
-        footer.extend(self.digests.iter().map(|(key, digest)| (key.clone(), digest.end())));
-        let empty = trial_batch(&self.meta, &Samples::default(), &self.form, &self.path)?;
-        for entry in entries(&empty.schema(), footer) {
-            self.writer.append_key_value_metadata(entry);
-        }
-        let written = self.writer.finish().map(drop);
-        written.map_err(|e| self.writer.inner_mut().error(&self.path, &e))?;
-        let out = self.writer.inner_mut();
+        let digests = self.columns.iter();
+        footer.extend(digests.map(|c| (format!("{DIGEST}{}", c.name), c.digest.end())));
+        let written = self.groups.end(entries(&self.schema, footer));
+        written.map_err(|e| self.groups.out().error(&self.path, &e))?;
+        let out = self.groups.out();
         out.sync().map_err(|e| StoreError::io(&self.path, "write", &e))?;
         Ok(Staged { beside: self.beside, blake3: out.hasher.finalize().to_hex().to_string() })
     }
@@ -157,7 +181,9 @@ impl Staged {
         files: &dyn Files,
         expected: &Asked,
     ) -> Result<Vec<StoreError>, StoreError> {
-        let columns = OpenColumns::open(files, &self.beside)?;
+        let mut columns = OpenColumns::open(files, &self.beside)?;
+        // They were digested as they were written.
+        columns.matched = Signals::of(&Signal::all().collect::<Vec<_>>());
         Ok(check_samples(expected, Path::new(""), &columns))
     }
 
