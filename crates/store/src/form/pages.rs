@@ -4,7 +4,6 @@
 
 use crate::disk::content::Content;
 use crate::form::bounds::{PageHeader, page_header, place_of, run_of_ones};
-use crate::form::opened::BATCH_ROWS;
 use crate::form::streams::Joined;
 use bytes::Bytes;
 use parquet::basic::{CompressionCodec, Encoding};
@@ -52,42 +51,44 @@ impl Pages {
         Some(Self { left, is_packed })
     }
 
-    /// The values of these rows, where their bytes are split into streams and none is null; `None`
-    /// where they are laid otherwise, or damaged.
-    pub(crate) fn split_values<T: Joined>(&self, rows: usize) -> Option<Vec<f64>> {
-        // Checked first: the headers, not the group, decide how much memory is taken below.
-        if self.left.iter().map(|(header, _)| header.values as usize).sum::<usize>() != rows {
-            return None;
-        }
-        let mut values = Vec::with_capacity(rows.min(BATCH_ROWS));
+    /// The number of rows, as the pages say.
+    pub(crate) fn rows(&self) -> usize {
+        self.left.iter().map(|(header, _)| header.values as usize).sum()
+    }
+
+    /// Fills `into` with the values of its rows, where their bytes are split into streams and none is
+    /// null; `None` where they are laid otherwise, or damaged.
+    pub(crate) fn split_values<T: Joined>(&self, mut into: &mut [f64]) -> Option<()> {
         for (header, page) in &self.left {
             let is_split = header.encoding == Encoding::BYTE_STREAM_SPLIT;
             if header.is_dictionary || !is_split || header.unpacked > MOST_ROOM {
                 return None;
             }
+            let (own, rest) = into.split_at_mut_checked(header.values as usize)?;
             match self.is_packed {
                 true => UNPACKED.with_borrow_mut(|room| {
                     room.clear();
                     room.try_reserve(header.unpacked).ok()?;
                     with_decompressor(|with| with.decompress_to_buffer(page, room)).ok()?;
-                    add_page::<T>(room, header, &mut values)
+                    join_page::<T>(room, header, own)
                 })?,
-                false => add_page::<T>(page, header, &mut values)?,
+                false => join_page::<T>(page, header, own)?,
             }
+            into = rest;
         }
-        Some(values)
+        into.is_empty().then_some(())
     }
 }
 
-/// Adds the values of an unpacked page whose levels say, in one run, that none is null.
-fn add_page<T: Joined>(page: &[u8], header: &Header, values: &mut Vec<f64>) -> Option<()> {
+/// The values of an unpacked page whose levels say, in one run, that none is null.
+fn join_page<T: Joined>(page: &[u8], header: &Header, into: &mut [f64]) -> Option<()> {
     let (length, rest) = page.split_first_chunk::<4>()?;
     let (levels, streams) = rest.split_at_checked(u32::from_le_bytes(*length) as usize)?;
     let is_whole = page.len() == header.unpacked && header.nulls == Encoding::RLE;
     if !is_whole || run_of_ones(levels)? != u64::from(header.values) {
         return None;
     }
-    T::join(streams, header.values as usize, values)
+    T::join(streams, into)
 }
 
 impl Header {

@@ -10,32 +10,32 @@ const AT_ONCE: usize = 64;
 
 /// A number of a recording whose bytes are split.
 pub(crate) trait Joined {
-    /// Adds so many numbers; `None` where the streams are not as long as they.
-    fn join(streams: &[u8], numbers: usize, into: &mut Vec<f64>) -> Option<()>;
+    /// Fills all of `into` with numbers; `None` where the streams are not as long as they.
+    fn join(streams: &[u8], into: &mut [f64]) -> Option<()>;
 }
 
 impl Joined for f64 {
-    fn join(streams: &[u8], numbers: usize, into: &mut Vec<f64>) -> Option<()> {
-        let (low, high) = streams.split_at_checked(numbers.checked_mul(4)?)?;
+    fn join(streams: &[u8], into: &mut [f64]) -> Option<()> {
+        let (low, high) = streams.split_at_checked(into.len().checked_mul(4)?)?;
         if high.len() != low.len() {
             return None;
         }
         widest(
             #[inline(always)]
-            || doubles(low, high, numbers, into),
+            || doubles(low, high, into),
         );
         Some(())
     }
 }
 
 impl Joined for f32 {
-    fn join(streams: &[u8], numbers: usize, into: &mut Vec<f64>) -> Option<()> {
-        if streams.len() != numbers.checked_mul(4)? {
+    fn join(streams: &[u8], into: &mut [f64]) -> Option<()> {
+        if streams.len() != into.len().checked_mul(4)? {
             return None;
         }
         widest(
             #[inline(always)]
-            || singles(streams, numbers, into),
+            || singles(streams, into),
         );
         Some(())
     }
@@ -43,28 +43,29 @@ impl Joined for f32 {
 
 /// Numbers of 64 bits from the streams of their lower and of their upper halves.
 #[inline(always)]
-fn doubles(low: &[u8], high: &[u8], numbers: usize, into: &mut Vec<f64>) {
+fn doubles(low: &[u8], high: &[u8], into: &mut [f64]) {
     let [mut lows, mut highs] = [[0; AT_ONCE]; 2];
-    for from in (0..numbers).step_by(AT_ONCE) {
-        let some = from..numbers.min(from + AT_ONCE);
+    let numbers = into.len();
+    for (i, into) in into.chunks_mut(AT_ONCE).enumerate() {
+        let some = i * AT_ONCE..i * AT_ONCE + into.len();
         words(low, numbers, some.clone(), &mut lows);
-        words(high, numbers, some.clone(), &mut highs);
-        let both = lows.iter().zip(&highs).take(some.len());
-        into.extend(
-            both.map(|(low, high)| f64::from_bits(u64::from(*high) << 32 | u64::from(*low))),
-        );
+        words(high, numbers, some, &mut highs);
+        for (into, (low, high)) in into.iter_mut().zip(lows.iter().zip(&highs)) {
+            *into = f64::from_bits(u64::from(*high) << 32 | u64::from(*low));
+        }
     }
 }
 
 /// Numbers of 32 bits.
 #[inline(always)]
-fn singles(streams: &[u8], numbers: usize, into: &mut Vec<f64>) {
+fn singles(streams: &[u8], into: &mut [f64]) {
     let mut room = [0; AT_ONCE];
-    for from in (0..numbers).step_by(AT_ONCE) {
-        let some = from..numbers.min(from + AT_ONCE);
-        words(streams, numbers, some.clone(), &mut room);
-        let words = room.iter().take(some.len());
-        into.extend(words.map(|word| f64::from(f32::from_bits(*word))));
+    let numbers = into.len();
+    for (i, into) in into.chunks_mut(AT_ONCE).enumerate() {
+        words(streams, numbers, i * AT_ONCE..i * AT_ONCE + into.len(), &mut room);
+        for (into, word) in into.iter_mut().zip(&room) {
+            *into = f64::from(f32::from_bits(*word));
+        }
     }
 }
 
@@ -96,18 +97,17 @@ mod tests {
             let streams = split(&wide.iter().map(|v| v.to_le_bytes()).collect::<Vec<_>>());
             let narrow_streams = split(&narrow.iter().map(|v| v.to_le_bytes()).collect::<Vec<_>>());
             let bits = |values: &[f64]| values.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
-            let (mut found, mut found_narrow) = (Vec::new(), Vec::new());
-            f64::join(&streams, wide.len(), &mut found).unwrap();
-            f32::join(&narrow_streams, narrow.len(), &mut found_narrow).unwrap();
+            let [mut found, mut found_narrow] = [vec![0.0; wide.len()], vec![0.0; narrow.len()]];
+            f64::join(&streams, &mut found).unwrap();
+            f32::join(&narrow_streams, &mut found_narrow).unwrap();
             assert_eq!(bits(&found), bits(&wide));
             assert_eq!(
                 bits(&found_narrow),
                 bits(&narrow.iter().map(|v| f64::from(*v)).collect::<Vec<_>>())
             );
-            for other in [wide.len() + 1, usize::MAX] {
-                assert_eq!(f64::join(&streams, other, &mut found), None);
-                assert_eq!(f32::join(&narrow_streams, other, &mut found), None);
-            }
+            let mut other = vec![0.0; wide.len() + 1];
+            assert_eq!(f64::join(&streams, &mut other), None);
+            assert_eq!(f32::join(&narrow_streams, &mut other), None);
         }
     }
 }

@@ -26,27 +26,33 @@ pub(crate) fn column_values(
     is_known: bool,
 ) -> Result<Option<Vec<f64>>, StoreError> {
     let digest = file.footer.get(&format!("{DIGEST}{name}"));
-    file.check_pages(&[name], MOST_RECORDED_BYTES)?;
-    // Without a digest it has no value, or is damaged: no room is taken for it.
-    let mut whole = Part { values: room, ..Part::default() };
-    whole.values.clear();
     // What comes out of a file is as narrow as its storage.
-    let mut digest_now = (!is_known).then(|| ColumnDigest::new(Storage::F64));
-    let mut groups = file.groups();
-    // One part is taken as it was decoded.
-    let is_joined = groups.len() > 1 && digest.is_some();
-    whole.values.reserve_exact(if is_joined { file.rows } else { 0 });
-    let wanted = (name, storage, digest.is_some());
-    let mut parts = some_groups(file, wanted, &mut groups)?;
-    // Nobody is woken where nothing is left to be decoded meanwhile: a short trial has one group.
-    while !groups.is_empty() {
-        let (next, ()) = rayon::join(
-            || some_groups(file, wanted, &mut groups),
-            || add_parts(&mut whole, &mut digest_now, parts),
-        );
-        parts = next?;
+    let new_digest = || (!is_known).then(|| ColumnDigest::new(Storage::F64));
+    let mut digest_now = new_digest();
+    let mut whole = Part { values: room, ..Part::default() };
+    if digest.is_some() && in_place(file, name, storage, &mut whole.values, &mut digest_now) {
+        whole.rows = whole.values.len();
+    } else {
+        file.check_pages(&[name], MOST_RECORDED_BYTES)?;
+        // Without a digest it has no value, or is damaged: no room is taken for it.
+        whole.values.clear();
+        digest_now = new_digest();
+        let mut groups = file.groups();
+        // One part is taken as it was decoded.
+        let is_joined = groups.len() > 1 && digest.is_some();
+        whole.values.reserve_exact(if is_joined { file.rows } else { 0 });
+        let wanted = (name, storage, digest.is_some());
+        let mut parts = some_groups(file, wanted, &mut groups)?;
+        // Nobody is woken where nothing is left to be decoded meanwhile: a short trial has one group.
+        while !groups.is_empty() {
+            let (next, ()) = rayon::join(
+                || some_groups(file, wanted, &mut groups),
+                || add_parts(&mut whole, &mut digest_now, parts),
+            );
+            parts = next?;
+        }
+        add_parts(&mut whole, &mut digest_now, parts);
     }
-    add_parts(&mut whole, &mut digest_now, parts);
     let Part { values, rows, nulls, first_null, is_missing } = whole;
     if is_missing {
         return Err(column_error(file, name, "the column is missing"));
@@ -64,6 +70,65 @@ pub(crate) fn column_values(
         return Err(column_error(file, name, what));
     }
     Ok(Some(values))
+}
+
+/// Decodes a column of several row groups into `values`, as many groups at a time as there are cores,
+/// and digests those before meanwhile; whether all lie as the writer of recordings lays them. Then no page
+/// claims more than its values take, and nothing else bounds them.
+fn in_place(
+    file: &ParquetFile,
+    name: &str,
+    storage: Storage,
+    values: &mut Vec<f64>,
+    digest: &mut Option<ColumnDigest>,
+) -> bool {
+    let rows = file.metadata.row_groups().iter().map(|g| usize::try_from(g.num_rows()));
+    let Ok(rows) = rows.collect::<Result<Vec<usize>, _>>() else { return false };
+    if rows.len() < 2 {
+        return false;
+    }
+    values.clear();
+    values.reserve_exact(file.rows);
+    let mut digested = 0;
+    let groups: Vec<(usize, usize)> = rows.into_iter().enumerate().collect();
+    for some in groups.chunks(rayon::current_num_threads()) {
+        let from = values.len();
+        values.resize(from + some.iter().map(|(_, rows)| rows).sum::<usize>(), 0.0);
+        let (before, mut new) = values.split_at_mut(from);
+        let mut own = Vec::new();
+        for (group, rows) in some {
+            let (first, rest) = new.split_at_mut(*rows);
+            own.push((*group, first));
+            new = rest;
+        }
+        let (are_split, ()) = rayon::join(
+            || own.into_par_iter().all(|(group, own)| split(file, (name, storage), group, own)),
+            || digest.iter_mut().for_each(|digest| digest.add(&before[digested..])),
+        );
+        if !are_split {
+            return false;
+        }
+        digested = from;
+    }
+    digest.iter_mut().for_each(|digest| digest.add(&values[digested..]));
+    true
+}
+
+/// Decodes a row group of a column whose bytes are split into streams, without a null; whether it is such
+/// a one.
+fn split(
+    file: &ParquetFile,
+    (name, storage): (&str, Storage),
+    group: usize,
+    into: &mut [f64],
+) -> bool {
+    let pages = pages_of(file, (name, storage), group);
+    let split = pages.and_then(|(_, pages)| match storage {
+        Storage::F64 => pages.split_values::<f64>(into),
+        Storage::F32 => pages.split_values::<f32>(into),
+        Storage::U16 => None,
+    });
+    split.is_some()
 }
 
 fn add_parts(whole: &mut Part, digest: &mut Option<ColumnDigest>, parts: Vec<Part>) {
@@ -128,18 +193,14 @@ fn decode(file: &ParquetFile, column: Wanted, group: usize) -> Result<Part, Stor
 /// A column's name, its type, and whether its values are wanted: else it is only counted.
 type Wanted<'a> = (&'a str, Storage, bool);
 
-/// A row group of a column as the writer of recordings laid it; `None` where another writer laid it
-/// otherwise.
-fn decoded_by_pages(
+/// The pages of a row group of a column, if the writer of recordings laid them.
+fn pages_of(
     file: &ParquetFile,
-    (name, storage, has_values): Wanted,
+    (name, storage): (&str, Storage),
     group: usize,
-) -> Result<Option<Part>, StoreError> {
-    let group = file.metadata.row_group(group);
-    let mut columns = group.columns().iter();
-    let Some(column) = columns.find(|c| *c.column_path().parts() == [name]) else {
-        return Ok(None);
-    };
+) -> Option<(ColumnDescPtr, Pages)> {
+    let mut columns = file.metadata.row_group(group).columns().iter();
+    let column = columns.find(|c| *c.column_path().parts() == [name])?;
     let descr = column.column_descr_ptr();
     let physical = match storage {
         Storage::F64 => PhysicalType::DOUBLE,
@@ -147,20 +208,29 @@ fn decoded_by_pages(
         Storage::U16 => PhysicalType::INT32,
     };
     let is_plain = descr.max_rep_level() == 0 && descr.max_def_level() == 1;
-    let Some(pages) =
-        Pages::of(&file.content, column).filter(|_| is_plain && column.column_type() == physical)
-    else {
-        return Ok(None);
-    };
-    let rows = usize::try_from(group.num_rows()).unwrap_or(0);
-    let split = match storage {
-        _ if !has_values => None,
-        Storage::F64 => pages.split_values::<f64>(rows),
-        Storage::F32 => pages.split_values::<f32>(rows),
-        Storage::U16 => None,
-    };
-    if let Some(values) = split {
-        return Ok(Some(Part { values, rows, ..Part::default() }));
+    let is_ours = is_plain && column.column_type() == physical;
+    Some((descr, Pages::of(&file.content, column).filter(|_| is_ours)?))
+}
+
+/// A row group of a column as the writer of recordings laid it; `None` where another writer laid it
+/// otherwise.
+fn decoded_by_pages(
+    file: &ParquetFile,
+    (name, storage, has_values): Wanted,
+    group: usize,
+) -> Result<Option<Part>, StoreError> {
+    let Some((descr, pages)) = pages_of(file, (name, storage), group) else { return Ok(None) };
+    let rows = usize::try_from(file.metadata.row_group(group).num_rows()).unwrap_or(0);
+    // Checked first: the headers, not the group, decide how much memory is taken.
+    if has_values && storage != Storage::U16 && pages.rows() == rows {
+        let mut values = vec![0.0; rows];
+        let split = match storage {
+            Storage::F32 => pages.split_values::<f32>(&mut values),
+            _ => pages.split_values::<f64>(&mut values),
+        };
+        if split.is_some() {
+            return Ok(Some(Part { values, rows, ..Part::default() }));
+        }
     }
     guarded(&file.path, DAMAGED, || match storage {
         Storage::F64 => part_of::<DoubleType>(descr, pages, rows, has_values, |values| values),
@@ -303,19 +373,26 @@ mod tests {
             let (name, storage) = (signal.name(), signal.column().storage);
             let column = columns.iter().find(|c| c.column_path().string() == name).unwrap();
             let pages = || Pages::of(&file.content, column).unwrap();
-            let found = match storage {
-                Storage::F64 => pages().split_values::<f64>(file.rows),
-                Storage::F32 => pages().split_values::<f32>(file.rows),
-                Storage::U16 => None,
+            let split_as = |storage: Storage, rows: usize| {
+                let mut values = vec![0.0; rows];
+                let split = match storage {
+                    Storage::F64 => pages().split_values::<f64>(&mut values),
+                    Storage::F32 => pages().split_values::<f32>(&mut values),
+                    Storage::U16 => None,
+                };
+                split.map(|()| values)
             };
+            let found = split_as(storage, file.rows);
             let is_split = crate::encoding_of(name) == crate::Encoding::ByteStreamSplit;
             assert_eq!(found.is_some(), is_split, "{name}");
             let Some(found) = found else { continue };
             split += 1;
             assert_eq!(found, decoded(&file, (name, storage, true), 0).unwrap().values, "{name}");
-            assert_eq!(pages().split_values::<f64>(file.rows + 1), None);
-            let other =
-                if storage == Storage::F64 { pages().split_values::<f32>(file.rows) } else { None };
+            for rows in [file.rows - 1, file.rows + 1] {
+                assert_eq!(split_as(storage, rows), None);
+            }
+            let other = if storage == Storage::F64 { Storage::F32 } else { Storage::F64 };
+            let other = split_as(other, file.rows);
             assert_eq!(other, None, "{name}: numbers of another width");
         }
         assert!(split > 2, "{split}");
