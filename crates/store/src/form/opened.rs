@@ -140,7 +140,7 @@ impl ParquetFile {
     /// Whether the statistics of a column say that it is null throughout.
     pub(crate) fn is_null_by_statistics(&self, name: &str) -> bool {
         self.metadata.row_groups().iter().all(|group| {
-            let column = group.columns().iter().find(|c| c.column_path().string() == name);
+            let column = group.columns().iter().find(|c| *c.column_path().parts() == [name]);
             let nulls = column.and_then(|column| column.statistics()?.null_count_opt());
             nulls.and_then(|nulls| i64::try_from(nulls).ok()) == Some(group.num_rows())
         })

@@ -1,7 +1,8 @@
 //! Strict reading: a file that is not exactly what it should be is one clear error.
 
+use crate::disk::stamp::Stamp;
 use crate::form::bounds::MOST_VALUES;
-use crate::form::columns::{Columns, Values};
+use crate::form::columns::{Columns, LONG, Values};
 use crate::form::footer::{OF_TRIAL, form_of, meta_from, recorded, rest_of};
 use crate::form::opened::{ParquetFile, table_error};
 use crate::form::seen::Signals;
@@ -10,7 +11,7 @@ use crate::form::values::column_values;
 use crate::{Column, Files, RealFiles, Samples, Signal, Storage, StoreError, Trial, TrialFile};
 use arrow::array::RecordBatch;
 use arrow::datatypes::{DataType, SchemaRef};
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::collections::{BTreeMap, VecDeque};
 use std::path::Path;
 use std::sync::Arc;
@@ -85,6 +86,10 @@ pub(crate) struct OpenColumns {
     recorded: Signals,
     /// Those that are known to match their digests.
     pub(crate) matched: Signals,
+    /// Those of a long trial that were read and matched.
+    proved: Cell<Signals>,
+    /// What the system says of a long trial's file, if it would reveal any change.
+    stamp: Option<Stamp>,
     /// The columns that were looked at last.
     last: RefCell<VecDeque<(Signal, Arc<Vec<f64>>)>>,
     /// Which were looked at, and so read and checked.
@@ -98,11 +103,13 @@ const KEPT: usize = 2;
 impl OpenColumns {
     pub(crate) fn open(files: &dyn Files, path: &Path) -> Result<Self, StoreError> {
         let file = ParquetFile::open_recording(files, path)?;
+        // What changed since it was opened is not settled.
+        let stamp = (file.rows > LONG).then(|| Stamp::settled(path)).flatten();
         let form = form_of(path, &file.footer)?;
         let schema = file.schema()?;
         let recorded = recorded(&file.footer);
-        let (matched, last, seen, failed) = Default::default();
-        Ok(Self { form, file, schema, recorded, matched, last, seen, failed })
+        let (matched, proved, last, seen, failed) = Default::default();
+        Ok(Self { form, file, schema, recorded, matched, proved, stamp, last, seen, failed })
     }
 
     /// BLAKE3 of the whole file, hexadecimal.
@@ -151,7 +158,8 @@ impl OpenColumns {
         Ok(Trial { meta, file, samples })
     }
 
-    /// Checks what [`read_whole_trial`] checks, a column at a time.
+    /// Checks what [`read_whole_trial`] checks, a column at a time; those that were looked at as
+    /// [`Columns`] are not read again.
     ///
     /// # Errors
     /// Those of [`read_trial`].
@@ -159,8 +167,13 @@ impl OpenColumns {
         let path = &self.file.path;
         let rows = self.file.rows;
         self.meta_and_file()?;
+        self.forget();
+        // If one of them failed, the first error is another one perhaps.
+        let seen = *self.seen.borrow();
+        let has_failed = self.failed.borrow().is_some();
+        let is_checked = |signal: Signal| seen[signal as usize] && self.has(signal) && !has_failed;
         let mut room = Vec::new();
-        for signal in Signal::all() {
+        for signal in Signal::all().filter(|signal| !is_checked(*signal)) {
             let column = signal.column();
             match self.decoded(signal, std::mem::take(&mut room))? {
                 Some(values) => {
@@ -205,8 +218,13 @@ impl OpenColumns {
         if !self.has(signal) && self.file.is_null_by_statistics(name) {
             return Ok(None);
         }
-        let is_known = self.matched.has(Signals::of(&[signal]));
-        column_values(&self.file, name, column.storage, room, is_known)
+        let one = Signals::of(&[signal]);
+        // The columns of a long trial are read again and again.
+        let is_as_opened = self.stamp.is_some() && Stamp::at(&self.file.path) == self.stamp;
+        let is_known = self.matched.has(one) || (is_as_opened && self.proved.get().has(one));
+        let values = column_values(&self.file, name, column.storage, room, is_known)?;
+        self.proved.set(self.proved.get().with(one));
+        Ok(values)
     }
 
     /// [`OpenColumns::signal_in`], decoded whatever the statistics say.

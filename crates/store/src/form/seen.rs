@@ -69,6 +69,10 @@ impl Signals {
     pub(crate) fn has(self, others: Self) -> bool {
         self.0 & others.0 == others.0
     }
+
+    pub(crate) fn with(self, others: Self) -> Self {
+        Self(self.0 | others.0)
+    }
 }
 
 /// The contents of [`Seen::file`].
@@ -174,7 +178,7 @@ impl Seen {
     pub(crate) fn match_now(&self, path: &Path, stamp: Stamp, signals: Signals) {
         let more = self.noted(path, |(before, hash, matched)| {
             let is_more = *before == stamp && !matched.has(signals);
-            is_more.then_some((stamp, *hash, Signals(matched.0 | signals.0)))
+            is_more.then_some((stamp, *hash, matched.with(signals)))
         });
         if let Some(more) = more.flatten() {
             self.note(path, more);

@@ -26,12 +26,19 @@ pub fn read_thinned(
         return Ok((read_trial(path, signals)?, open.rows()));
     }
     let (meta, file) = open.meta_and_file()?;
-    let rows = thinned(&open, &signals, most)?;
+    let (rows, last) = thinned(&open, &signals, most)?;
+    let few = |values: &[f64]| rows.iter().map(|row| values[*row]).collect();
     let mut samples = Samples::default();
     let mut room = Vec::new();
+    // That which was read last is still there.
+    if let Some((signal, values)) = last {
+        samples.set(signal, few(&values));
+        signals.retain(|other| *other != signal);
+        room = values;
+    }
     for signal in signals.into_iter().chain([Signal::Time]) {
         if let Some(values) = open.signal_in(signal, std::mem::take(&mut room))? {
-            samples.set(signal, rows.iter().map(|row| values[*row]).collect());
+            samples.set(signal, few(&values));
             room = values;
         }
     }
@@ -56,16 +63,21 @@ pub fn check_trial(path: &Path, expected: &Asked) -> Result<Vec<StoreError>, Sto
     open.failure().map_or(Ok(doubts.into_iter().chain(imported).collect()), Err)
 }
 
-/// The samples that stand for all, in order.
-fn thinned(open: &OpenColumns, signals: &[Signal], most: usize) -> Result<Vec<usize>, StoreError> {
+/// The samples that stand for all, in order; and the last of the signals that the recording has.
+fn thinned(
+    open: &OpenColumns,
+    signals: &[Signal],
+    most: usize,
+) -> Result<(Vec<usize>, Option<(Signal, Vec<f64>)>), StoreError> {
     let rows = open.rows();
     let of_each = 1 + 2 * signals.len();
     let stretches = (most.saturating_sub(1) / of_each).max(1);
     let length = rows.div_ceil(stretches);
     let mut kept: Vec<usize> = (0..rows).step_by(length).chain(rows.checked_sub(1)).collect();
-    let mut room = Vec::new();
-    for signal in signals {
-        let Some(values) = open.signal_in(*signal, std::mem::take(&mut room))? else { continue };
+    let mut last: Option<(Signal, Vec<f64>)> = None;
+    for signal in signals.iter().filter(|signal| open.has(**signal)) {
+        let room = last.take().map(|(_, values)| values).unwrap_or_default();
+        let Some(values) = open.signal_in(*signal, room)? else { continue };
         for (i, stretch) in values.chunks(length).enumerate() {
             let [mut smallest, mut largest] = [0; 2];
             for (j, value) in stretch.iter().enumerate() {
@@ -78,11 +90,11 @@ fn thinned(open: &OpenColumns, signals: &[Signal], most: usize) -> Result<Vec<us
             }
             kept.extend([i * length + smallest, i * length + largest]);
         }
-        room = values;
+        last = Some((*signal, values));
     }
     kept.sort_unstable();
     kept.dedup();
-    Ok(kept)
+    Ok((kept, last))
 }
 
 #[cfg(test)]
