@@ -16,6 +16,9 @@ use zwidth_store::{StoreError, open_named};
 /// many blocks in little text.
 const BLOCK: usize = if cfg!(test) { 1 << 12 } else { 1 << 21 };
 
+/// Room for a block, and for the look behind its end at whether there is more.
+const ROOM: usize = BLOCK + 64;
+
 /// Whether a recording is read block by block: a text with a header that is longer than most. What
 /// a mapping asks for that looks at rows from the file's beginning to its end keeps it whole.
 pub(super) fn is_long(path: &Path, form: &FileForm) -> bool {
@@ -50,11 +53,14 @@ pub(super) struct Blocks {
     file: File,
     dialect: Dialect,
     hasher: blake3::Hasher,
-    /// The header, with what stands before it but skipped lines.
-    header: Vec<u8>,
-    /// Bytes that were read and are in no block yet; they begin with a record.
-    rest: Vec<u8>,
-    /// Lines of the file before `rest`.
+    /// The header, with what stands before it but skipped lines; behind it the bytes that were read and
+    /// are in no block yet, which begin with a record.
+    text: Vec<u8>,
+    /// Bytes of the header.
+    header: usize,
+    /// Lines of the header.
+    header_lines: u64,
+    /// Lines of the file before the first record that is in no block yet.
     lines: u64,
     ended: bool,
 }
@@ -86,31 +92,36 @@ impl Blocks {
             // Lines are skipped once, below, and not again in each block.
             dialect: Dialect { skip: 0, ..dialect },
             hasher: blake3::Hasher::new(),
-            header: Vec::new(),
-            rest: Vec::new(),
+            text: Vec::with_capacity(ROOM),
+            header: 0,
+            header_lines: 0,
             lines: 0,
             ended: false,
         };
         blocks.fill(BLOCK)?;
-        check_readable(path, &blocks.rest)?;
-        if blocks.rest.starts_with(b"\xef\xbb\xbf") {
-            blocks.rest.drain(..3);
+        check_readable(path, &blocks.text)?;
+        if blocks.text.starts_with(b"\xef\xbb\xbf") {
+            blocks.text.drain(..3);
             blocks.dialect.encoding = Encoding::Utf8;
         }
+        let mut skipped = 0;
         for passed in 0..dialect.skip {
-            let Some(end) = blocks.rest.iter().position(|b| *b == b'\n') else {
+            let Some(end) = blocks.text[skipped..].iter().position(|b| *b == b'\n') else {
                 let skip = dialect.skip;
                 let what = format!(
                     "skip = {skip} passes more by than the file's first {BLOCK} bytes: {passed} lines"
                 );
                 return Err(StoreError::new(path, what, "mend skip in [file]"));
             };
-            blocks.take(end + 1);
+            skipped += end + 1;
+            blocks.lines += 1;
         }
-        let end = header_end(&blocks.rest, blocks.dialect);
-        let end = end.or(blocks.ended.then_some(blocks.rest.len()));
-        let end = end.ok_or_else(|| long_line(path, 1 + blocks.lines))?;
-        blocks.header = blocks.take(end);
+        blocks.text.drain(..skipped);
+        let end = header_end(&blocks.text, blocks.dialect);
+        let end = end.or(blocks.ended.then_some(blocks.text.len()));
+        blocks.header = end.ok_or_else(|| long_line(path, 1 + blocks.lines))?;
+        blocks.header_lines = count_lines(&blocks.text[..blocks.header]);
+        blocks.lines += blocks.header_lines;
         Ok(blocks)
     }
 
@@ -121,27 +132,31 @@ impl Blocks {
     pub(super) fn next(&mut self) -> Result<Option<Block>, StoreError> {
         let mut wanted = BLOCK;
         let end = loop {
-            self.fill(wanted)?;
-            let end =
-                if self.ended { self.rest.len() } else { whole_records(&self.rest, self.dialect) };
+            self.fill(self.header + wanted)?;
+            let records = &self.text[self.header..];
+            let end = if self.ended { records.len() } else { whole_records(records, self.dialect) };
             if end > 0 || self.ended {
-                break end;
+                break self.header + end;
             }
             // No record may be that long; a shorter one only lies across the end of a block.
-            if self.rest.len() > BLOCK + MOST_LINE {
+            if records.len() > BLOCK + MOST_LINE {
                 return Err(long_line(&self.path, 1 + self.lines));
             }
             wanted += BLOCK;
         };
-        if end == 0 {
+        let header = self.header;
+        if end == header {
             return Ok(None);
         }
+        let mut next = Vec::with_capacity(header + ROOM);
+        next.extend_from_slice(&self.text[..header]);
+        next.extend_from_slice(&self.text[end..]);
+        let mut text = std::mem::replace(&mut self.text, next);
+        text.truncate(end);
         // The header stands before the records of every block: its lines count once.
-        let header_lines = count_lines(&self.header);
-        let dialect = Dialect { before: self.lines - header_lines, ..self.dialect };
-        let records = self.take(end);
-        let header = self.header.len();
-        Ok(Some(Block { text: [&self.header, records.as_slice()].concat(), dialect, header }))
+        let dialect = Dialect { before: self.lines - self.header_lines, ..self.dialect };
+        self.lines += count_lines(&text[header..]);
+        Ok(Some(Block { text, dialect, header }))
     }
 
     /// BLAKE3 of all that was read, hexadecimal.
@@ -151,25 +166,17 @@ impl Blocks {
 
     /// Reads on until so many bytes are there, or the file ends.
     fn fill(&mut self, wanted: usize) -> Result<(), StoreError> {
-        let missing = wanted.saturating_sub(self.rest.len());
+        let missing = wanted.saturating_sub(self.text.len());
         if self.ended || missing == 0 {
             return Ok(());
         }
-        let from = self.rest.len();
-        let read = (&mut self.file).take(missing as u64).read_to_end(&mut self.rest);
+        let from = self.text.len();
+        let read = (&mut self.file).take(missing as u64).read_to_end(&mut self.text);
         let read = read.map_err(|e| StoreError::io(&self.path, "read", &e))?;
-        self.hasher.update(&self.rest[from..]);
+        self.hasher.update(&self.text[from..]);
         // A file gives fewer bytes than it is asked for only at its end.
         self.ended = read < missing;
         Ok(())
-    }
-
-    /// Takes the first bytes of what is there, and counts their lines.
-    fn take(&mut self, length: usize) -> Vec<u8> {
-        let rest = self.rest.split_off(length);
-        let taken = std::mem::replace(&mut self.rest, rest);
-        self.lines += count_lines(&taken);
-        taken
     }
 }
 
