@@ -8,6 +8,9 @@ const LEAST_RAD: f64 = 1e-9;
 /// About how many angles are sorted at a time: a long recording is not copied whole.
 const AT_ONCE: usize = 1 << 20;
 
+/// Parts whose angles are gathered in one walk.
+const TOGETHER: usize = 4;
+
 /// The smallest step between two angles of the recording, rad: a count of the angle sensor, where
 /// it has counts. 0 for a lever that never moves.
 pub(crate) fn resolution_rad(theta: &[f64]) -> f64 {
@@ -56,23 +59,35 @@ fn within(theta: &[f64], (low, high): (f64, f64), before: Sorted, at_once: usize
         return before.with(low);
     }
     let parts = (2 * theta.len()).div_ceil(at_once);
+    let bound = |end: usize| low + (high - low) * (end as f64 / parts as f64);
     let mut sorted = before;
-    for part in 0..parts {
-        let [from, to] =
-            [part, part + 1].map(|end| low + (high - low) * (end as f64 / parts as f64));
+    for first in (0..parts).step_by(TOGETHER) {
+        let next = parts.min(first + TOGETHER);
         // The last bound may be rounded to below `high`, whose angle must not be lost.
-        let is_last = part + 1 == parts;
+        let is_last = next == parts;
+        let (from, to) = (bound(first), bound(next));
+        let inner: Vec<f64> = (first + 1..next).map(bound).collect();
         let angles = theta.iter().copied();
         let angles =
             angles.filter(|theta| *theta >= from && (*theta < to || is_last) && *theta <= high);
-        let some: Vec<f64> = angles.clone().take(at_once + 1).collect();
-        if some.len() > at_once {
-            let ends = angles.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), theta| {
-                (low.min(theta), high.max(theta))
-            });
-            sorted = within(theta, ends, sorted, at_once);
-        } else {
-            sorted = sorted.with_all(some);
+        let part = |theta: f64| inner.iter().filter(|bound| theta >= **bound).count();
+        let mut some = vec![Vec::new(); next - first];
+        for theta in angles.clone() {
+            let some = &mut some[part(theta)];
+            if some.len() <= at_once {
+                some.push(theta);
+            }
+        }
+        for (i, some) in some.into_iter().enumerate() {
+            if some.len() > at_once {
+                let own = angles.clone().filter(|theta| part(*theta) == i);
+                let ends = own.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), theta| {
+                    (low.min(theta), high.max(theta))
+                });
+                sorted = within(theta, ends, sorted, at_once);
+            } else {
+                sorted = sorted.with_all(some);
+            }
         }
     }
     sorted
