@@ -86,8 +86,10 @@ pub(crate) struct OpenColumns {
     recorded: Signals,
     /// Those that are known to match their digests.
     pub(crate) matched: Signals,
-    /// Those of a long trial that were read and matched.
+    /// Those that were read and matched.
     proved: Cell<Signals>,
+    /// Those of them that are what a trial's file promises.
+    sound: Cell<Signals>,
     /// What the system says of a long trial's file, if it would reveal any change.
     stamp: Option<Stamp>,
     /// The columns that were looked at last.
@@ -108,8 +110,8 @@ impl OpenColumns {
         let form = form_of(path, &file.footer)?;
         let schema = file.schema()?;
         let recorded = recorded(&file.footer);
-        let (matched, proved, last, seen, failed) = Default::default();
-        Ok(Self { form, file, schema, recorded, matched, proved, stamp, last, seen, failed })
+        let (matched, proved, sound, last, seen, failed) = Default::default();
+        Ok(Self { form, file, schema, recorded, matched, proved, sound, stamp, last, seen, failed })
     }
 
     /// BLAKE3 of the whole file, hexadecimal.
@@ -219,12 +221,18 @@ impl OpenColumns {
             return Ok(None);
         }
         let one = Signals::of(&[signal]);
-        // The columns of a long trial are read again and again.
-        let is_as_opened = self.stamp.is_some() && Stamp::at(&self.file.path) == self.stamp;
-        let is_known = self.matched.has(one) || (is_as_opened && self.proved.get().has(one));
+        let is_known = self.matched.has(one) || self.is_proved(signal);
         let values = column_values(&self.file, name, column.storage, room, is_known)?;
         self.proved.set(self.proved.get().with(one));
         Ok(values)
+    }
+
+    /// Whether a signal of a long trial matched its digest when it was read before, and the file is what it
+    /// was: the columns of a long trial are read again and again.
+    fn is_proved(&self, signal: Signal) -> bool {
+        self.proved.get().has(Signals::of(&[signal]))
+            && self.stamp.is_some()
+            && Stamp::at(&self.file.path) == self.stamp
     }
 
     /// [`OpenColumns::signal_in`], decoded whatever the statistics say.
@@ -241,12 +249,15 @@ impl OpenColumns {
     fn checked(&self, signal: Signal, room: Vec<f64>) -> Result<Option<Vec<f64>>, StoreError> {
         let path = &self.file.path;
         let column = signal.column();
+        let one = Signals::of(&[signal]);
+        let is_sound = self.is_proved(signal) && self.sound.get().has(one);
         let values = self.signal_in(signal, room)?;
-        if let Some(values) = &values {
+        if let Some(values) = values.as_ref().filter(|_| !is_sound) {
             check_column(path, column.name, column.storage, values, self.file.rows)?;
             if signal == Signal::Time {
                 check_time(path, values)?;
             }
+            self.sound.set(self.sound.get().with(one));
         }
         Ok(values)
     }
@@ -293,11 +304,11 @@ impl Columns for OpenColumns {
             Some(at) => last.remove(at)?.1,
             None => {
                 // Before the next is read, so that there are never more: of those that nobody holds,
-                // which give their memory, the one looked at first.
+                // which give their memory, the one looked at first. What was not recorded takes none.
                 let free = last.iter().rposition(|(_, values)| Arc::strong_count(values) == 1);
                 let oldest = last.len().saturating_sub(1);
-                let gone =
-                    (last.len() >= KEPT).then(|| last.remove(free.unwrap_or(oldest))).flatten();
+                let is_full = last.len() >= KEPT && self.has(signal);
+                let gone = is_full.then(|| last.remove(free.unwrap_or(oldest))).flatten();
                 let room = gone.and_then(|(_, values)| Arc::into_inner(values));
                 self.seen.borrow_mut()[signal as usize] = true;
                 Arc::new(self.noted(self.checked(signal, room.unwrap_or_default()))?)

@@ -138,6 +138,19 @@ mod tests {
     }
 
     #[test]
+    fn a_signal_that_was_not_recorded_takes_the_place_of_no_other() {
+        let (_folder, _, path) = written();
+        let long = OpenTrial::open_from(&path, &[], &[], 10).unwrap();
+        let Some(Values::Read(theta)) = long.columns().column(Signal::Theta) else { panic!() };
+        let theta = Arc::downgrade(&{ theta });
+        assert!(long.columns().column(Signal::Time).is_some());
+        assert!(long.columns().column(Signal::TorqueEx).is_none());
+        assert!(theta.upgrade().is_some());
+        assert!(long.columns().column(Signal::VoltageMotor).is_some());
+        assert!(theta.upgrade().is_none(), "no more than two");
+    }
+
+    #[test]
     fn how_far_a_signal_reaches_is_known_without_its_column() {
         let (folder, mut trial, _) = written();
         let device = trial.samples.get(Signal::Time).unwrap().iter().map(|t| 70.0 + 1.01 * t);
