@@ -63,18 +63,21 @@ pub fn check_trial(path: &Path, expected: &Asked) -> Result<Vec<StoreError>, Sto
     open.failure().map_or(Ok(doubts.into_iter().chain(imported).collect()), Err)
 }
 
+/// A signal and all its values.
+type OneColumn = (Signal, Vec<f64>);
+
 /// The samples that stand for all, in order; and the last of the signals that the recording has.
 fn thinned(
     open: &OpenColumns,
     signals: &[Signal],
     most: usize,
-) -> Result<(Vec<usize>, Option<(Signal, Vec<f64>)>), StoreError> {
+) -> Result<(Vec<usize>, Option<OneColumn>), StoreError> {
     let rows = open.rows();
     let of_each = 1 + 2 * signals.len();
     let stretches = (most.saturating_sub(1) / of_each).max(1);
     let length = rows.div_ceil(stretches);
     let mut kept: Vec<usize> = (0..rows).step_by(length).chain(rows.checked_sub(1)).collect();
-    let mut last: Option<(Signal, Vec<f64>)> = None;
+    let mut last: Option<OneColumn> = None;
     for signal in signals.iter().filter(|signal| open.has(**signal)) {
         let room = last.take().map(|(_, values)| values).unwrap_or_default();
         let Some(values) = open.signal_in(*signal, room)? else { continue };
