@@ -36,4 +36,4 @@ pub use table::{
 };
 
 /// Version of the algorithms and of the tables' form.
-pub const VERSION: u32 = 2;
+pub const VERSION: u32 = 3;

@@ -53,9 +53,9 @@ pub(crate) struct TwinArgs {
 
 /// Version of what this command makes of a seed. Another version gives other bytes, and another
 /// software in the files.
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 /// The software, as records, trials and sweeps of a simulated study name it.
-const SOFTWARE: &str = "zwidth twin 3";
+const SOFTWARE: &str = "zwidth twin 4";
 /// Sweeps of each actuator (thesis App. D).
 const SWEEPS: [(ActuatorKind, u32); 2] = [(ActuatorKind::Motor, 15), (ActuatorKind::Brake, 30)];
 /// When the calendar of a simulated study begins, s since 1970: 1 January 2026, 09:00 UTC. Session
