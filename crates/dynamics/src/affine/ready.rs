@@ -139,10 +139,13 @@ impl<const N: usize, const D: usize, const G: usize> ReadyFlow<N, D, G> {
                 }
                 guards = self.values(z, blind);
             }
-            rate = self.rate(z);
-            bend = self.bend(&rate);
             elapsed += piece;
             rest -= piece;
+            if rest <= 0.0 {
+                break;
+            }
+            rate = self.rate(z);
+            bend = self.bend(&rate);
             below = if below > piece { below - piece } else { f64::INFINITY };
             // A piece twice as long may be free again, now that this one is passed.
             level = (level + 1).min(top);

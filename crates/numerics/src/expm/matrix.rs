@@ -46,6 +46,18 @@ impl<const N: usize> Matrix<N> {
         out
     }
 
+    /// The same for a vector that is 0 after its first `D` entries.
+    #[inline]
+    pub fn apply_head<const D: usize>(&self, v: &[f64; N]) -> [f64; N] {
+        let mut out = [0.0; N];
+        for (column, &x) in self.columns[..D].iter().zip(v).rev() {
+            for (o, &c) in out[..D].iter_mut().zip(column) {
+                *o += c * x;
+            }
+        }
+        out
+    }
+
     /// `A v` for a vector that ends in 1 and a matrix whose last row is zero but for its last
     /// entry: the form an affine map has in augmented coordinates. The matrix is split after `D`.
     #[inline]

@@ -122,7 +122,12 @@ pub fn taylor<const N: usize, const D: usize>(
     let mut c = [*z0; ORDER + 1];
     let mut last = *z0;
     for k in 1..=ORDER {
-        last = a.apply_split::<D>(&last).map(|x| x * INVERSE[k]);
+        // What follows the first D entries is often constant, and has no higher powers.
+        let change = match last[D..].iter().all(|x| *x == 0.0) {
+            true => a.apply_head::<D>(&last),
+            false => a.apply_split::<D>(&last),
+        };
+        last = change.map(|x| x * INVERSE[k]);
         c[k] = last;
     }
     c
