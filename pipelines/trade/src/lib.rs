@@ -56,4 +56,4 @@ pub use yardstick::Yardstick;
 pub use zwidth_dynamics::{DynamicsError, ModelScene};
 
 /// Version of the algorithms and of the tables' form.
-pub const VERSION: u32 = 13;
+pub const VERSION: u32 = 14;

@@ -23,8 +23,10 @@
 //! The equations are piecewise linear, and each piece is solved exactly: by the matrix exponential
 //! over a ladder of spans made once, with events (reversal, departure, stop, touch, lift-off) as
 //! roots of its Taylor polynomials. A span is passed over only if no event can lie inside it, so no
-//! event is missed, however short. A lever at rest keeps its angle bit for bit.
+//! event is missed, however short. A lever at rest keeps its angle bit for bit. Of a lever without a
+//! hand so little is left that a few powers of time do for most steps.
 
+mod alone;
 mod parameters;
 mod plant;
 mod region;

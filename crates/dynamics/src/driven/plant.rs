@@ -1,5 +1,6 @@
 //! The plant itself: its state, and how commands and intent move it.
 
+use super::alone::Alone;
 use super::parameters::DrivenParameters;
 use super::region::{
     self, BRAKE, BRAKE_COMMAND, CONTACT, DEPTH, FIRST, GAP, HAND_V, INTENT, INTENT_RATE, MOTOR,
@@ -50,6 +51,9 @@ pub struct DrivenState {
 /// bounds that prove it free of events grow with its square.
 const REACH_S: f64 = 1.0 / 1024.0;
 
+/// Short steps of a lever alone that take less time than the flow over all of them.
+const MOST_STEPS: f64 = 16.0;
+
 /// Events within one advance after which the plant must be chattering, which its set-valued forces
 /// exclude.
 const MOST_EVENTS: u64 = 100_000;
@@ -60,6 +64,8 @@ pub struct Driven {
     parameters: DrivenParameters,
     /// In the order of [`Region::index`]; none for a region this plant is never in.
     regions: Vec<Option<ReadyFlow>>,
+    /// The shorter way of a lever that no hand holds.
+    alone: Option<Alone>,
     region: Region,
     z: [f64; N],
 }
@@ -82,7 +88,8 @@ impl Driven {
                 region.exists(&parameters).then(|| region::flow(&parameters, region, reach_s))
             })
             .collect();
-        let mut plant = Self { parameters, regions, region: Region::START, z: [0.0; N] };
+        let alone = Alone::of(&parameters);
+        let mut plant = Self { parameters, regions, alone, region: Region::START, z: [0.0; N] };
         plant.place(parameters.stops_rad.map_or(0.0, |[low, _]| low), 0.0)?;
         Ok(plant)
     }
@@ -155,8 +162,20 @@ impl Driven {
             finite("aims[1]", to)?;
             (self.z[INTENT], self.z[INTENT_RATE]) = (from, (to - from) / dt_s);
         }
-        // From event to event.
         let mut rest_s = dt_s;
+        if let Some(alone) = &self.alone {
+            let steps = (dt_s / alone.reach_s).ceil().max(1.0);
+            let step_s = dt_s / steps;
+            let mut done = 0.0;
+            while steps <= MOST_STEPS
+                && done < steps
+                && alone.step(&mut self.z, self.region, step_s)
+            {
+                done += 1.0;
+            }
+            rest_s = if done == steps { 0.0 } else { dt_s - done * step_s };
+        }
+        // From event to event.
         // Counted over one advance: real events are few within a tick of a controller.
         let mut events = 0;
         while rest_s > 0.0 {

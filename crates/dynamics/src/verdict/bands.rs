@@ -2,6 +2,8 @@
 
 use std::f64::consts::{SQRT_2, TAU};
 
+use zwidth_numerics::wide::dot;
+
 /// No window of time in which a level is taken is shorter, s.
 pub(super) const SHORTEST_S: f64 = 0.1;
 /// Lengths of a window in inverse bandwidths: the lines of a Hann window then lie within a band.
@@ -37,33 +39,67 @@ impl Band {
     }
 }
 
-/// Amplitudes in one band, for windows of one length.
+/// Amplitudes in the bands whose windows are of one length.
 pub(super) struct Levels {
-    step_s: f64,
+    /// Length of a window, in steps.
+    pub(super) length: usize,
     /// Hann's, over the root of its mean square.
     hann: Vec<f64>,
+    pub(super) bands: Vec<BandLines>,
+}
+
+/// The lines of a band.
+pub(super) struct BandLines {
+    pub(super) centre_hz: f64,
+    lines: Vec<Line>,
+}
+
+/// A line of a discrete Fourier transform, of what is symmetric about the middle of a window and of
+/// what is not.
+struct Line {
     cosine: Vec<f64>,
-    /// The lines of the band, from and to.
-    lines: (usize, usize),
+    sine: Vec<f64>,
+    /// From its square in the differences to the mean square of the position.
+    scale: f64,
 }
 
 impl Levels {
-    pub(super) fn new(band: &Band, step_s: f64) -> Self {
-        let n = band.window(step_s);
+    /// All bands, those with windows of the same length together.
+    pub(super) fn all(step_s: f64) -> Vec<Self> {
+        let bands: Vec<Band> = Band::all().collect();
+        let alike = bands.chunk_by(|a, b| a.window(step_s) == b.window(step_s));
+        alike.map(|bands| Self::new(bands, step_s)).collect()
+    }
+
+    fn new(bands: &[Band], step_s: f64) -> Self {
+        let n = bands[0].window(step_s);
         let cosine: Vec<f64> = (0..n).map(|i| libm::cos(TAU * i as f64 / n as f64)).collect();
         // The mean square of (1 − cos)/2 over a period is 3/8.
         let hann = cosine.iter().map(|c| 0.5 * (1.0 - c) / libm::sqrt(3.0 / 8.0)).collect();
-        let [from, to] = [band.from_hz, band.to_hz]
-            .map(|hz| ((hz * n as f64 * step_s).ceil() as usize).min(n.div_ceil(2)));
-        Self { step_s, hann, cosine, lines: (from.max(1), to) }
+        let line = |k: usize| {
+            let frequency_hz = k as f64 / (n as f64 * step_s);
+            let per_step = 2.0 * libm::sin(0.5 * TAU * frequency_hz * step_s);
+            // sin x = cos(x + 3/4 of a turn)
+            let turned = |quarters: usize| {
+                (0..=n / 2).map(|i| cosine[(k * i + quarters * n / 4) % n]).collect()
+            };
+            let scale = 2.0 / (n as f64 * n as f64 * per_step * per_step);
+            Line { cosine: turned(0), sine: turned(3), scale }
+        };
+        let lines = |band: &Band| {
+            let [from, to] = [band.from_hz, band.to_hz]
+                .map(|hz| ((hz * n as f64 * step_s).ceil() as usize).min(n.div_ceil(2)));
+            BandLines { centre_hz: band.centre_hz, lines: (from.max(1)..to).map(line).collect() }
+        };
+        Self { length: n, hann, bands: bands.iter().map(lines).collect() }
     }
 
-    /// Amplitude (zero to peak of a sine of the same power) of the position in the window that
-    /// begins at the first step. Positions stand at the edges of the steps: one more than steps.
+    /// Amplitude (zero to peak of a sine of the same power) of the position in a window, by band.
+    /// Positions stand at the edges of the steps: one more than steps.
     ///
     /// The lines are those of the differences, of which one of a sine of amplitude a at f is
     /// 2 a sin(π f h): a slow motion leaks less of itself into them.
-    pub(super) fn amplitude(&self, position: &[f64]) -> f64 {
+    pub(super) fn amplitudes(&self, position: &[f64]) -> Vec<f64> {
         let mut steps: Vec<f64> = position.windows(2).map(|pair| pair[1] - pair[0]).collect();
         // Less the straight line that fits best, whose ends would leak into every band.
         let n = steps.len() as f64;
@@ -72,27 +108,26 @@ impl Levels {
         let square = n * (n * n - 1.0) / 12.0;
         let slope = steps.iter().enumerate().map(|(i, x)| (i as f64 - middle) * x).sum::<f64>()
             / square.max(1.0);
-        for (i, x) in steps.iter_mut().enumerate() {
-            *x -= mean + slope * (i as f64 - middle);
+        for (i, (x, weight)) in steps.iter_mut().zip(&self.hann).enumerate() {
+            *x = (*x - (mean + slope * (i as f64 - middle))) * weight;
         }
-        let windowed: Vec<f64> = steps.iter().zip(&self.hann).map(|(x, w)| x * w).collect();
-        let n = self.cosine.len();
-        let turned = |at: usize, by: usize| if at + by < n { at + by } else { at + by - n };
-        // Mean square of the position on each line.
-        let squares = (self.lines.0..self.lines.1).map(|k| {
-            let mut re = 0.0;
-            let mut im = 0.0;
-            let mut at = 0;
-            for x in &windowed {
-                re += x * self.cosine[at];
-                im += x * self.cosine[turned(at, 3 * n / 4)]; // sin x = cos(x + 3/4 of a turn)
-                at = turned(at, k);
-            }
-            let frequency_hz = k as f64 / (n as f64 * self.step_s);
-            let per_step = 2.0 * libm::sin(0.5 * TAU * frequency_hz * self.step_s);
-            2.0 * (re * re + im * im) / (n as f64 * n as f64 * per_step * per_step)
-        });
-        SQRT_2 * libm::sqrt(squares.sum::<f64>())
+        // Cosines are the same on both sides of the middle, and sines are opposite.
+        let half = steps.len() / 2;
+        let mut even = steps[..=half].to_vec();
+        let mut odd = vec![0.0; half + 1];
+        for i in 1..half {
+            let mirrored = steps[steps.len() - i];
+            even[i] += mirrored;
+            odd[i] = steps[i] - mirrored;
+        }
+        let amplitude = |band: &BandLines| {
+            let squares = band.lines.iter().map(|line| {
+                let (re, im) = (dot(&even, &line.cosine), dot(&odd, &line.sine));
+                line.scale * (re * re + im * im)
+            });
+            SQRT_2 * libm::sqrt(squares.sum::<f64>())
+        };
+        self.bands.iter().map(amplitude).collect()
     }
 }
 
@@ -108,10 +143,10 @@ mod tests {
 
     /// The level of `position(t)` in the band around a frequency.
     fn level(near_hz: f64, position: impl Fn(f64) -> f64) -> f64 {
-        let band = band(near_hz);
-        let n = band.window(STEP_S);
-        let positions: Vec<f64> = (0..=n).map(|i| position(i as f64 * STEP_S)).collect();
-        Levels::new(&band, STEP_S).amplitude(&positions)
+        let levels = Levels::new(&[band(near_hz)], STEP_S);
+        let positions: Vec<f64> =
+            (0..=levels.length).map(|i| position(i as f64 * STEP_S)).collect();
+        levels.amplitudes(&positions)[0]
     }
 
     #[test]

@@ -15,7 +15,7 @@
 
 use zwidth_study::Perception;
 
-use super::bands::{Band, Levels, SHORTEST_S};
+use super::bands::{Levels, SHORTEST_S};
 use super::felt::VibrationThreshold;
 use super::path::Path;
 use crate::system::System;
@@ -128,7 +128,7 @@ pub struct FeltReference {
     lever_m: f64,
     spans: Vec<(usize, usize)>,
     slow: Slow,
-    bands: Vec<BandLevels>,
+    bands: Vec<RightLevels>,
 }
 
 /// The means over 100 ms of force and angle.
@@ -163,12 +163,10 @@ fn mean(values: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// The right levels of a band, by window.
-struct BandLevels {
-    centre_hz: f64,
+/// The right levels of bands whose windows are of one length, by window and band.
+struct RightLevels {
     levels: Levels,
-    windows: Vec<(usize, f64)>,
-    length: usize,
+    windows: Vec<(usize, Vec<f64>)>,
 }
 
 /// How far a motion is from another one for a person. A share of 1 is just felt.
@@ -205,9 +203,9 @@ impl FeltReference {
     /// Makes a motion ready to compare others with; `lever_m` turns angles into positions.
     pub fn new(motion: &FeltMotion, lever_m: f64, perception: &Perception) -> Self {
         let spans = motion.undisturbed(perception);
-        let bands = Band::all().map(|band| BandLevels::of(&band, motion, lever_m, &spans));
+        let bands = Levels::all(STEP_S).into_iter();
         Self {
-            bands: bands.collect(),
+            bands: bands.map(|levels| RightLevels::of(levels, motion, lever_m, &spans)).collect(),
             slow: Slow::of(motion),
             threshold: VibrationThreshold::of(&perception.vibration),
             perception: perception.clone(),
@@ -240,17 +238,22 @@ impl FeltReference {
             let apart_rad = (theta_rad - right.theta_rad[i]).abs();
             worst.angle_share = worst.angle_share.max(apart_rad / self.perception.angle_rad);
         }
-        for band in &self.bands {
-            let least_m = self.threshold.at_m(band.centre_hz);
-            for &(from, right_m) in &band.windows {
-                let Some(level_m) = band.amplitude_m(motion, from, self.lever_m) else { continue };
-                let allowed_m = least_m.max(right_m * (1.0 + self.perception.excess_share));
-                // Over the right level, not over nothing: a motion without error has no share.
-                let share = ((level_m - right_m) / (allowed_m - right_m)).max(0.0);
-                if worst.vibration_share.is_none_or(|most| share > most) {
-                    worst.vibration_share = Some(share);
-                    worst.frequency_hz = band.centre_hz;
-                    (worst.amplitude_m, worst.right_m) = (level_m, right_m);
+        for RightLevels { levels, windows } in &self.bands {
+            let least: Vec<f64> =
+                levels.bands.iter().map(|band| self.threshold.at_m(band.centre_hz)).collect();
+            for (from, right) in windows {
+                let Some(found) = amplitudes_m(levels, motion, *from, self.lever_m) else {
+                    continue;
+                };
+                for (k, (level_m, right_m)) in found.into_iter().zip(right).enumerate() {
+                    let allowed_m = least[k].max(right_m * (1.0 + self.perception.excess_share));
+                    // Over the right level, not over nothing: a motion without error has no share.
+                    let share = ((level_m - right_m) / (allowed_m - right_m)).max(0.0);
+                    if worst.vibration_share.is_none_or(|most| share > most) {
+                        worst.vibration_share = Some(share);
+                        worst.frequency_hz = levels.bands[k].centre_hz;
+                        (worst.amplitude_m, worst.right_m) = (level_m, *right_m);
+                    }
                 }
             }
         }
@@ -258,22 +261,25 @@ impl FeltReference {
     }
 }
 
-impl BandLevels {
-    fn of(band: &Band, motion: &FeltMotion, lever_m: f64, spans: &[(usize, usize)]) -> Self {
-        let length = band.window(STEP_S);
-        let levels = Levels::new(band, STEP_S);
-        let centre_hz = band.centre_hz;
-        let mut right = Self { centre_hz, levels, windows: Vec::new(), length };
-        let begins = spans.iter().flat_map(|span| windows(*span, length));
-        let windows = begins.map(|from| (from, right.amplitude_m(motion, from, lever_m)));
-        right.windows = windows.filter_map(|(from, level)| Some((from, level?))).collect();
-        right
+impl RightLevels {
+    fn of(levels: Levels, motion: &FeltMotion, lever_m: f64, spans: &[(usize, usize)]) -> Self {
+        let begins = spans.iter().flat_map(|span| windows(*span, levels.length));
+        let windows =
+            begins.filter_map(|from| Some((from, amplitudes_m(&levels, motion, from, lever_m)?)));
+        Self { windows: windows.collect(), levels }
     }
+}
 
-    fn amplitude_m(&self, motion: &FeltMotion, from: usize, lever_m: f64) -> Option<f64> {
-        let theta = motion.theta_rad.get(from..=from + self.length)?;
-        Some(lever_m * self.levels.amplitude(theta))
-    }
+/// Amplitudes of the lever's end in the window that begins at a step, by band, m; `None` where the
+/// motion ends before it does.
+fn amplitudes_m(
+    levels: &Levels,
+    motion: &FeltMotion,
+    from: usize,
+    lever_m: f64,
+) -> Option<Vec<f64>> {
+    let theta = motion.theta_rad.get(from..=from + levels.length)?;
+    Some(levels.amplitudes(theta).into_iter().map(|rad| lever_m * rad).collect())
 }
 
 /// Beginnings of windows that overlap by half and fill a span; none where it is too short.

@@ -223,6 +223,51 @@ fn a_split_advance_is_the_whole_advance() {
     }
 }
 
+/// The flows know it as a hand that nothing pulls, so far away that it never touches.
+#[test]
+fn a_lever_alone_moves_as_the_flows_say() {
+    let hand = Hand { stiffness_n_per_m: 0.0, damping_ns_per_m: 0.0, ..prototype().hand.unwrap() };
+    for (motor_lag_s, brake_lag_on_off_s) in [
+        (None, None),
+        (Some(53e-6), None),
+        (None, Some([0.015, 0.010])),
+        (Some(2e-3), Some([0.04, 0.01])),
+    ] {
+        let lonely =
+            DrivenParameters { motor_lag_s, brake_lag_on_off_s, hand: None, ..prototype() };
+        let mut alone = Driven::new(lonely).unwrap();
+        let mut beside = Driven::new(DrivenParameters { hand: Some(hand), ..lonely }).unwrap();
+        let (mut moved, mut rested, mut stopped) = (0, 0, 0);
+        for (dt_s, steps) in [(1e-3, 4000), (8.3e-3, 400), (0.2, 20)] {
+            alone.place(-0.5, 0.0).unwrap();
+            beside.place(-0.5, 1e3).unwrap();
+            for i in 0..steps {
+                // Strong and weak, against the brake and without it, to both stops.
+                let t = f64::from(i) * 4.0 / f64::from(steps);
+                let motor_n = 1.5 * libm::sin(7.0 * t) + 0.5 * libm::sin(31.0 * t);
+                let brake_n = (0.6 * libm::sin(5.0 * t)).max(0.0);
+                let command = Command { motor_n, brake_n };
+                for plant in [&mut alone, &mut beside] {
+                    plant.advance(dt_s, command, [Aim::default(); 2]).unwrap();
+                }
+                let (a, b) = (alone.state(), beside.state());
+                let apart = [
+                    a.theta_rad - b.theta_rad,
+                    (a.theta_dot_rad_s - b.theta_dot_rad_s) / 1e2,
+                    a.motor_n - b.motor_n,
+                    a.brake_n - b.brake_n,
+                ];
+                assert!(apart.iter().all(|x| x.abs() < 1e-12), "{dt_s} s, step {i}: {apart:?}");
+                let is_at_stop = a.theta_rad.abs() >= std::f64::consts::FRAC_PI_4;
+                moved += usize::from(a.theta_dot_rad_s != 0.0);
+                rested += usize::from(a.theta_dot_rad_s == 0.0 && !is_at_stop);
+                stopped += usize::from(is_at_stop);
+            }
+        }
+        assert!(moved.min(rested).min(stopped) > 50, "{moved} {rested} {stopped}");
+    }
+}
+
 /// Time and size of a press and its release, N: piecewise linear, so that both solvers take it
 /// exactly.
 fn force(peak_n: f64) -> Series {
