@@ -17,6 +17,7 @@ import folders
 import foreign
 import made
 import mixed
+import others
 import people
 import recordings
 import results
@@ -41,6 +42,7 @@ def main():
     foreign.check_all(zwidth)
     walls.frequencies(zwidth)
     made.check_all(zwidth)
+    others.check_all(zwidth)
     real = os.environ.get("ZWIDTH_REAL_DATA")
     if real:
         recordings.all_sets(zwidth, Path(real), WORKSPACE / "studies")

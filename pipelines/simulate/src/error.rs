@@ -27,6 +27,22 @@ pub enum SimulateError {
         "plant.stops_rad is missing, but the bow tie is drawn from stop to stop; give the scene its stops"
     )]
     NoStops,
+    /// A format that has no way to say a part of the scene.
+    #[error("a scene with this cannot be written as {format}: {why}")]
+    NotSaid {
+        /// The format.
+        format: &'static str,
+        /// What it cannot say, and what to do.
+        why: &'static str,
+    },
+    /// A term whose force no format can say.
+    #[error(
+        "the force of '{term}' cannot be written for other programs; leave it out of the scene"
+    )]
+    TermNotSaid {
+        /// The term.
+        term: &'static str,
+    },
     /// The scene makes no sense, or the solver could not run it.
     #[error(transparent)]
     Dynamics(#[from] DynamicsError),

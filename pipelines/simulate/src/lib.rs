@@ -10,6 +10,7 @@
 mod bow_tie;
 mod chattering;
 mod error;
+mod others;
 mod run;
 #[cfg(test)]
 mod scenes;
@@ -20,6 +21,7 @@ mod trajectory;
 pub use bow_tie::{BOW_TIE_NOTE, bow_tie};
 pub use chattering::{CHATTERING_NOTE, CHATTERING_STEPS_S, chattering};
 pub use error::SimulateError;
+pub use others::{OtherFile, OtherFormat, OtherScene, write_as};
 pub use run::{MOST_SAMPLES, Run, simulate};
 pub use solvers::{DEFAULT_SOLVER, DEFAULT_TOLERANCE, SOLVERS, solver};
 pub use summary::{Energy, KnownMotion, StepSwings, Summary, Work};

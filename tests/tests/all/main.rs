@@ -30,6 +30,7 @@ mod groups;
 mod hostile_import;
 mod little_memory;
 mod logs;
+mod others;
 mod own_metrics;
 mod page;
 mod participant;

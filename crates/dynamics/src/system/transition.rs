@@ -36,6 +36,11 @@ worded! {
 }
 
 impl System {
+    /// How the lever moves at t = 0.
+    pub fn first_motion(&self) -> Motion {
+        self.first_region(&self.start().0).motion
+    }
+
     /// The region that holds at the start.
     pub(crate) fn first_region(&self, z: &[f64]) -> Region {
         self.settle(z, Contact::Free, None)
@@ -252,5 +257,29 @@ fn on_branch(region: &Region, side: Side, branch: Branch) -> Region {
     match side {
         Side::Up => Region { branch_up: branch, ..*region },
         Side::Down => Region { branch_down: branch, ..*region },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{DriveMode, Input, Motion, System, table3};
+
+    #[test]
+    fn a_lever_first_moves_as_it_was_set_going_or_as_it_is_pushed() {
+        let first = |push_n: f64, theta_dot_rad_s: f64| {
+            let mut scene = table3::scene(DriveMode::Hybrid, Input::constant(push_n));
+            scene.start.theta_rad = 0.0;
+            scene.start.theta_dot_rad_s = theta_dot_rad_s;
+            System::new(scene).unwrap().first_motion()
+        };
+        // The spring asks for π N: the brake holds so much, the motor pushes with it.
+        assert_eq!(first(3.2, 0.0), Motion::Forward);
+        assert_eq!(first(3.1, 0.0), Motion::Backward);
+        assert_eq!(first(3.2, -0.1), Motion::Backward);
+        assert_eq!(first(3.1, 0.1), Motion::Forward);
+        let mut scene = table3::scene(DriveMode::Hybrid, Input::constant(3.2));
+        scene.start.theta_rad = 0.1; // the spring asks for more than the motor has
+        scene.motor.max_n = 3.0;
+        assert_eq!(System::new(scene).unwrap().first_motion(), Motion::Rest);
     }
 }

@@ -70,3 +70,8 @@ impl<'a> Output<'a> {
         self.folder.join(format!("{name}.{extension}"))
     }
 }
+
+/// Writes a text to a file of its own.
+pub(in crate::commands) fn write_text(path: &Path, text: &str) -> anyhow::Result<()> {
+    Ok(replace(&RealFiles, path, text.as_bytes())?)
+}

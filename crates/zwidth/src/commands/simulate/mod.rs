@@ -1,5 +1,6 @@
 //! `zwidth simulate`: model runs of scenes, as figures and tables.
 
+mod others;
 pub(super) mod scene_file;
 mod words;
 
@@ -9,14 +10,16 @@ use crate::limits::{positive, tolerance};
 use crate::screen::Screen;
 use anyhow::bail;
 use clap::builder::PossibleValuesParser;
+use others::Request;
 use scene_file::SceneFile;
+pub(super) use scene_file::stem;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use zwidth_figures::MOST_SIDE_BY_SIDE;
 use zwidth_results::{BowTieSample, ChatteringRun, ModelEvent, ModelRun, Row as _};
 use zwidth_simulate::{
-    BOW_TIE_NOTE, CHATTERING_NOTE, CHATTERING_STEPS_S, DEFAULT_SOLVER, ModelScene, SOLVERS,
-    Summary, bow_tie, chattering, model_events, model_run, simulate as run_scene, solver,
+    BOW_TIE_NOTE, CHATTERING_NOTE, CHATTERING_STEPS_S, DEFAULT_SOLVER, ModelScene, OtherFormat,
+    SOLVERS, Summary, bow_tie, chattering, model_events, model_run, simulate as run_scene, solver,
 };
 use zwidth_tables::Table;
 
@@ -39,7 +42,7 @@ pub(crate) struct SimulateArgs {
     /// Relative error a step that dormand_prince and tr_bdf2 aim for
     #[arg(long, value_name = "X", value_parser = tolerance, default_value = DEFAULT_TOLERANCE)]
     pub(crate) tolerance: f64,
-    /// Folder to write to [default: reports/simulate]
+    /// Folder to write to, or with --as the file [default: reports/simulate]
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
     /// Every solver at steps from 8.3 ms down: which oscillation is the method's, and which the
@@ -49,6 +52,11 @@ pub(crate) struct SimulateArgs {
     /// Instead of pushing the lever, move it from stop to stop and back: force against angle
     #[arg(long, conflicts_with = "chattering")]
     pub(crate) bow_tie: bool,
+    /// Run nothing: write the scene as a model file or a program for other simulators, with what
+    /// the format cannot say
+    #[arg(long = "as", value_name = "FORMAT", value_parser = others::format(),
+        conflicts_with_all = ["chattering", "bow_tie", "solver", "tolerance"])]
+    pub(crate) other: Option<OtherFormat>,
 }
 
 /// What `--json` prints.
@@ -80,6 +88,11 @@ pub(crate) fn simulate(
     command: &SimulateArgs,
     screen: &Screen,
 ) -> anyhow::Result<Exit> {
+    if let Some(format) = command.other {
+        check_stems(&command.scenes, "write them apart")?;
+        let request = Request { format, step_s: command.step, out: command.out.as_deref() };
+        return others::write(root, &command.scenes, &request, screen);
+    }
     let folder = command.out.clone().unwrap_or_else(|| root.join("reports").join("simulate"));
     // Before the first run, which may take long.
     check_stems(&command.scenes, "simulate them apart")?;
@@ -129,10 +142,6 @@ pub(super) fn check_stems(scenes: &[PathBuf], remedy: &str) -> anyhow::Result<()
         }
     }
     Ok(())
-}
-
-pub(super) fn stem(path: &Path) -> String {
-    path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
 /// Runs one scene and writes all that is its own. `progress` is called after each run.

@@ -31,6 +31,11 @@ impl SceneFile {
     }
 }
 
+/// What the files of a scene are named by.
+pub(in super::super) fn stem(path: &Path) -> String {
+    path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
+}
+
 /// The line, from 1, where `plant.mass_kg` or `environment.zones[1].from_rad` stands; none where
 /// its key is not alone at the head of a line in its section.
 fn line_of(text: &str, name: &str) -> Option<usize> {
