@@ -19,8 +19,8 @@ const SMALLEST_SWING_RAD: f64 = 1e-7;
 /// An event that is missing shows where the trajectory is off by this share of the right motion's
 /// range, or by the tolerance.
 const SHOWS: f64 = 0.05;
-/// One that is late, where it is off by this share.
-const LATE_SHOWS: f64 = 1e-4;
+/// One that is late, where it is off by this share of the range, or of the tolerance.
+const LATE_SHOWS: [f64; 2] = [0.01, 0.2];
 /// Events whose lateness differs by less are equally late, s.
 const SAME_S: f64 = 1e-6;
 /// Of a motion that `exact` cannot run two other solvers must agree to this share of what is
@@ -420,7 +420,9 @@ fn late(sides: &Sides<'_>, allowed: &Allowed, both: &[(Change, Change)]) -> Vec<
         let least_s = allowed.event_s.max(own.between_s).max(right.between_s);
         let [a, b] = [right.t_s.min(own.t_s), right.t_s.max(own.t_s)];
         let place = |t_s: f64| sides.t_s.partition_point(|t| *t < t_s);
-        let least_rad = sides.unseen_rad().max(LATE_SHOWS * sides.right.range_rad());
+        let [of_range, of_tolerance] = LATE_SHOWS;
+        let least_rad = (of_range * sides.right.range_rad()).min(of_tolerance * allowed.theta_rad);
+        let least_rad = least_rad.max(sides.unseen_rad());
         // Until the next event: a lever breaks loose slowly.
         b - a > least_s && sides.most_apart_rad(place(a), right.around[1].max(place(b))) > least_rad
     });

@@ -152,23 +152,32 @@ pub(crate) fn right_at(yardstick: &Yardstick, t_s: &[f64]) -> Result<Trajectory,
     Ok(run)
 }
 
-/// Whether angles are in degrees.
+/// Whether angles are in degrees: then they follow the right motion all the way, and not only once
+/// they have left it.
 fn check_unit(candidate: &Candidate, right: &Side) -> Result<(), JudgeError> {
-    let start_rad = right.theta_rad[0];
-    let squares = |scale: f64| -> f64 {
-        let pairs = candidate.theta_rad.iter().zip(&right.theta_rad);
-        pairs.map(|(own, right)| (scale * own - right) * (scale * own - right)).sum()
-    };
-    let moved: f64 =
-        right.theta_rad.iter().map(|theta| (theta - start_rad) * (theta - start_rad)).sum();
+    /// Parts of the run, in each of which they must.
+    const PARTS: usize = 4;
     let degree = std::f64::consts::PI / 180.0;
-    let as_degrees = squares(degree);
-    let first = candidate.theta_rad[0];
+    let start_rad = right.theta_rad[0];
+    let all: Vec<(f64, f64)> =
+        candidate.theta_rad.iter().copied().zip(right.theta_rad.iter().copied()).collect();
+    let squares = |samples: &[(f64, f64)], scale: f64| -> f64 {
+        samples.iter().map(|(own, right)| (scale * own - right) * (scale * own - right)).sum()
+    };
+    let moved: f64 = all.iter().map(|(_, theta)| (theta - start_rad) * (theta - start_rad)).sum();
+    let as_degrees = squares(&all, degree);
+    let first = all[0].0;
     // Of a lever that stands still the start alone tells.
     let begins_so = start_rad != 0.0 && (first * degree / start_rad - 1.0).abs() < DEGREES_SHARE;
-    let is_closer = as_degrees < DEGREES_SHARE * DEGREES_SHARE * squares(1.0);
+    let is_closer = as_degrees < DEGREES_SHARE * DEGREES_SHARE * squares(&all, 1.0);
     let explains = as_degrees < EXPLAINED * EXPLAINED * moved;
-    if is_closer && (explains || begins_so) { Err(JudgeError::Degrees) } else { Ok(()) }
+    let mut parts = all.chunks(all.len().div_ceil(PARTS));
+    let throughout = parts.all(|part| squares(part, degree) <= squares(part, 1.0));
+    if is_closer && throughout && (explains || begins_so) {
+        Err(JudgeError::Degrees)
+    } else {
+        Ok(())
+    }
 }
 
 /// Whether the first sample is the right motion's.

@@ -156,7 +156,8 @@ fn of_seed(seed: u64) -> Result<Vec<String>, &'static str> {
         ));
     }
     let rate = (10.0 + 20.0 * dice.next()) / scene.duration_s;
-    let size = 2.0 * (1.0 + range(&right)) * (-rate * scene.duration_s).exp();
+    // At the start it may be off by less than a thousandth.
+    let size = (2.0 * (1.0 + range(&right)) * (-rate * scene.duration_s).exp()).min(5e-4);
     let grown = changed(&right, |t, [theta, omega]| {
         let error = size * (rate * t).exp();
         [theta + error, omega + rate * error]

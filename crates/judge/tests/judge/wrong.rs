@@ -81,7 +81,7 @@ fn an_event_that_is_late_by_a_known_time_is_measured() {
     ] {
         let truth = Truth::of(&scene);
         let from_s = if from_s.is_nan() { truth.longest_rest_s()[0] + 0.01 } else { from_s };
-        for late_s in [0.0031, 0.0207] {
+        for late_s in [0.0071, 0.0207] {
             let late = delayed(&truth, &truth.every(1e-4), from_s, late_s);
             let judged = truth.judge(&late).unwrap();
             let what = format!("{}, {late_s} s: {judged:#?}", scene.name);
