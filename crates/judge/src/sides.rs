@@ -11,7 +11,7 @@ const START_SHARE: f64 = 0.05;
 /// Angles are degrees if, taken as such, they are off by less than this share of what they are off
 /// by as they stand, and by less than this share of the right motion's own deviation.
 const DEGREES_SHARE: f64 = 0.05;
-const EXPLAINED: f64 = 0.2;
+const EXPLAINED: f64 = 0.05;
 /// A lever that moves at less than this share of the right motion's largest velocity stands still.
 const REST_SHARE: f64 = 1e-3;
 

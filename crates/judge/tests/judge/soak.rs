@@ -117,7 +117,7 @@ fn of_seed(seed: u64) -> Result<Vec<String>, &'static str> {
     };
     let fastest = right.theta_dot_rad_s.iter().map(|omega| omega.abs()).fold(0.0, f64::max);
     // Creep in the longest rest, if it is long enough, away from the stop that the lever leans on.
-    let rests = right.theta_dot_rad_s.iter().any(|omega| *omega == 0.0);
+    let rests = right.theta_dot_rad_s.contains(&0.0);
     if rests
         && let [from_s, to_s] = truth.longest_rest_s()
         && to_s - from_s > 0.05
