@@ -61,3 +61,27 @@ fn a_file_that_is_no_trajectory_of_the_scene_is_one_error() {
         assert!(said.contains(words) && said.contains("theirs.csv"), "{said}");
     }
 }
+
+#[test]
+fn trajectories_of_a_table_stand_beside_our_solvers() {
+    let (root, scene, _) = laid_down("judge_table", "t_s,theta_deg", |t| 3.0 * t);
+    let short = root.join("short.toml");
+    let scene =
+        std::fs::read_to_string(scene).unwrap().replace("duration_s = 2.0", "duration_s = 0.2");
+    std::fs::write(&short, scene).unwrap();
+    let table = root.join("table.csv");
+    std::fs::write(
+        &table,
+        "name,setting,file,cost_s\nsmooth,1 ms,theirs.csv,0.01\nlost,,none.csv,\n",
+    )
+    .unwrap();
+    let [short, table] = [short, table].map(|path| path.to_str().unwrap().to_owned());
+    let output = zwidth(&root, &["trade", &short, "--trajectories", &table]);
+    let said = text(&output.stdout);
+    assert_eq!(output.status.code(), Some(0), "{said}{}", text(&output.stderr));
+    assert!(said.contains("smooth, 1 ms: creeps") && said.contains("Not judged: "), "{said}");
+    assert!(said.contains("Under half its friction the lever stands by exact"), "{said}");
+    for name in ["others.svg", "others.csv", "others.faults.csv", "trade.creep.csv"] {
+        assert!(root.join(format!("reports/trade/short.{name}")).exists(), "{name}");
+    }
+}
