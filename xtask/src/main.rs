@@ -24,8 +24,8 @@ use anyhow::{Context as _, bail};
 use soak::compared::{From, compared};
 use soak::simulate::{With, simulate};
 use soak::{
-    coverage, extremes, faults, kill, kill_tasks, live, loops, mistakes, properties, statistics,
-    terminals, thesis, watchdog, wire,
+    coverage, extremes, faults, judge, kill, kill_tasks, live, loops, mistakes, properties,
+    statistics, terminals, thesis, watchdog, wire,
 };
 use std::path::Path;
 
@@ -60,6 +60,7 @@ cargo xtask soak compared [SEEDS [PEOPLE|FILE]] how often comparisons of studies
 cargo xtask soak simulate [SEEDS [FIRST]] whole sessions in memory with faults drawn from a seed each [100000, from 0]
 cargo xtask soak simulate-twin [SEEDS [FIRST]] the same with the simulated device and participant [1000, from 0]
 cargo xtask soak properties [CASES [SEED]] fresh cases for every random property [1000000, a new seed]
+cargo xtask soak judge [SCENES]         right and wrong trajectories of random scenes: none may be misjudged [10000]
 cargo xtask soak extremes [SCENES]      scenes and answers at the extremes; writes docs/extremes.md [1000000]
 cargo xtask soak r [SETS [SEED]]       statistics against R, SciPy and statsmodels on so many random data sets [1000]
 cargo xtask soak null [STUDIES [PART]] tests, intervals and power on studies without an effect, or those tests of null_studies whose names have PART [40000, all]
@@ -138,6 +139,7 @@ fn soak_by_word(chore: &str, rest: &[&str]) -> anyhow::Result<()> {
             properties::properties(number(rest, 0, 1_000_000)?, number(rest, 1, fresh)?)
         }
         "extremes" => extremes::extremes(number(rest, 0, extremes::SCENES)?),
+        "judge" => judge::judge(number(rest, 0, judge::SCENES)?),
         "r" => {
             let seed = rest.get(1).map(|_| number(rest, 1, 0)).transpose()?;
             statistics::against_r(number(rest, 0, statistics::SETS)?, seed)

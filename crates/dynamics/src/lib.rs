@@ -64,6 +64,6 @@ pub use trajectory::{Event, Forces, Trajectory, WorkCounts};
 pub use verdict::{
     Controller, ExistingSwings, FEWEST_SWINGS, Felt, FeltDifference, FeltMotion, FeltReference,
     HeldForces, Judgement, Model, Motions, Reference, RunVerdict, SampledLoop, Swings,
-    TickController, TickedLoop, VibrationThreshold, felt, judge,
+    TickController, TickedLoop, VibrationThreshold, felt, judge, own_swings,
 };
 pub use wall::{DryLimits, Pushed, PushedWall, RidingFinger, SampledWall, Textbook};

@@ -117,6 +117,38 @@ impl Trajectory {
         self.region.reserve(samples);
     }
 
+    /// The motion of another program as a run of this system: θ (rad) and θ̇ (rad/s) at the times of
+    /// `self`, the system's own run, from which all other entries of the state are taken. A lever
+    /// that moves at `rest_rad_s` or less stands still, as far as forces are concerned. Of the
+    /// program's events nothing is known.
+    ///
+    /// One angle and one velocity per sample of `self`; the shorter of all three counts.
+    pub fn with_motion(
+        &self,
+        system: &System,
+        theta_rad: &[f64],
+        theta_dot_rad_s: &[f64],
+        rest_rad_s: f64,
+    ) -> Self {
+        let n = self.len().min(theta_rad.len()).min(theta_dot_rad_s.len());
+        let mut run = Self::new(self.layout, n);
+        for i in 0..n {
+            let from = run.states.len();
+            run.states.extend_from_slice(self.state(i));
+            let z = &mut run.states[from..];
+            z[THETA] = theta_rad[i];
+            z[OMEGA] =
+                if theta_dot_rad_s[i].abs() <= rest_rad_s { 0.0 } else { theta_dot_rad_s[i] };
+            let region = system.sampled_region(z);
+            // Only the region is that of a lever at rest: the velocity stays as it was given.
+            z[OMEGA] = theta_dot_rad_s[i];
+            let region = run.region_number(&region);
+            run.region.push(region);
+            run.t_s.push(self.t_s[i]);
+        }
+        run
+    }
+
     /// Number of samples.
     pub fn len(&self) -> usize {
         self.t_s.len()

@@ -148,6 +148,55 @@ fn mapping(path: &Path, apart: &[StoreError], looked: &Looked, names: &Names) ->
     text
 }
 
+/// The mapping of another program's trajectory: its time, its angle, and if there are any its velocity
+/// and the user's force. Whose trial it is does not matter.
+///
+/// # Errors
+/// A file that cannot be read; no time or no angle, or one whose unit is not known.
+pub(super) fn trajectory_mapping(path: &Path) -> Result<String, StoreError> {
+    let looked = look(path)?;
+    let comma = looked.written.is_some_and(|written| written.decimal_comma);
+    let columns = describe_columns(&looked, comma);
+    let names: Vec<&str> = columns.iter().map(|column| column.from.as_str()).collect();
+    let of = |signal: Signal, what: &str, example: &str| {
+        columns.iter().find(|column| column.to == Some(signal)).ok_or_else(|| {
+            let what = format!("no column of {what} was found; the file has {}", names.join(", "));
+            let remedy = format!(
+                "call it {example}, or write a mapping (`zwidth import --guess` begins one) and name it with --map"
+            );
+            StoreError::new(path, what, remedy)
+        })
+    };
+    let unit = |column: &Guessed, example: &str| {
+        let own = if column.is_number { column.unit.clone() } else { Some("s".to_owned()) };
+        own.ok_or_else(|| {
+            let name = column.from.trim_matches('"');
+            let what = format!("the unit of '{name}' is not known");
+            StoreError::new(path, what, format!("add it to the column's name: {example}"))
+        })
+    };
+    let time = of(Signal::Time, "time", "t_s")?;
+    let angle = of(Signal::Theta, "the angle", "theta_rad")?;
+    let mut text = "kind = \"trials\"\nsimulated = true\n\n[file]\n".to_owned();
+    write_file(&mut text, &looked);
+    text.push_str("\n[trial]\n");
+    for label in
+        ["participant = \"P01\"", "session = \"S01\"", "environment = \"any\"", "mode = \"any\""]
+    {
+        let _ = writeln!(text, "{label}");
+    }
+    let _ =
+        writeln!(text, "\n[time]\nfrom = {}\nunit = \"{}\"", time.from, unit(time, "t_s, t_ms")?);
+    let more = [(Signal::ThetaDot, "theta_dot_rad_s"), (Signal::ForceEx, "force_ex_n")];
+    let more = more.iter().filter_map(|(signal, example)| {
+        Some((columns.iter().find(|column| column.to == Some(*signal))?, *example))
+    });
+    for (column, example) in std::iter::once((angle, "theta_rad, theta_deg")).chain(more) {
+        column.write_as(&mut text, &unit(column, example)?);
+    }
+    Ok(text)
+}
+
 /// What stands for a participant whom the names do not tell.
 const WHO: &str =
     "\"TODO\"     # a code; or { column = \"…\" }, or { name = \"…\" } with a pattern in [name]";
@@ -274,6 +323,13 @@ impl Guessed {
         self.unit
             .as_ref()
             .map_or_else(|| format!("\"TODO\"            # {which}"), |unit| format!("\"{unit}\""))
+    }
+
+    /// As the signal that it is, in a unit.
+    fn write_as(&self, text: &mut String, unit: &str) {
+        let to = self.to.map_or("", Signal::name);
+        let _ =
+            writeln!(text, "\n[[column]]\nto = \"{to}\"\nfrom = {}\nunit = \"{unit}\"", self.from);
     }
 
     fn write(&self, text: &mut String) {

@@ -78,6 +78,7 @@ mod stream;
 mod sweeps;
 mod table;
 mod text;
+mod trajectory;
 mod trials;
 mod unit;
 mod workbook;
@@ -93,6 +94,7 @@ pub use guess::{Guess, guess};
 pub use late::{Claims, LateAnswer, LateAnswers, TrialMeant};
 pub use mapping::Mapping;
 pub use report::{ColumnDropped, FileReport, Report, RowsDropped, Unplanned};
+pub use trajectory::{Trajectory, texts, trajectory};
 
 use context::Context;
 use errors::all;

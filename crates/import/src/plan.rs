@@ -1,13 +1,14 @@
 //! The plan by which every file becomes trials: the mapping joined with the study.
 
-use super::context::Context;
 use super::convert::{Linear, Zero};
 use super::errors::{Errors, all};
 use super::mapping::{ChannelFrom, ColumnFrom, Mend, Origin, Rule, SignalFrom, Time};
 use super::table::ColumnRef;
 use super::unit;
 use super::unit::Unit;
+use std::path::Path;
 use zwidth_store::{Signal, StoreError};
+use zwidth_study::Study;
 
 /// A column of times, and what is done with it before it is converted.
 #[derive(Debug, Clone, Copy)]
@@ -60,19 +61,20 @@ pub(super) struct Taken<'a> {
     pub(super) unit: (&'static unit::Unit, &'a str),
 }
 
-/// Joins the mapping with the study.
+/// Joins a mapping, by its file, with a study.
 ///
 /// # Errors
 /// A unit that only fits with a lever length or a linear coordinate, which the study lacks.
 pub(super) fn plan<'a>(
-    context: &Context,
+    study: &Study,
+    mapping: &Path,
     time: &'a Time,
     columns: &'a [SignalFrom],
     channels: &'a [ChannelFrom],
 ) -> Result<Plan<'a>, Errors> {
     all(channels.iter().map(|channel| {
         let id = channel.to.as_str();
-        let (what, remedy) = match context.study.channels.iter().find(|c| c.id == channel.to) {
+        let (what, remedy) = match study.channels.iter().find(|c| c.id == channel.to) {
             None => (
                 format!("'{id}' is not a channel of study.toml"),
                 "add it to [[channels]] before the first trial, or remove it from the mapping",
@@ -87,7 +89,7 @@ pub(super) fn plan<'a>(
             ),
             Some(_) => return Ok(()),
         };
-        let error = StoreError::new(&context.mapping.path, what, remedy);
+        let error = StoreError::new(mapping, what, remedy);
         Err(error.column(channel.from.to_string()))
     }))?;
     let converted = channels.iter().map(|c| {
@@ -101,7 +103,7 @@ pub(super) fn plan<'a>(
             plan.computed.push(rate_words(*rate_hz));
         }
         Time::Column { column, mend } => {
-            plan.take(context, Signal::Time, column, None)?;
+            plan.take(study, mapping, Signal::Time, column, None)?;
             plan.time = Some(TimeColumn::of(column, *mend));
             plan.computed.extend(mend.words());
         }
@@ -111,12 +113,10 @@ pub(super) fn plan<'a>(
             // The user's torque is kept as a force where the study has a lever length, F = τ / L.
             let has_force = columns.iter().any(|c| c.to == Signal::ForceEx);
             let to = match to {
-                Signal::TorqueEx if context.study.device.lever_m.is_some() && !has_force => {
-                    Signal::ForceEx
-                }
+                Signal::TorqueEx if study.device.lever_m.is_some() && !has_force => Signal::ForceEx,
                 other => *other,
             };
-            plan.take(context, to, column, *wrap)
+            plan.take(study, mapping, to, column, *wrap)
         }
         Origin::Derived(rule) => {
             let words = match rule {
@@ -157,17 +157,18 @@ impl<'a> Plan<'a> {
 
     fn take(
         &mut self,
-        context: &Context,
+        study: &Study,
+        mapping: &Path,
         to: Signal,
         column: &'a ColumnFrom,
         wrap: Option<f64>,
     ) -> Result<(), StoreError> {
         let ColumnFrom { from, unit, unit_text, line } = column;
-        let (factor, length) = unit::factor(unit, to, context.study).map_err(|lacks| {
+        let (factor, length) = unit::factor(unit, to, study).map_err(|lacks| {
             let what =
                 format!("{unit_text} becomes {} only where study.toml has {lacks}", to.name());
             let remedy = "add it to study.toml, or choose another unit or column of ours";
-            StoreError::new(&context.mapping.path, what, remedy).column(from.to_string())
+            StoreError::new(mapping, what, remedy).column(from.to_string())
         })?;
         let line_words = line.words().map(|w| format!(", {w}")).unwrap_or_default();
         let name = to.name();

@@ -67,7 +67,7 @@ pub(super) fn trials(
 ) -> Result<Batch, Errors> {
     // Before any file is read: whatever is in them, the study takes no trial of another form.
     check_form(context.files, context.layout, context.study)?;
-    let plan = plan(context, time, columns, channels)?;
+    let plan = plan(context.study, &context.mapping.path, time, columns, channels)?;
     let budget = Budget::default();
     let converted = convert_files(context, who, &plan, &budget, files)?;
     let (mut converted, existing) =
@@ -459,7 +459,7 @@ fn convert(
 ///
 /// # Errors
 /// It has a time, so few rows and so many columns that its rows are the signals.
-fn check_turned(turned: bool, recording: &Recording) -> Result<(), StoreError> {
+pub(super) fn check_turned(turned: bool, recording: &Recording) -> Result<(), StoreError> {
     let table = &recording.table;
     if !table.is_turned() {
         return Ok(());

@@ -60,6 +60,9 @@
 //! | [`TradeSetting`] | scene, model, solver, step or tolerance | `trade` | figures, printed tables |
 //! | [`TradeChoice`] | scene, model | `trade` | figures, summary, printed tables |
 //! | [`TradeMetric`] | scene, solver, step or tolerance, metric | `zwidth trade` | nothing but the file |
+//! | [`JudgedTrajectory`] | scene, trajectory | `zwidth judge`, `zwidth trade` | figures |
+//! | [`TrajectoryFault`] | scene, trajectory, fault, event | `zwidth judge`, `zwidth trade` | nothing but the file |
+//! | [`SolverCreep`] | scene, solver, step or tolerance | `zwidth trade` | nothing but the file |
 //! | [`RunTime`] | solver, step or tolerance | `zwidth trade` | nothing but the file |
 //! | [`MetricShift`] | condition, what is less, metric | `trade`, `zwidth trade` | figures |
 //! | [`SetupSummary`] | setup | `zwidth trade` | `zwidth trade` |
@@ -117,6 +120,7 @@ mod figure;
 mod free_motion;
 mod groups;
 mod identification;
+mod judged;
 mod ladder;
 mod model_run;
 mod note;
@@ -141,6 +145,7 @@ pub use figure::*;
 pub use free_motion::*;
 pub use groups::*;
 pub use identification::*;
+pub use judged::*;
 pub use ladder::*;
 pub use model_run::*;
 pub use note::NoteKind;

@@ -251,6 +251,20 @@ rows! {
         felt_share: Option<f64>,
     }
 
+    /// How fast a lever moves under half of its dry friction by a setting; it should stand.
+    SolverCreep = "trade_creep", "Creep under half the friction" {
+        /// the scene that the lever is of
+        scene: Arc<str>,
+        /// the solver
+        solver: Arc<str>,
+        /// its step
+        step_s: Option<f64> = "s",
+        /// its relative error per step
+        tolerance: Option<f64>,
+        /// mean speed of the lever
+        creep_rad_s: f64 = "rad/s",
+    }
+
     /// How long the runs of a setting take on the machine that made them.
     RunTime = "timing", "time of runs" {
         /// the solver

@@ -130,6 +130,13 @@ pub(crate) enum Command {
     /// Run a model of the device: figures and tables of scenes
     #[command(after_help = "Example:\n  zwidth simulate scenes/sine.toml")]
     Simulate(commands::simulate::SimulateArgs),
+    /// A trajectory that another program computed for a scene: what is wrong with it, and by how much
+    #[command(after_help = concat!(
+        "Examples:\n",
+        "  zwidth judge scenes/stick.toml --trajectory theirs.csv\n",
+        "  zwidth judge scenes/stick.toml --trajectory theirs.csv --engine mujoco"
+    ))]
+    Judge(commands::judge::JudgeArgs),
     /// Speed against accuracy: every solver and step on scenes, and the cheapest that is good
     /// enough
     #[command(after_help = "Example:\n  zwidth trade scenes/sine.toml")]

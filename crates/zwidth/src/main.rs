@@ -112,6 +112,7 @@ fn run(args: Args, screen: &screen::Screen) -> anyhow::Result<Exit> {
         Command::Import(command) => commands::import::import(root, &command, screen),
         Command::Verify { studies } => commands::verify::verify(root, studies, screen),
         Command::List { study } => commands::list::list(root, study, screen),
+        Command::Judge(command) => commands::judge::judge(&command, screen),
         Command::Simulate(command) => commands::simulate::simulate(root, &command, screen),
         Command::Trade(command) => commands::trade::trade(root, &command, screen),
         Command::Ladder(command) => commands::ladder::ladder(root, &command, screen),

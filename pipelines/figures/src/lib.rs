@@ -23,6 +23,7 @@
 //! | `bow_tie` | 31 | brake and motor of a lever whose motion is given |
 //! | `chattering` | – | swings of solvers against their step |
 //! | `work_precision` | – | error against work of every solver and step |
+//! | `others` | – | error against time of other programs, beside every solver and step |
 //! | `less` | – | the effect of fewer recorded data on metrics |
 //! | `finding` | – | that an oscillation is the method's, at a glance |
 //! | `impedance` | – | the Z-width of a device: the stiffest wall against its damping |

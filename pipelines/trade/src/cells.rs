@@ -1,14 +1,13 @@
 //! Every setting on a scene: verdict, errors, work, and the first gate that it fails.
 
 use crate::TradeError;
-use crate::errors::{Errors, errors};
 use crate::measured::{MetricChange, Metrics, changes};
-use crate::setting::{EXACT, Fineness, Setting};
-use crate::yardstick::{SAMPLE_S, Yardstick};
+use crate::setting::{Fineness, Setting};
 use zwidth_dynamics::{
     ExistingSwings, Grid, Judgement, ModelScene, Reference, RunVerdict, Solver, System, Trajectory,
     WorkCounts,
 };
+use zwidth_judge::{EXACT, Errors, SAMPLE_S, Yardstick, errors};
 use zwidth_results::Gate;
 
 /// More samples are not kept.

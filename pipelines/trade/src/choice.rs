@@ -3,9 +3,9 @@
 use crate::cells::{Cell, cell};
 use crate::perturb::neighbour;
 use crate::setting::Setting;
-use crate::yardstick::Yardstick;
 use rayon::prelude::*;
 use zwidth_dynamics::{ModelScene, Reference};
+use zwidth_judge::Yardstick;
 use zwidth_results::{Gate, Proof, WhyNot};
 use zwidth_study::Perception;
 

@@ -3,10 +3,10 @@
 use crate::TradeError;
 use crate::cells::grid;
 use crate::setting::Setting;
-use crate::story::Story;
 use crate::table::MODEL;
 use std::iter::repeat_n;
 use zwidth_dynamics::{ModelScene, System};
+use zwidth_judge::Story;
 use zwidth_results::TradeRun;
 use zwidth_tables::{Column, Table, TableError};
 

@@ -19,31 +19,29 @@ mod cells;
 mod choice;
 mod condition;
 mod course;
+mod creep;
 mod data;
 mod degrade;
 mod error;
-mod errors;
 mod measured;
 mod metric_table;
 mod perturb;
 mod setting;
 mod setup;
 mod short;
-mod story;
 mod table;
 #[cfg(test)]
 mod tests;
 mod trade;
-mod yardstick;
 
 pub use cells::Cell;
 pub use choice::Choice;
 pub use condition::condition_scene;
 pub use course::{courses, courses_table};
+pub use creep::{creeps, creeps_table, half_friction};
 pub use data::{Bounds, less_shifts, recordings_table, setup_shifts, twin_table};
 pub use degrade::{LONGEST, Less, lessened};
 pub use error::TradeError;
-pub use errors::{Errors, Size};
 pub use measured::{Course, Measure, MetricChange, Metrics};
 pub use metric_table::{metrics, metrics_table};
 pub use perturb::neighbour;
@@ -52,8 +50,8 @@ pub use setup::{Rehearsed, Setup, Stopped, rehearse};
 pub use short::{Stops, twin_summary, twin_summary_table};
 pub use table::{choice, choices_table, model_words, recommended_scene, settings, settings_table};
 pub use trade::{Parameters, Trade, models, pareto_front, trade};
-pub use yardstick::Yardstick;
 pub use zwidth_dynamics::{DynamicsError, ModelScene};
+pub use zwidth_judge::{Errors, Size, Yardstick};
 
 /// Version of the algorithms and of the tables' form.
 pub const VERSION: u32 = 14;

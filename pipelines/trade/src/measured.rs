@@ -1,9 +1,8 @@
 //! The study's own metrics of a run, beside those of the right run.
 
 use crate::TradeError;
-use crate::errors::places;
-use crate::yardstick::Yardstick;
 use zwidth_dynamics::{System, Trajectory};
+use zwidth_judge::{Yardstick, places};
 use zwidth_study::{Measured, Perception, is_felt};
 
 /// At most so many samples of a run are measured, evenly chosen: every 2 ms of four seconds.

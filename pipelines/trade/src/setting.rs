@@ -2,9 +2,8 @@
 
 use serde::Serialize;
 use zwidth_dynamics::{NAMED_SOLVERS, NamedSolver, Solver};
+use zwidth_judge::EXACT;
 
-/// The solver that needs neither step nor tolerance.
-pub(crate) const EXACT: &str = "exact";
 /// Those that are given a tolerance.
 const ADAPTIVE: [&str; 2] = ["dormand_prince", "tr_bdf2"];
 /// For solvers that are given a step, which do not look at it.

@@ -6,10 +6,10 @@ use crate::cells::{Cell, cells};
 use crate::choice::{Choice, choose};
 use crate::measured::Metrics;
 use crate::setting::{Fan, Fineness, Setting};
-use crate::yardstick::Yardstick;
 use rayon::prelude::*;
 use serde::Serialize;
 use zwidth_dynamics::{Finger, FingerLaw, ModelScene, Reference};
+use zwidth_judge::Yardstick;
 use zwidth_results::Proof;
 use zwidth_study::Perception;
 

@@ -11,7 +11,7 @@ use std::path::Path;
 const FLOORS: [(u8, &[&str]); 8] = [
     (0, &["crates/study", "crates/numerics", "crates/arrow"]),
     (1, &["crates/dynamics", "crates/results", "crates/store", "crates/stats", "crates/testing"]),
-    (2, &["crates/device", "crates/draw", "crates/tables", "crates/import"]),
+    (2, &["crates/device", "crates/draw", "crates/tables", "crates/import", "crates/judge"]),
     (3, &["crates/frames", "crates/link"]),
     (4, &["crates/runner", "pipelines/*"]),
     (5, &["crates/plan", "crates/acquire"]),
@@ -27,7 +27,7 @@ const TOP: u8 = 7;
 const CONFINED: [(&str, &[&str]); 10] = [
     ("arrow", &[]),
     ("arrow-array", &["crates/arrow"]),
-    ("zwidth-arrow", &["crates/store", "crates/tables", "crates/import"]),
+    ("zwidth-arrow", &["crates/store", "crates/tables", "crates/import", "crates/judge"]),
     ("parquet", &["crates/store", "crates/import"]),
     ("polars", &["crates/frames"]),
     ("csv", &["crates/import", "crates/study"]),

@@ -5,6 +5,7 @@ pub(crate) mod compared;
 pub(crate) mod coverage;
 pub(crate) mod extremes;
 pub(crate) mod faults;
+pub(crate) mod judge;
 pub(crate) mod kill;
 pub(crate) mod kill_tasks;
 pub(crate) mod live;

@@ -4,7 +4,7 @@
 use super::{Grid, shorten};
 use crate::error::{Result, in_bounds};
 use crate::system::direct::{Law, direction};
-use crate::system::{Cursor, OMEGA, System};
+use crate::system::{Cursor, System};
 use crate::trajectory::Trajectory;
 
 /// The inputs, read at times that do not run backwards, and whether the brake is kept on.
@@ -67,8 +67,6 @@ pub(crate) fn run<const N: usize>(
 }
 
 fn record<const N: usize>(system: &System, out: &mut Trajectory, t: f64, z: &[f64; N]) {
-    let at_rest = z[OMEGA] == 0.0;
-    let region = if at_rest { system.first_region(z) } else { system.direct_region(z) };
-    let region = out.region_number(&region);
+    let region = out.region_number(&system.sampled_region(z));
     out.push(&[t], &[*z], region);
 }

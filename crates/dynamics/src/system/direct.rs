@@ -121,6 +121,11 @@ impl System {
         }
     }
 
+    /// The region of a state of which only its numbers are known, for its forces by part.
+    pub(crate) fn sampled_region(&self, z: &[f64]) -> Region {
+        if z[OMEGA] == 0.0 { self.first_region(z) } else { self.direct_region(z) }
+    }
+
     /// The region a fixed-step state stands in, for its forces by part.
     pub(crate) fn direct_region(&self, z: &[f64]) -> Region {
         let side = side(z[OMEGA]);

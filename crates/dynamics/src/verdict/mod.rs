@@ -52,7 +52,7 @@ pub use ticked::{HeldForces, TickController, TickedLoop};
 use path::Path;
 use reference::KnownMotion;
 pub(crate) use stability::Growth;
-use swings::{FEW, Swing, existing, has_its_own};
+use swings::{FEW, Swing, existing, has_its_own, sampled};
 
 use crate::error::DynamicsError;
 use crate::solve::Solver;
@@ -100,6 +100,16 @@ pub struct Judgement {
 /// The swings of a run that exist, for [`Reference::judge_with`].
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ExistingSwings(Vec<Swing>);
+
+/// The swings of a run that the right run, at the same times, has not, and that are larger than
+/// `bound_rad` (half their peak-to-peak angle); none if it has no oscillation of its own. Both are
+/// read at their samples, whatever events the right run knows, so that the sampling hides or makes
+/// nothing in one of them alone.
+pub fn own_swings(run: &Trajectory, right: &Trajectory, bound_rad: f64) -> Option<Swings> {
+    let [own, others] = [run, right].map(|run| sampled(run, bound_rad));
+    let end_s = run.t_s.last().copied().unwrap_or(0.0);
+    has_its_own(&own, &others, end_s).then(|| Swings::of(&own))
+}
 
 /// Runs a model with a step and judges the run. For several runs of a model make its [`Reference`]
 /// once.

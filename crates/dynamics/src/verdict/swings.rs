@@ -60,6 +60,16 @@ impl Swings {
 /// The swings of a run that exist: half of their peak-to-peak angle is above the bound.
 pub(super) fn existing(run: &Trajectory, bound_rad: f64) -> Vec<Swing> {
     let turns = if run.events.is_empty() { sampled_turns(run) } else { event_turns(run) };
+    between(&turns, bound_rad)
+}
+
+/// The same by the samples alone.
+pub(super) fn sampled(run: &Trajectory, bound_rad: f64) -> Vec<Swing> {
+    between(&sampled_turns(run), bound_rad)
+}
+
+/// The swings from one turn to the next that are above the bound.
+fn between(turns: &[(f64, f64)], bound_rad: f64) -> Vec<Swing> {
     turns
         .windows(2)
         .map(|pair| Swing {

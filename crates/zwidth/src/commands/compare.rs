@@ -302,7 +302,7 @@ pub(super) fn make(data: &StudyData, screen: &Screen) -> anyhow::Result<Exit> {
 }
 
 /// A table for machines: its notes, and a row as an object, in SI units.
-fn listing(table: &Table) -> Result<Value, TableError> {
+pub(super) fn listing(table: &Table) -> Result<Value, TableError> {
     let mut rows = vec![Map::new(); table.height()];
     for field in table.fields() {
         let name: &str = &field.name;

@@ -10,6 +10,7 @@ pub(crate) mod device;
 pub(crate) mod figure;
 mod impedance;
 pub(crate) mod import;
+pub(crate) mod judge;
 pub(crate) mod ladder;
 pub(crate) mod list;
 pub(crate) mod locate;

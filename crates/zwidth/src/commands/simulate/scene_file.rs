@@ -19,7 +19,7 @@ impl SceneFile {
     }
 
     /// The error with file and, where it names a parameter of the file, line.
-    pub(super) fn error(&self, error: &SimulateError) -> anyhow::Error {
+    pub(in super::super) fn error(&self, error: &SimulateError) -> anyhow::Error {
         let line = match error {
             SimulateError::Dynamics(DynamicsError::Parameter { name, .. }) => {
                 line_of(&self.text, name)

@@ -1,5 +1,6 @@
 //! `zwidth trade`: every solver and step on scenes, and the cheapest that is good enough.
 
+mod others;
 mod setups;
 mod source;
 mod timing;
@@ -15,10 +16,11 @@ use setups::{Study, Written, is_made, setups};
 use source::{Requested, Source, requested};
 use std::path::{Path, PathBuf};
 use zwidth_figures::Felt;
-use zwidth_results::TradeChoice;
+use zwidth_results::{RunTime, SolverCreep, TradeChoice};
 use zwidth_trade::{
-    Fineness, Parameters, Setting, Trade, choice, choices_table, courses, courses_table, metrics,
-    metrics_table, models, recommended_scene, settings, settings_table, trade as trade_scene,
+    Fan, Fineness, Parameters, Setting, Trade, choice, choices_table, courses, courses_table,
+    creeps, creeps_table, metrics, metrics_table, models, recommended_scene, settings,
+    settings_table, trade as trade_scene,
 };
 
 /// What `--json` prints of a scene.
@@ -53,7 +55,7 @@ pub(crate) fn trade(root: &Path, command: &TradeArgs, screen: &Screen) -> anyhow
     };
     for source in &scenes {
         done(&source.stem, source.settings(), &|| {
-            let result = one(source, command.fresh, &|| bar.inc(1));
+            let result = one(source, command, &|| bar.inc(1));
             Some(account(source.stem.clone(), &source.stem, result))
         });
     }
@@ -104,12 +106,20 @@ fn tell((outcome, lines): &Account, screen: &Screen) {
 }
 
 /// Makes the trade of a scene, unless nothing changed since its files were written.
-fn one(source: &Source, fresh: bool, progress: &(dyn Fn() + Sync)) -> anyhow::Result<Written> {
+fn one(
+    source: &Source,
+    command: &TradeArgs,
+    progress: &(dyn Fn() + Sync),
+) -> anyhow::Result<Written> {
     let key = source.key()?;
     let name = format!("{}.trade", source.stem);
-    if !fresh && is_made(&source.folder, &name, &key) {
+    // Other programs' files may be others, whatever the scene is.
+    let theirs = command.trajectories.as_deref();
+    if !command.fresh && theirs.is_none() && is_made(&source.folder, &name, &key) {
         return Ok(Written::default());
     }
+    // Before the solvers run, which takes longer.
+    let theirs = theirs.map(|table| others::judged(source, table)).transpose()?;
     let parameters = Parameters::full(&source.scene, &source.perception);
     let mut trades = Vec::new();
     for (number, model) in models(&source.scene).iter().enumerate() {
@@ -122,26 +132,40 @@ fn one(source: &Source, fresh: bool, progress: &(dyn Fn() + Sync)) -> anyhow::Re
         });
     }
     let mut output = Output::new(&source.folder, [("scene", source.scene.to_toml()?)]);
-    write(source, &trades, &mut output)?;
+    let creeps = write(source, &trades, &mut output)?;
     let trade = &trades[0];
     let timing = timing::table(trade)?;
     output.table(&format!("{}.timing", source.stem), &timing)?;
+    let mut lines = [words::trade_lines(trade), words::creep_lines(&creeps)].concat();
+    if let Some((judged, errors)) = theirs {
+        let own = settings(std::slice::from_ref(trade));
+        let times = timing.to_rows::<RunTime>()?;
+        lines.extend(others::write(source, &judged, &own, &times, &mut output)?);
+        lines.extend(errors.iter().map(|error| format!("Not judged: {error}")));
+    }
     // Last: a run that is cut off before leaves no key, and is done again.
     output.text(&name, "json", &key)?;
     Ok(Written {
         files: output.files,
-        lines: words::trade_lines(trade),
+        lines,
         yardstick: Some(trade.proof.as_str()),
         recommended: trade.choice.as_ref().map(|choice| choice.setting.words()),
     })
 }
 
-fn write(source: &Source, trades: &[Trade], output: &mut Output) -> anyhow::Result<()> {
-    let [trade, ..] = trades else { return Ok(()) };
+fn write(
+    source: &Source,
+    trades: &[Trade],
+    output: &mut Output,
+) -> anyhow::Result<Vec<SolverCreep>> {
+    let [trade, ..] = trades else { return Ok(Vec::new()) };
     let stem = &source.stem;
     let title = format!("{}: speed against accuracy", source.title);
     let choices: Vec<TradeChoice> = trades.iter().map(choice).collect();
     output.table(&format!("{stem}.trade"), &settings_table(&title, &settings(trades))?)?;
+    let creeps = creeps(&trade.scene, &Fan::full(trade.scene.step_s))?;
+    let creep_title = format!("{}: creep under half the friction", source.title);
+    output.table(&format!("{stem}.trade.creep"), &creeps_table(&creep_title, &creeps)?)?;
     output.table(&format!("{stem}.trade.summary"), &choices_table(&title, &choices)?)?;
     if source.traded.is_some() {
         output
@@ -156,7 +180,12 @@ fn write(source: &Source, trades: &[Trade], output: &mut Output) -> anyhow::Resu
     if let Some(scene) = recommended_scene(trade)? {
         output.text(&format!("{stem}.recommended"), "toml", &scene)?;
     }
-    if let Some(solver) = words::chatters(trade) {
+    // Pushed one way, a lever that should stand swings without a change of direction: it has none to draw.
+    let turns = |solver: &str| {
+        let mut own = own.iter().filter(|row| *row.solver == *solver);
+        own.any(|row| row.swings.is_some_and(|n| n > 0) && row.reversals.is_some_and(|n| n > 0))
+    };
+    if let Some(solver) = words::chatters(trade).filter(|solver| turns(solver)) {
         // The scene's own step, a tenth of it, and events found.
         let step_s = trade.scene.step_s;
         let shown = [Fineness::StepS(step_s), Fineness::StepS(0.1 * step_s), Fineness::None];
@@ -170,5 +199,5 @@ fn write(source: &Source, trades: &[Trade], output: &mut Output) -> anyhow::Resu
         let figure = zwidth_figures::finding(&runs, &own, &felt);
         output.figure(&format!("{stem}.chattering"), figure)?;
     }
-    Ok(())
+    Ok(creeps)
 }

@@ -25,6 +25,11 @@ pub(crate) struct TradeArgs {
     /// Folder to write to [default: reports/trade; for a study reports/STUDY/timing]
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
+    /// Trajectories of other programs for the scene, judged and drawn beside our solvers: a table with
+    /// the columns name, setting, file, cost_s and, where a file needs a mapping, map; or TOML with
+    /// [[trajectories]]. Files are named from the table's folder on
+    #[arg(long, value_name = "TABLE")]
+    pub(crate) trajectories: Option<PathBuf>,
     /// Do everything again, whether it changed or not
     #[arg(long)]
     pub(crate) fresh: bool,
@@ -59,6 +64,7 @@ impl Source {
             "scene": self.scene.to_toml()?,
             "metrics": self.traded,
             "parameters": parameters,
+            "creep": "under half the friction",
         });
         Ok(format!("{key:#}\n"))
     }
@@ -89,6 +95,9 @@ pub(super) fn requested(
         })?);
     }
     check_stems(&files, "simulate them apart")?;
+    if command.trajectories.is_some() && (files.len() != 1 || !named.is_empty()) {
+        bail!("--trajectories is of one scene; name that scene alone");
+    }
     let folder = command.out.clone().unwrap_or_else(|| root.join("reports").join("trade"));
     let mut requested = Requested { scenes: Vec::new(), studies: Vec::new() };
     for path in &files {

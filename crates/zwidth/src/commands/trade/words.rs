@@ -1,6 +1,7 @@
 //! The result of a trade in sentences.
 
-use zwidth_dynamics::RunVerdict;
+use zwidth_dynamics::{NAMED_SOLVERS, RunVerdict};
+use zwidth_results::SolverCreep;
 use zwidth_trade::Trade;
 
 /// The thesis' method, with either time of switching; the one that chatters more comes first.
@@ -37,6 +38,33 @@ pub(super) fn notes(trade: &Trade) -> Vec<String> {
     ));
     if let Some((setting, why)) = choice.next_cheaper {
         lines.push(format!("Next cheaper: {}; {why}.", setting.words()));
+    }
+    lines
+}
+
+/// Which solvers let the lever creep under half its friction, and how fast at most.
+pub(super) fn creep_lines(creeps: &[SolverCreep]) -> Vec<String> {
+    // A slower lever stands.
+    let least_rad_s = 1e-5_f64.to_radians();
+    let mut creeping: Vec<String> = Vec::new();
+    let mut standing: Vec<&str> = Vec::new();
+    for named in NAMED_SOLVERS {
+        let own = creeps.iter().filter(|creep| *creep.solver == *named.name);
+        let fastest = own.map(|creep| creep.creep_rad_s.abs()).reduce(f64::max);
+        match fastest {
+            Some(speed) if speed >= least_rad_s => {
+                creeping.push(format!("{} by up to {:.3} °/s", named.label, speed.to_degrees()));
+            }
+            Some(_) => standing.push(named.label),
+            None => {}
+        }
+    }
+    let mut lines = Vec::new();
+    if !standing.is_empty() {
+        lines.push(format!("Under half its friction the lever stands by {}.", standing.join(", ")));
+    }
+    if !creeping.is_empty() {
+        lines.push(format!("It creeps by {}.", creeping.join(", ")));
     }
     lines
 }

@@ -6,7 +6,7 @@ use zwidth_dynamics::{EventKind, Motion, System, Trajectory};
 
 /// Something that happens in a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum What {
+pub enum What {
     /// From then on the lever moves so.
     Moves(Motion),
     /// It passes the edge of this zone.
@@ -15,10 +15,11 @@ pub(crate) enum What {
 
 /// What happened, in order of time, s.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub(crate) struct Story(Vec<(f64, What)>);
+pub struct Story(Vec<(f64, What)>);
 
 impl Story {
-    pub(crate) fn of(system: &System, run: &Trajectory) -> Self {
+    /// Of a run, by its events or else by its samples.
+    pub fn of(system: &System, run: &Trajectory) -> Self {
         let mut moves = if run.events.is_empty() { sampled(run) } else { events(run) };
         // Saturation and zones change the region, not the way of moving. The first is the start's.
         moves.dedup_by_key(|(_, motion)| *motion);
@@ -29,7 +30,7 @@ impl Story {
     }
 
     /// The largest difference of the times, s, if the same happens in the same order.
-    pub(crate) fn apart_s(&self, other: &Self) -> Option<f64> {
+    pub fn apart_s(&self, other: &Self) -> Option<f64> {
         let same =
             self.0.len() == other.0.len() && self.0.iter().zip(&other.0).all(|(a, b)| a.1 == b.1);
         let apart = self.0.iter().zip(&other.0).map(|(a, b)| (a.0 - b.0).abs());
@@ -37,7 +38,7 @@ impl Story {
     }
 
     /// How often the lever changes its way of moving.
-    pub(crate) fn motion_changes(&self) -> usize {
+    pub fn motion_changes(&self) -> usize {
         self.0.iter().filter(|(_, what)| matches!(what, What::Moves(_))).count()
     }
 }

@@ -1,10 +1,11 @@
 //! The error of a run: how far it is from the right answer.
 
-use crate::TradeError;
 use crate::story::Story;
 use crate::yardstick::Yardstick;
 use serde::Serialize;
-use zwidth_dynamics::{FeltDifference, FeltMotion, Trajectory};
+use zwidth_dynamics::{
+    DynamicsError, FeltDifference, FeltMotion, FeltReference, System, Trajectory,
+};
 
 /// At most so many samples of a run are compared, evenly chosen.
 const MOST_COMPARED: usize = 8_000;
@@ -54,41 +55,75 @@ pub struct Errors {
 }
 
 /// At most so many of a run's samples, evenly chosen.
-pub(crate) fn places(run: &Trajectory, most: usize) -> Vec<usize> {
+pub fn places(run: &Trajectory, most: usize) -> Vec<usize> {
     (0..run.len()).step_by(run.len().div_ceil(most).max(1)).collect()
 }
 
+/// What a run is compared with.
+pub(crate) struct Right<'a> {
+    /// The right run, a sample for each of the places that are compared.
+    pub(crate) run: &'a Trajectory,
+    /// What happens in it.
+    pub(crate) story: &'a Story,
+    /// ∫ F dt of its device's force, N s.
+    pub(crate) impulse_ns: f64,
+    /// Its largest θ, rad.
+    pub(crate) peak_rad: f64,
+    /// What is felt of it.
+    pub(crate) felt: &'a FeltReference,
+}
+
 /// The errors of a run, at its samples.
-pub(crate) fn errors(yardstick: &Yardstick, run: &Trajectory) -> Result<Errors, TradeError> {
+///
+/// # Errors
+/// A right run that fails at these times.
+pub fn errors(yardstick: &Yardstick, run: &Trajectory) -> Result<Errors, DynamicsError> {
     let places = places(run, MOST_COMPARED);
     // Run again at the same times rather than interpolated: the comparison itself then adds no
     // error.
     let right = yardstick.at(places.iter().map(|i| run.t_s[*i]).collect())?;
-    let system = &yardstick.system;
+    let right = Right {
+        run: &right,
+        story: &yardstick.story,
+        impulse_ns: yardstick.impulse_ns,
+        peak_rad: peak_rad(&yardstick.run),
+        felt: &yardstick.felt,
+    };
+    Ok(errors_at(&yardstick.system, run, &places, &right))
+}
+
+/// The errors of a run at some of its samples, each of which has one of the right run.
+pub(crate) fn errors_at(
+    system: &System,
+    run: &Trajectory,
+    places: &[usize],
+    right: &Right<'_>,
+) -> Errors {
     let signals: [fn(&Trajectory) -> Vec<f64>; 2] =
         [|run| run.theta_rad().collect(), |run| run.theta_dot_rad_s().collect()];
     let [theta_rad, theta_dot_rad_s] = signals.map(|signal| {
         let own = signal(run);
-        Size::of(places.iter().zip(signal(&right)).map(|(i, right)| own[*i] - right))
+        Size::of(places.iter().zip(signal(right.run)).map(|(i, right)| own[*i] - right))
     });
     let calm = places.iter().copied().enumerate();
-    let calm = calm.filter(|(_, i)| !yardstick.felt.is_disturbed(run.t_s[*i]));
+    let calm = calm.filter(|(_, i)| !right.felt.is_disturbed(run.t_s[*i]));
     let motion = FeltMotion::of(system, run);
-    let [peak, right_peak] =
-        [run, &yardstick.run].map(|run| run.theta_rad().fold(f64::NEG_INFINITY, f64::max));
-    Ok(Errors {
+    let force_n = calm
+        .map(|(k, i)| run.forces(system, i).device_n() - right.run.forces(system, k).device_n());
+    Errors {
         theta_rad,
         theta_dot_rad_s,
-        force_n: Size::of(
-            calm.map(|(k, i)| {
-                run.forces(system, i).device_n() - right.forces(system, k).device_n()
-            }),
-        ),
-        impulse_ns: (motion.impulse_ns() - yardstick.impulse_ns).abs(),
-        event_s: yardstick.story.apart_s(&Story::of(system, run)),
-        peak_rad: (peak - right_peak).abs(),
-        felt: yardstick.felt.compare(&motion),
-    })
+        force_n: Size::of(force_n),
+        impulse_ns: (motion.impulse_ns() - right.impulse_ns).abs(),
+        event_s: right.story.apart_s(&Story::of(system, run)),
+        peak_rad: (peak_rad(run) - right.peak_rad).abs(),
+        felt: right.felt.compare(&motion),
+    }
+}
+
+/// The largest θ of the samples, rad.
+pub(crate) fn peak_rad(run: &Trajectory) -> f64 {
+    run.theta_rad().fold(f64::NEG_INFINITY, f64::max)
 }
 
 #[cfg(test)]

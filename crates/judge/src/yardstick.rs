@@ -1,17 +1,15 @@
 //! The right answer, and how well it is proven.
 
-use crate::TradeError;
-use crate::setting::EXACT;
 use crate::story::Story;
 use zwidth_dynamics::{
-    DormandPrince, Exact, FeltMotion, FeltReference, Grid, ModelScene, Solver, System, Tolerances,
-    TrBdf2, Trajectory,
+    DormandPrince, DynamicsError, Exact, FeltMotion, FeltReference, Grid, ModelScene, Solver,
+    System, Tolerances, TrBdf2, Trajectory,
 };
 use zwidth_results::Proof;
 use zwidth_study::Perception;
 
 /// Time between the samples that a yardstick is compared with another solver at, s.
-pub(crate) const SAMPLE_S: f64 = 0.5e-3;
+pub const SAMPLE_S: f64 = 0.5e-3;
 /// Two solvers agree if no angle, rad, and no event, s, is further apart.
 const AGREE_RAD: f64 = 1e-9;
 const AGREE_S: f64 = 1e-9;
@@ -23,6 +21,8 @@ const FINE: f64 = 1e-12;
 /// Tolerance of the other one of those two.
 const OTHER: f64 = 1e-10;
 
+/// The solver that needs neither step nor tolerance.
+pub const EXACT: &str = "exact";
 /// The solver of a right answer with curved terms.
 const ADAPTIVE: &str = "dormand_prince";
 
@@ -51,10 +51,14 @@ pub struct Yardstick {
     /// With which it was compared.
     pub against: &'static str,
     solver: Box<dyn Solver>,
-    pub(crate) run: Trajectory,
-    pub(crate) story: Story,
-    pub(crate) impulse_ns: f64,
-    pub(crate) felt: FeltReference,
+    /// Its run, a sample every half millisecond.
+    pub run: Trajectory,
+    /// What happens in it.
+    pub story: Story,
+    /// ∫ F dt of the device's force, N s.
+    pub impulse_ns: f64,
+    /// What a person would feel of it.
+    pub felt: FeltReference,
 }
 
 impl Yardstick {
@@ -63,7 +67,7 @@ impl Yardstick {
     ///
     /// # Errors
     /// A scene that makes no sense, or that neither can run.
-    pub fn of(scene: &ModelScene, perception: &Perception) -> Result<Self, TradeError> {
+    pub fn of(scene: &ModelScene, perception: &Perception) -> Result<Self, DynamicsError> {
         let mut yardstick = Self::by_one(scene, FINE, perception)?;
         let (against, other): (_, Box<dyn Solver>) = match yardstick.by {
             EXACT => (ADAPTIVE, Box::new(DormandPrince { tolerances: Tolerances::of(FINE) })),
@@ -82,7 +86,10 @@ impl Yardstick {
     }
 
     /// The same without a second solver, for many neighbours of a scene that is proven.
-    pub(crate) fn alone(scene: &ModelScene, perception: &Perception) -> Result<Self, TradeError> {
+    ///
+    /// # Errors
+    /// As [`Self::of`].
+    pub fn alone(scene: &ModelScene, perception: &Perception) -> Result<Self, DynamicsError> {
         Self::by_one(scene, OTHER, perception)
     }
 
@@ -91,7 +98,7 @@ impl Yardstick {
         scene: &ModelScene,
         tolerance: f64,
         perception: &Perception,
-    ) -> Result<Self, TradeError> {
+    ) -> Result<Self, DynamicsError> {
         let system = System::new(scene.clone())?;
         let exact = Exact::default();
         let (by, solver): (_, Box<dyn Solver>) = match exact.prepare(&system, &grid(scene)) {
@@ -118,9 +125,12 @@ impl Yardstick {
         })
     }
 
-    /// The right run at these times, s.
-    pub(crate) fn at(&self, times_s: Vec<f64>) -> Result<Trajectory, TradeError> {
-        Ok(self.solver.run(&self.system, &Grid::Times(times_s))?)
+    /// The right run at these times, s: increasing, from the start of the scene on.
+    ///
+    /// # Errors
+    /// Times that do not increase; a run that fails.
+    pub fn at(&self, times_s: Vec<f64>) -> Result<Trajectory, DynamicsError> {
+        self.solver.run(&self.system, &Grid::Times(times_s))
     }
 }
 
