@@ -1,0 +1,63 @@
+"""Runs one engine on scenes, in the environment that has it, and writes its trajectories.
+
+    python worker.py ENGINE OUT [--scenes NAME…] [--settings NAME…] [--rounds N]
+
+Writes OUT/ENGINE.SETTING.SCENE.csv (t_s, theta_rad, theta_dot_rad_s) and OUT/ENGINE.json.
+"""
+
+import argparse
+import importlib
+import json
+import statistics
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from scene import CannotSay, scenes
+from stepping import TooSlow
+
+# A run that takes longer than this is not repeated, s.
+ONCE_S = 5.0
+
+
+def measured(engine, scene, setting, rounds, path):
+    row = {"scene": scene.id, "setting": setting.name}
+    try:
+        times, theta, theta_dot, seconds = engine.run(scene, setting)
+        all_seconds = [seconds]
+        while len(all_seconds) < rounds and seconds < ONCE_S:
+            all_seconds.append(engine.run(scene, setting)[3])
+    except (CannotSay, TooSlow) as why:
+        return row | {"cannot": str(why)}
+    except Exception as failure:  # an engine's own error is a result of the bench
+        return row | {"failed": f"{type(failure).__name__}: {str(failure).strip().splitlines()[0] if str(failure).strip() else ''}"}
+    np.savetxt(path, np.column_stack([times, theta, theta_dot]), "%.17g", ",", header="t_s,theta_rad,theta_dot_rad_s", comments="")
+    return row | {"file": path.name, "seconds": statistics.median(all_seconds), "rounds": len(all_seconds), "samples": len(times)}
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("engine")
+    parser.add_argument("out", type=Path)
+    parser.add_argument("--scenes", nargs="*")
+    parser.add_argument("--settings", nargs="*")
+    parser.add_argument("--rounds", type=int, default=5)
+    arguments = parser.parse_args()
+    engine = importlib.import_module(f"engines.{arguments.engine}")
+    wanted = [s for s in scenes() if not arguments.scenes or s.id in arguments.scenes]
+    settings = [s for s in engine.SETTINGS if not arguments.settings or s.name in arguments.settings]
+    arguments.out.mkdir(parents=True, exist_ok=True)
+    rows = []
+    for setting in settings:
+        for scene in wanted:
+            path = arguments.out / f"{arguments.engine}.{setting.name}.{scene.id}.csv"
+            rows.append(measured(engine, scene, setting, arguments.rounds, path))
+            print(f"{engine.NAME}, {setting.name}, {scene.id}: {rows[-1].get('seconds', rows[-1])}", file=sys.stderr, flush=True)
+    told = {"engine": arguments.engine, "name": engine.NAME, "versions": engine.versions(), "rows": rows,
+            "settings": [{"name": s.name, "kind": s.kind, "about": s.about, "source": s.source} for s in settings]}
+    (arguments.out / f"{arguments.engine}.json").write_text(json.dumps(told, indent=1))
+
+
+if __name__ == "__main__":
+    main()
