@@ -136,6 +136,7 @@ def run(scene, phase, times):
     ends = [*scene.breaks(), scene.duration_s]
     most = MOST_MODES_PER_S * scene.duration_s + 100
     while ends:
+        machine = Machine(scene.piece(0.5 * (t + ends[0])))
         most -= 1
         if most < 0:
             raise ArithmeticError(f"an event is found again and again at {t} s")

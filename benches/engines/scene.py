@@ -5,6 +5,7 @@ All forces act on the lever's end: M L theta'' = F (docs/methods.md). Where the 
 given the mean of the two as a force, and half of their difference as the friction's level.
 """
 
+import copy
 import math
 import tomllib
 from dataclasses import dataclass
@@ -19,6 +20,7 @@ class Floats:
     """Operations of the law on plain numbers. Engines that trace or generate code bring their own."""
 
     sin = staticmethod(math.sin)
+    remainder = staticmethod(math.fmod)
 
     @staticmethod
     def where(condition, yes, no):
@@ -44,9 +46,18 @@ class Signal:
             return v["magnitude"] * (1.0 + ops.sin(v["omega_rad_s"] * t))
         # A ramp up and down over half of the period, twice.
         half = 0.5 * v["period_s"]
-        phase = t % half
+        phase = ops.remainder(t, half)
         rate = 4.0 * v["magnitude"] / half
         return ops.where(phase < 0.5 * half, rate * phase, rate * (half - phase))
+
+    def piece(self, t):
+        """The same between the bends around t, as one line; a signal without bends as it is."""
+        if self.kind != "ramp":
+            return self
+        quarter = self.values["period_s"] / 4.0
+        number = math.floor(t / quarter)
+        rate = 2.0 * self.values["magnitude"] / quarter * (1.0 if number % 2 == 0 else -1.0)
+        return Signal("line", {"value": self.at(t) - rate * t, "rate": rate})
 
     def breaks(self, end_s):
         """Times at which the signal bends."""
@@ -105,6 +116,13 @@ class Scene:
     def edges(self):
         return [zone.from_rad for zone in self.zones[1:]]
 
+    def piece(self, t):
+        """The same scene with the pieces of its inputs that hold around t."""
+        part = copy.copy(self)
+        part.input = self.input.piece(t)
+        part.pull = self.pull and (self.pull[0], self.pull[1].piece(t))
+        return part
+
     def breaks(self):
         ends = self.input.breaks(self.duration_s) + (self.pull[1].breaks(self.duration_s) if self.pull else [])
         return sorted(set(ends))
@@ -136,7 +154,8 @@ class Scene:
             level = brake(theta_dot)
             return -level, -motor(), level
         # The damping of a brake asks nothing of a lever that slips back.
-        level = brake(ops.where(theta_dot > 0.0, theta_dot, 0.0))
+        damped = zone.values.get("damping_ns_per_rad", 0.0) > 0.0
+        level = brake(ops.where(theta_dot > 0.0, theta_dot, 0.0) if damped else 0.0)
         return -level, level, level
 
     def zone_at(self, theta, theta_dot=0.0):

@@ -24,7 +24,7 @@ def versions():
     return f"mujoco {mujoco.__version__}"
 
 
-def mjcf(scene, step_s, integrator="Euler", noslip=0, solref=(0.02, 1.0), friction=(0.02, 1.0)):
+def mjcf(scene, step_s, integrator="Euler", noslip=0, solref=(0.02, 1.0), friction=(0.02, 1.0), impedance=0.9):
     """The lever as a point mass at the end of a massless rod, in the plane without gravity."""
     return f"""<mujoco>
   <compiler angle="radian"/>
@@ -33,7 +33,8 @@ def mjcf(scene, step_s, integrator="Euler", noslip=0, solref=(0.02, 1.0), fricti
     <body>
       <inertial pos="{scene.lever_m!r} 0 0" mass="{scene.mass_kg!r}" diaginertia="1e-12 1e-12 1e-12"/>
       <joint name="lever" type="hinge" axis="0 0 1" frictionloss="{max(scene.kinetic_n * scene.lever_m, 1e-9 * scene.dry)!r}"
-             solreffriction="{friction[0]!r} {friction[1]!r}" limited="true" range="{scene.low_rad!r} {scene.high_rad!r}" solreflimit="{solref[0]!r} {solref[1]!r}"/>
+             solreffriction="{friction[0]!r} {friction[1]!r}" solimpfriction="{impedance!r} {max(impedance, 0.95)!r} 0.001"
+             limited="true" range="{scene.low_rad!r} {scene.high_rad!r}" solreflimit="{solref[0]!r} {solref[1]!r}"/>
     </body>
   </worldbody>
 </mujoco>"""

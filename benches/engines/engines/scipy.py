@@ -44,10 +44,12 @@ def located(scene, times, method, tolerance, largest_s=math.inf):
     options = {"rtol": tolerance, "atol": tolerance, "max_step": largest_s if scene.edges() else math.inf}
 
     def phase(machine, mode, t0, t1, y0, wanted, blocked):
+        # Of a mode that begins and ends on the same edge, a first step over all of it would find the end at its beginning.
+        first = {"first_step": min(1e-5, t1 - t0)} if scene.edges() else {}
         named = [(name, g) for name, g in machine.guards(mode) if name not in blocked]
         for _, g in named:
             g.terminal, g.direction = True, -1
-        solution = solve_ivp(machine.slope(mode), (t0, t1), y0, method, np.union1d(wanted, [t1]), events=[g for _, g in named], **options)
+        solution = solve_ivp(machine.slope(mode), (t0, t1), y0, method, np.union1d(wanted, [t1]), events=[g for _, g in named], **options, **first)
         if solution.status < 0:
             raise ArithmeticError(solution.message)
         if solution.status == 0:
