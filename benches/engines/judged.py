@@ -10,6 +10,10 @@ from pathlib import Path
 
 import numpy as np
 
+# A lever that is further beyond a stop than this has passed it, rad.
+BEYOND_RAD = 2e-3
+# A creep is steady: no quarter of a rest moves by more than so many times another.
+STEADY = 3.0
 # exact refuses more samples than this.
 MOST_SAMPLES = 500_000
 COLUMNS = "t_s,theta_rad,theta_dot_rad_s"
@@ -59,7 +63,7 @@ def facts(times, theta, theta_dot, right, right_dot, scene):
     least = 1e-9
     beyond = max((theta - scene.high_rad).max(), (scene.low_rad - theta).max())
     words = []
-    if beyond > 1e-4:
+    if beyond > BEYOND_RAD:
         words.append(f"{np.degrees(beyond):.2g}° beyond a stop")
     fastest, swings = 0.0, 0
     for begin, end in rests(right_dot):
@@ -71,7 +75,7 @@ def facts(times, theta, theta_dot, right, right_dot, scene):
         turns = int((signs[1:] * signs[:-1] < 0).sum())
         if turns > 6 and np.ptp(theta[middle]) > 2 * least:
             swings = max(swings, turns)
-        elif all(m > least for m in moved) or all(m < -least for m in moved):
+        elif steady(moved, least):
             fastest = max(fastest, abs(speed))
     if swings:
         words.append("chatters")
@@ -81,6 +85,12 @@ def facts(times, theta, theta_dot, right, right_dot, scene):
     if error > np.radians(1.0):
         words.append(f"another motion, {np.degrees(error):.2g}° off")
     return ", ".join(words) or "right"
+
+
+def steady(moved, least):
+    """Whether all quarters move one way, about alike."""
+    same_way = all(m > least for m in moved) or all(m < -least for m in moved)
+    return same_way and max(map(abs, moved)) < STEADY * min(map(abs, moved))
 
 
 def rests(theta_dot):

@@ -75,8 +75,8 @@ class Zone:
 
 
 class Scene:
-    def __init__(self, path):
-        file = tomllib.loads(Path(path).read_text())
+    def __init__(self, file, path):
+        """Of the tables of a scene file; `path` is what errors name."""
         self.path, self.id, self.name = Path(path), Path(path).stem, file["name"]
         self.mode, self.duration_s, self.step_s = file["mode"], file["duration_s"], file["step_s"]
         plant = file["plant"]
@@ -206,7 +206,11 @@ def zone(entry):
     return Zone(entry.get("from_rad", 0.0), kind, values)
 
 
+def read(path):
+    return Scene(tomllib.loads(Path(path).read_text()), path)
+
+
 def scenes(folder=Path(__file__).parent / "scenes"):
     order = ("stick", "slip_stick", "stop_push", "light_lever", "stiff_wall", "grazing", "two_events", "brake_let_go",
              "finger", "hybrid", "chattering", "ten_minutes")
-    return [Scene(folder / f"{name}.toml") for name in order]
+    return [read(folder / f"{name}.toml") for name in order]

@@ -19,6 +19,8 @@ from stepping import TooSlow
 
 # A run that takes longer than this is not repeated, s.
 ONCE_S = 5.0
+# Settings that only the figure and a table of other settings show are not run on longer scenes, s.
+LONGEST_MORE_S = 60.0
 
 
 def measured(engine, scene, setting, rounds, path):
@@ -51,6 +53,8 @@ def main():
     rows = []
     for setting in settings:
         for scene in wanted:
+            if setting.kind == "more" and scene.duration_s > LONGEST_MORE_S:
+                continue
             path = arguments.out / f"{arguments.engine}.{setting.name}.{scene.id}.csv"
             rows.append(measured(engine, scene, setting, arguments.rounds, path))
             print(f"{engine.NAME}, {setting.name}, {scene.id}: {rows[-1].get('seconds', rows[-1])}", file=sys.stderr, flush=True)

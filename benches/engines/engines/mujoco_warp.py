@@ -14,9 +14,9 @@ NAME = "MuJoCo Warp"
 BOOK = "MuJoCo documentation, MuJoCo Warp (MJWarp), "
 SETTINGS = [
     Setting("default", "default", "timestep 2 ms, Euler", BOOK + "“Feature Parity”", {"step_s": 2e-3}),
-    Setting("stiff", "best", "timestep 0.5 ms, solimp of friction 0.9999, time constant of friction 2 steps, of limits 5",
-            BOOK + "“Feature Parity” (no NoSlip); Modeling, “Solver parameters”",
-            {"step_s": 5e-4, "solref": (2.5e-3, 1.0), "friction": (1e-3, 1.0), "impedance": 0.9999}),
+    Setting("noslip", "best", "timestep 1 ms, noslip_iterations 100, time constant of friction 2 steps, of limits 5",
+            BOOK + "“Feature Parity”; Computation, “NoSlip solver”; Modeling, “Solver parameters”",
+            {"step_s": 1e-3, "noslip": 100, "solref": (5e-3, 1.0), "friction": (2e-3, 1.0)}),
 ]
 
 
