@@ -52,7 +52,9 @@ def run(scene, setting):
         # On the processor these are views of the engine's own memory.
         friction, push = model.joint_friction.numpy(), control.joint_f.numpy()
         solver.step(now, after, control, None, step_s)  # compiles
-        now = model.state()
+        # A solver remembers the pose of its last step.
+        solver = getattr(newton.solvers, name)(model, **options)
+        now, after = model.state(), model.state()
         newton.eval_fk(model, model.joint_q, model.joint_qd, now)
 
         def read():
