@@ -12,6 +12,8 @@ import numpy as np
 
 # A lever that is further beyond a stop than this has passed it, rad.
 BEYOND_RAD = 2e-3
+# Faster than this, what moves away from a stop is thrown back by it, rad/s.
+LEAVES_RAD_S = 0.1
 # A creep is steady: no quarter of a rest moves by more than so many times another.
 STEADY = 3.0
 # exact refuses more samples than this.
@@ -53,7 +55,10 @@ class Judge:
 
     def by_judge(self, scene, trajectory):
         told = subprocess.run([self.zwidth, "judge", scene.path, "--trajectory", trajectory, "--json"], capture_output=True, text=True)
-        return json.loads(told.stdout)["verdict"]
+        row = json.loads(told.stdout)["tables"][0]["rows"][0]
+        if row["verdict"] == "creeps":
+            return f"creeps, {np.degrees(row['creep_rad_s']):.2g}°/s"
+        return row["verdict"]
 
 
 def facts(times, theta, theta_dot, right, right_dot, scene):
@@ -65,7 +70,7 @@ def facts(times, theta, theta_dot, right, right_dot, scene):
     words = []
     if beyond > BEYOND_RAD:
         words.append(f"{np.degrees(beyond):.2g}° beyond a stop")
-    fastest, swings = 0.0, 0
+    fastest, swings, leaves = 0.0, 0, False
     for begin, end in rests(right_dot):
         middle = slice(begin + (end - begin) // 4, end - (end - begin) // 4)
         parts = np.array_split(theta[middle], 4)
@@ -76,11 +81,13 @@ def facts(times, theta, theta_dot, right, right_dot, scene):
         if turns > 6 and np.ptp(theta[middle]) > 2 * least:
             swings = max(swings, turns)
         elif steady(moved, least):
+            at_stop = min(abs(right[begin] - scene.low_rad), abs(right[begin] - scene.high_rad)) < least
+            leaves = leaves or (at_stop and abs(speed) > LEAVES_RAD_S)
             fastest = max(fastest, abs(speed))
     if swings:
         words.append("chatters")
     if fastest > 1e-6:
-        words.append(f"creeps, {np.degrees(fastest):.2g}°/s")
+        words.append(f"{'leaves a stop' if leaves else 'creeps'}, {np.degrees(fastest):.2g}°/s")
     error = np.abs(theta - right).max()
     if error > np.radians(1.0):
         words.append(f"another motion, {np.degrees(error):.2g}° off")

@@ -36,7 +36,7 @@ def seconds(row):
 
 
 def is_right(row):
-    return row["verdict"].startswith("right")
+    return row["verdict"].startswith(("right", "stands"))
 
 
 def summary(engines, rows):
@@ -80,27 +80,21 @@ def draw(engines, rows, known, path):
     """One panel per scene: time against error, a mark per engine and setting."""
     plt.rcParams.update({"font.size": 9, "font.family": "DejaVu Sans", "axes.spines.top": False, "axes.spines.right": False})
     figure, panels = plt.subplots(1, len(DRAWN), figsize=(11, 4.6), sharey=True, layout="constrained")
-    colours = plt.get_cmap("tab20").colors
+    colours = [*plt.get_cmap("tab10").colors, (0, 0, 0), (0.55, 0.7, 0.1), (0.35, 0.2, 0.6)]
     marks = "osD^v<>PXph*d"
     for panel, scene in zip(panels, DRAWN):
         for i, engine in enumerate(engines):
             mine = [r for r in rows if r["engine"] == engine["engine"] and r["scene"] == scene and "seconds" in r and math.isfinite(r["error_rad"])]
             for row in mine:
-                panel.loglog(max(row["error_rad"], LEAST_RAD), row["seconds"], marks[i % len(marks)], ms=6, mew=1, color=colours[i % 20],
-                             mfc=colours[i % 20] if is_right(row) else "none", label=engine["name"] if row is mine[0] else None)
+                panel.loglog(max(row["error_rad"], LEAST_RAD), row["seconds"], marks[i % len(marks)], ms=6, mew=1, color=colours[i % len(colours)],
+                             mfc=colours[i % len(colours)] if is_right(row) else "none")
         panel.set_title(known[scene].name, fontsize=10)
         panel.set_xlabel("largest error of θ, rad")
         panel.grid(True, which="major", lw=0.3)
     panels[0].set_ylabel("time of the run, s")
-    handles, labels = {}, []
-    for panel in panels:
-        for handle, label in zip(*panel.get_legend_handles_labels()):
-            handles.setdefault(label, handle)
-    for handle in handles.values():
-        handle = handle
     filled = []
     for i, engine in enumerate(engines):
-        filled.append(plt.Line2D([], [], ls="", marker=marks[i % len(marks)], color=colours[i % 20], label=engine["name"]))
+        filled.append(plt.Line2D([], [], ls="", marker=marks[i % len(marks)], color=colours[i % len(colours)], label=engine["name"]))
     filled += [plt.Line2D([], [], ls="", marker="o", mfc="none", color="black", label="open: wrong by its verdict")]
     figure.legend(handles=filled, loc="outside lower center", ncols=7, frameon=False, fontsize=8.5)
     figure.savefig(path, dpi=110)

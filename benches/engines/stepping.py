@@ -10,7 +10,7 @@ from scene import Floats
 # Below this speed a lever counts as standing, for a dry friction that is larger at rest than in motion, rad/s.
 STANDS_RAD_S = 1e-6
 # A run that would take longer than this is given up, s.
-TOO_LONG_S = 150.0
+TOO_LONG_S = 100.0
 # After so many steps a run's whole time is foreseen.
 FORESEEN = 500
 
@@ -43,7 +43,7 @@ def drive(scene, step_s, read, step):
     # The finger's position and velocity against the fixed frame.
     finger, finger_dot = scene.lever_m * scene.theta_rad, scene.lever_m * scene.theta_dot_rad_s
     tip = None
-    start = time.perf_counter()
+    start = time.process_time()
     for k in range(steps):
         t = k * step_s
         theta, theta_dot = read()
@@ -60,11 +60,11 @@ def drive(scene, step_s, read, step):
         rest_n = moving_n + scene.static_n - scene.kinetic_n
         step(0.5 * (forward + backward), moving_n, rest_n)
         if k % FORESEEN == FORESEEN - 1:
-            whole_s = (time.perf_counter() - start) * steps / (k + 1)
+            whole_s = (time.process_time() - start) * steps / (k + 1)
             if whole_s > TOO_LONG_S:
                 raise TooSlow(f"given up: it would take some {whole_s:.0f} s")
     out[:, steps] = read()
-    return times, out[0], out[1], time.perf_counter() - start
+    return times, out[0], out[1], time.process_time() - start
 
 
 def friction_level(theta_dot, level_n, rest_n):

@@ -21,6 +21,16 @@ from stepping import TooSlow
 ONCE_S = 5.0
 # Settings that only the figure and a table of other settings show are not run on longer scenes, s.
 LONGEST_MORE_S = 60.0
+# Trajectories of more samples are written thinned: `exact` takes no more.
+MOST_WRITTEN = 500_000
+
+
+def thinned(steps):
+    """Every how many samples one is written: a divisor of the steps, so that the last is."""
+    every = 1
+    while steps / every > MOST_WRITTEN or steps % every:
+        every += 1
+    return every
 
 
 def measured(engine, scene, setting, rounds, path):
@@ -34,6 +44,8 @@ def measured(engine, scene, setting, rounds, path):
         return row | {"cannot": str(why)}
     except Exception as failure:  # an engine's own error is a result of the bench
         return row | {"failed": f"{type(failure).__name__}: {str(failure).strip().splitlines()[0] if str(failure).strip() else ''}"}
+    kept = thinned(len(times) - 1)
+    times, theta, theta_dot = times[::kept], theta[::kept], theta_dot[::kept]
     np.savetxt(path, np.column_stack([times, theta, theta_dot]), "%.17g", ",", header="t_s,theta_rad,theta_dot_rad_s", comments="")
     return row | {"file": path.name, "seconds": statistics.median(all_seconds), "rounds": len(all_seconds), "samples": len(times)}
 
@@ -50,17 +62,22 @@ def main():
     wanted = [s for s in scenes() if not arguments.scenes or s.id in arguments.scenes]
     settings = [s for s in engine.SETTINGS if not arguments.settings or s.name in arguments.settings]
     arguments.out.mkdir(parents=True, exist_ok=True)
-    rows = []
+    file = arguments.out / f"{arguments.engine}.json"
+    # What was run before and not now stays.
+    names = {s.name for s in engine.SETTINGS}
+    before = json.loads(file.read_text())["rows"] if file.exists() else []
+    rows = {(row["setting"], row["scene"]): row for row in before if row["setting"] in names}
+    told = {"engine": arguments.engine, "name": engine.NAME, "versions": engine.versions(),
+            "settings": [{"name": s.name, "kind": s.kind, "about": s.about, "source": s.source} for s in engine.SETTINGS]}
     for setting in settings:
         for scene in wanted:
             if setting.kind == "more" and scene.duration_s > LONGEST_MORE_S:
                 continue
             path = arguments.out / f"{arguments.engine}.{setting.name}.{scene.id}.csv"
-            rows.append(measured(engine, scene, setting, arguments.rounds, path))
-            print(f"{engine.NAME}, {setting.name}, {scene.id}: {rows[-1].get('seconds', rows[-1])}", file=sys.stderr, flush=True)
-    told = {"engine": arguments.engine, "name": engine.NAME, "versions": engine.versions(), "rows": rows,
-            "settings": [{"name": s.name, "kind": s.kind, "about": s.about, "source": s.source} for s in settings]}
-    (arguments.out / f"{arguments.engine}.json").write_text(json.dumps(told, indent=1))
+            row = measured(engine, scene, setting, arguments.rounds, path)
+            rows[setting.name, scene.id] = row
+            print(f"{engine.NAME}, {setting.name}, {scene.id}: {row.get('seconds', row)}", file=sys.stderr, flush=True)
+            file.write_text(json.dumps(told | {"rows": list(rows.values())}, indent=1))
 
 
 if __name__ == "__main__":

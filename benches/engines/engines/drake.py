@@ -124,10 +124,10 @@ def hybrid(scene, accuracy):
     simulator.Initialize()
     steps = round(scene.duration_s / scene.step_s)
     times, out = np.linspace(0.0, scene.duration_s, steps + 1), np.empty((2, steps + 1))
-    start = time.perf_counter()
+    start = time.process_time()
     for k, t in enumerate(times):
         simulator.AdvanceTo(t)
         out[:, k] = context.get_continuous_state_vector().CopyToVector()[:2]
-        if time.perf_counter() - start > TOO_LONG_S:
+        if time.process_time() - start > TOO_LONG_S:
             raise TooSlow(f"given up after {TOO_LONG_S:g} s, at {t:.3g} s of {scene.duration_s:g} s")
-    return times, out[0], out[1], time.perf_counter() - start
+    return times, out[0], out[1], time.process_time() - start

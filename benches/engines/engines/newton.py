@@ -20,6 +20,8 @@ SETTINGS = [
     *[Setting(name.removeprefix("Solver").lower(), "more", f"{name}, step 1 ms", "", {"solver": name, "step_s": 1e-3})
       for name in ("SolverXPBD", "SolverFeatherstone", "SolverSemiImplicit", "SolverVBD", "SolverSteel")],
 ]
+# A solver that was built without friction takes none later, N m.
+LEAST_NM = 1e-9
 # Their state is that of bodies; theta is found from it.
 MAXIMAL = ("SolverXPBD", "SolverSemiImplicit", "SolverVBD", "SolverKamino")
 
@@ -36,7 +38,7 @@ def run(scene, setting):
         builder = newton.ModelBuilder(gravity=(0.0, 0.0, 0.0))
         inertia = scene.mass_kg * scene.lever_m**2
         body = builder.add_link(mass=scene.mass_kg, inertia=wp.mat33(np.eye(3) * inertia))
-        joint = builder.add_joint_revolute(-1, body, axis=(0, 0, 1), friction=scene.kinetic_n * scene.lever_m,
+        joint = builder.add_joint_revolute(-1, body, axis=(0, 0, 1), friction=max(scene.kinetic_n * scene.lever_m, LEAST_NM * scene.dry),
                                            limit_lower=scene.low_rad, limit_upper=scene.high_rad)
         builder.add_articulation([joint])
         builder.joint_q[0], builder.joint_qd[0] = scene.theta_rad, scene.theta_dot_rad_s
@@ -65,7 +67,7 @@ def run(scene, setting):
 
         def step(bias_n, level_n, rest_n):
             nonlocal now, after
-            level_nm = np.float32(scene.lever_m * friction_level(read()[1], level_n, rest_n)) if scene.dry else np.float32(0.0)
+            level_nm = np.float32(max(scene.lever_m * friction_level(read()[1], level_n, rest_n), LEAST_NM)) if scene.dry else np.float32(0.0)
             if friction[0] != level_nm:
                 friction[0] = level_nm
                 solver.notify_model_changed(newton.ModelFlags.JOINT_DOF_PROPERTIES)
