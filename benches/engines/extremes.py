@@ -34,7 +34,7 @@ CREEPS_RAD_S, ELSEWHERE_RAD, LATE_STEPS = 1e-5, 2e-3, 3.0
 # Engine, setting, number of scenes (of the slow ones fewer), environment.
 RUNS = [
     ("mujoco", "default", 10_000, "main"), ("loop", "euler_tanh", 10_000, "main"), ("loop", "euler_sign", 10_000, "main"),
-    ("pybullet", "default", 10_000, "main"), ("dart", "default", 10_000, "main"), ("scipy", "located", 10_000, "main"),
+    ("pybullet", "default", 10_000, "main"), ("dart", "default", 10_000, "main"), ("scipy", "located", 3_000, "main"),
     ("mujoco", "stiff_1ms", 3_000, "main"), ("loop", "projected", 1_000, "main"), ("pybullet", "motor_1ms", 1_000, "main"),
     ("drake", "plant", 1_000, "drake"), ("mujoco", "noslip", 300, "main"), ("drake", "witness", 100, "drake"), ("scipy", "rk45_tanh", 30, "main"),
 ]

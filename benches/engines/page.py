@@ -127,7 +127,7 @@ def main():
         lines += [*words.extremes(json.loads(extremes.read_text())), ""]
     load = ", ".join(f"{x:.1f}" for x in os.getloadavg())
     lines += ["## Machine", "", f"{platform.machine()}, {os.cpu_count()} cores, one used per run; Linux; load average when the page was written {load}. "
-              "Times are medians of the stepping loop alone, beside other work on the machine: their first digit is worth something, their second is not."]
+              "Times are medians of the processor's time in the stepping loop alone, beside other work on the machine: their first digit is worth something, their second is not."]
     page.write_text("\n".join(lines).rstrip() + "\n")
 
 

@@ -186,9 +186,9 @@ class Scene:
             up, down = -level, level
         return shared + up - self.kinetic_n, shared + down + self.kinetic_n
 
-    def level_asked(self, t, theta, theta_dot, zone):
+    def level_asked(self, theta, theta_dot):
         """What a brake with a lag is commanded, N."""
-        return self.commands(theta, theta_dot, self.zones[zone])[2]
+        return self.commands(theta, theta_dot, self.zones[self.zone_at(theta, theta_dot)])[2]
 
 
 def signal(path, table):

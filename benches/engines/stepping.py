@@ -8,7 +8,7 @@ import numpy as np
 from scene import Floats
 
 # Below this speed a lever counts as standing, for a dry friction that is larger at rest than in motion, rad/s.
-STANDS_RAD_S = 1e-6
+STANDS_RAD_S = 1e-5
 # A run that would take longer than this is given up, s.
 TOO_LONG_S = 100.0
 # After so many steps a run's whole time is foreseen.
@@ -49,14 +49,15 @@ def drive(scene, step_s, read, step):
         theta, theta_dot = read()
         out[0, k], out[1, k] = theta, theta_dot
         if level is not None:
-            asked = scene.level_asked(t, theta, theta_dot, scene.zone_at(theta, theta_dot))
+            asked = scene.level_asked(theta, theta_dot)
             level += (asked - level) * -math.expm1(-step_s / scene.lag_s)
         if scene.finger:
             tip = scene.tissue(finger - scene.lever_m * theta, finger_dot - scene.lever_m * theta_dot)
             finger_dot += step_s * (scene.input.at(t) - tip) / scene.finger["mass_kg"]
             finger += step_s * finger_dot
         forward, backward = scene.forces(t, theta, theta_dot, level, tip)
-        moving_n = 0.5 * (backward - forward)
+        # Rounding can put it below 0.
+        moving_n = max(0.5 * (backward - forward), 0.0)
         rest_n = moving_n + scene.static_n - scene.kinetic_n
         step(0.5 * (forward + backward), moving_n, rest_n)
         if k % FORESEEN == FORESEEN - 1:

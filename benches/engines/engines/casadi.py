@@ -38,7 +38,7 @@ def versions():
 def run(scene, setting):
     options = dict(setting.options)
     plugin = options.pop("plugin")
-    # Events are looked for between points of the output grid, and missed where there are two between two points.
+    # A guard that is 0 where a mode begins (on an edge) is seen to become negative only after the next point of the grid.
     grid_s = options.pop("grid_s", None)
     if not scene.edges():
         grid_s = None

@@ -5,7 +5,6 @@ from importlib.metadata import version
 
 import numpy as np
 from pydrake.common.value import Value
-from pydrake.math import RigidTransform
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import RevoluteJoint, SpatialInertia, UnitInertia
 from pydrake.systems.analysis import ResetIntegratorFromFlags, Simulator

@@ -9,7 +9,7 @@ from stepping import drive, smoothed, switched
 NAME = "Loop of one's own"
 SETTINGS = [
     Setting("euler_tanh", "default", "explicit Euler, friction by tanh(θ̇ / 0.01 rad/s), 1 ms", "no documentation: what scripts have",
-            {"step_s": 1e-3, "law": smoothed(0.01), "order": "explicit", "level": "smoothed"}),
+            {"step_s": 1e-3, "law": smoothed(0.01), "order": "explicit"}),
     Setting("euler_sign", "more", "symplectic Euler, friction by the sign of θ̇, 1 ms", "",
             {"step_s": 1e-3, "law": switched, "order": "symplectic"}),
     Setting("projected", "best", "symplectic Euler; friction and stops as what a step needs of them, within their limits (Moreau's time stepping), 0.1 ms",

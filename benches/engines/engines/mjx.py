@@ -17,9 +17,13 @@ BOOK = "MuJoCo documentation, MuJoCo XLA (MJX), "
 SETTINGS = [
     Setting("default", "default", "timestep 2 ms, Euler, float32", BOOK + "“Feature Parity”", {"step_s": 2e-3, "x64": False}),
     Setting("stiff", "best", "float64, timestep 0.1 ms, solimp of friction 0.9999, time constant of friction 2 steps, of limits 5",
-            BOOK + "“Feature Parity” (no NoSlip); Modeling, “Solver parameters”",
+            BOOK + "“Feature Parity” (no NoSlip); “Solver parameters”",
             {"step_s": 1e-4, "x64": True, "solref": (5e-4, 1.0), "friction": (2e-4, 1.0), "impedance": 0.9999}),
 ]
+
+
+# Instead of a dry friction of 0, N.
+LEAST_N = 1e-9
 
 
 class Arrays:
@@ -54,7 +58,8 @@ def run(scene, setting):
             finger_dot = finger_dot + h * (scene.input.at(t, Arrays) - tip) / scene.finger["mass_kg"]
             finger = finger + h * finger_dot
         forward, backward = scene.forces(t, theta, theta_dot, level if scene.lag_s else None, tip, None, Arrays)
-        moving = 0.5 * (backward - forward)
+        # Rounding can put it below 0; a friction of exactly 0 would hold without limit.
+        moving = jnp.maximum(0.5 * (backward - forward), LEAST_N)
         dry = jnp.where(jnp.abs(theta_dot) < STANDS_RAD_S, moving + scene.static_n - scene.kinetic_n, moving)
         posed = model.replace(dof_frictionloss=model.dof_frictionloss.at[0].set(lever_m * dry)) if scene.dry else model
         data = data.replace(qfrc_applied=data.qfrc_applied.at[0].set(lever_m * 0.5 * (forward + backward)))

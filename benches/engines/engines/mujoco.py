@@ -10,7 +10,7 @@ BOOK = "MuJoCo documentation, "  # of 4.0
 SETTINGS = [
     Setting("default", "default", "timestep 2 ms, Euler, Newton, solref 0.02 1, solimp 0.9 0.95", BOOK + "XML Reference, “option” and “joint”", {"step_s": 2e-3}),
     Setting("noslip", "best", "timestep 0.1 ms, implicitfast, noslip_iterations 100, time constant of friction 2 steps, of limits 5",
-            BOOK + "Computation, “NoSlip solver”; Modeling, “Solver parameters” (timeconst at least 2 × timestep), “Preventing slip”",
+            BOOK + "Computation, “NoSlip solver”; “Solver parameters” (timeconst at least 2 × timestep), “Preventing slip”",
             {"step_s": 1e-4, "integrator": "implicitfast", "noslip": 100, "solref": (5e-4, 1.0), "friction": (2e-4, 1.0)}),
     Setting("stiff_1ms", "more", "timestep 1 ms, noslip_iterations 100, time constant of friction 2 steps, of limits 5", "",
             {"step_s": 1e-3, "integrator": "implicitfast", "noslip": 100, "solref": (5e-3, 1.0), "friction": (2e-3, 1.0)}),

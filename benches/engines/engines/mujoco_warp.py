@@ -15,7 +15,7 @@ BOOK = "MuJoCo documentation, MuJoCo Warp (MJWarp), "
 SETTINGS = [
     Setting("default", "default", "timestep 2 ms, Euler", BOOK + "“Feature Parity”", {"step_s": 2e-3}),
     Setting("noslip", "best", "timestep 1 ms, noslip_iterations 100, time constant of friction 2 steps, of limits 5",
-            BOOK + "“Feature Parity”; Computation, “NoSlip solver”; Modeling, “Solver parameters”",
+            BOOK + "“Feature Parity”; Computation, “NoSlip solver”; “Solver parameters”",
             {"step_s": 1e-3, "noslip": 100, "solref": (5e-3, 1.0), "friction": (2e-3, 1.0)}),
 ]
 

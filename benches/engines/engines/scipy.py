@@ -75,7 +75,7 @@ def naive(scene, times, start, max_0):
         out = [y[1], law(y[1], 0.5 * (forward + backward), level, level) / scene.inertia]
         level, finger = model.parts(y)
         if level is not None:
-            out.append((scene.level_asked(t, y[0], y[1], scene.zone_at(y[0])) - level) / scene.lag_s)
+            out.append((scene.level_asked(y[0], y[1]) - level) / scene.lag_s)
         if finger is not None:
             net = scene.input.at(t) - scene.tissue(*finger)
             out += [finger[1], net / scene.finger["mass_kg"] - scene.lever_m * out[1]]
