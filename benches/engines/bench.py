@@ -13,6 +13,7 @@ import os
 import shutil
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from judged import Judge
@@ -35,15 +36,23 @@ def command(name, arguments):
 
 
 def judge_all(told, judge, known, out):
-    """Rows of results.csv."""
-    for engine in told:
-        for row in engine["rows"]:
-            row = {"engine": engine["engine"], **row, "error_rad": "", "verdict": ""}
-            if "file" in row:
-                row["verdict"], row["error_rad"] = judge.verdict(known[row["scene"]], out / row["file"])
-            else:
-                row["verdict"] = row.get("cannot") or "failed: " + row["failed"]
-            yield row
+    """Rows of results.csv. Verdicts are kept beside the trajectories, and given anew where a trajectory is newer."""
+    kept_at = out / "verdicts.json"
+    kept = json.loads(kept_at.read_text()) if kept_at.exists() else {}
+
+    def judged(row):
+        path = out / row["file"]
+        key = [judge.name, path.stat().st_mtime_ns]
+        if kept.get(row["file"], [None])[0] != key:
+            kept[row["file"]] = [key, *judge.verdict(known[row["scene"]], path)]
+        verdict, error_rad, is_felt = kept[row["file"]][1:]
+        return {"verdict": verdict, "error_rad": error_rad, "is_felt": is_felt}
+
+    rows = [{"engine": engine["engine"], **row} for engine in told for row in engine["rows"]]
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        verdicts = list(pool.map(lambda row: judged(row) if "file" in row else {"verdict": row.get("cannot") or "failed: " + row["failed"], "error_rad": "", "is_felt": None}, rows))
+    kept_at.write_text(json.dumps(kept))
+    return [row | verdict for row, verdict in zip(rows, verdicts)]
 
 
 def main():
@@ -63,8 +72,8 @@ def main():
             if subprocess.run(command(name, arguments), cwd=HERE, env=quiet).returncode != 0:
                 sys.exit(f"{name}: the worker failed; see above")
     told = [json.loads(path.read_text()) for name in ENGINES if (path := arguments.out / f"{name}.json").exists()]
-    rows = list(judge_all(told, Judge(arguments.zwidth), {s.id: s for s in scenes()}, arguments.out))
-    columns = ["engine", "setting", "scene", "samples", "rounds", "seconds", "error_rad", "verdict", "file"]
+    rows = judge_all(told, Judge(arguments.zwidth), {s.id: s for s in scenes()}, arguments.out)
+    columns = ["engine", "setting", "scene", "samples", "rounds", "seconds", "error_rad", "verdict", "is_felt", "file"]
     with open(arguments.out / "results.csv", "w", newline="") as file:
         writer = csv.DictWriter(file, columns, extrasaction="ignore")
         writer.writeheader()

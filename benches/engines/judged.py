@@ -27,6 +27,7 @@ class Judge:
         self.known = {}
         told = subprocess.run([zwidth, "judge", "--help"], capture_output=True, text=True)
         self.has_judge = told.returncode == 0
+        self.name = "zwidth judge" if self.has_judge else "facts"
 
     def exact(self, scene, step_s):
         """Every how many steps there is a sample of `exact`, and its theta and theta_dot."""
@@ -42,23 +43,41 @@ class Judge:
         return self.known[key]
 
     def verdict(self, scene, trajectory):
-        """The verdict on a file, and the largest error of theta, rad."""
+        """The verdict on a file, the largest error of theta in rad, and whether a person could tell (None if not known)."""
+        if self.has_judge:
+            return self.by_judge(scene, trajectory)
         times, theta, theta_dot = np.loadtxt(trajectory, delimiter=",", skiprows=1, unpack=True)
         step_s = scene.duration_s / (len(times) - 1)
         every, right, right_dot = self.exact(scene, step_s)
         count = min(len(right), len(theta[::every]))
         error = np.abs(theta[::every][:count] - right[:count])
         error = float(error.max()) if np.isfinite(error).all() else float("inf")
-        if self.has_judge:
-            return self.by_judge(scene, trajectory), error
-        return facts(times[::every][:count], theta[::every][:count], theta_dot[::every][:count], right[:count], right_dot[:count], scene), error
+        words = facts(times[::every][:count], theta[::every][:count], theta_dot[::every][:count], right[:count], right_dot[:count], scene)
+        return words, error, None
 
     def by_judge(self, scene, trajectory):
+        """`zwidth judge`, in a few words."""
         told = subprocess.run([self.zwidth, "judge", scene.path, "--trajectory", trajectory, "--json"], capture_output=True, text=True)
-        row = json.loads(told.stdout)["tables"][0]["rows"][0]
-        if row["verdict"] == "creeps":
-            return f"creeps, {np.degrees(row['creep_rad_s']):.2g}°/s"
-        return row["verdict"]
+        if not told.stdout:
+            return f"refused: {told.stderr.strip().splitlines()[0]}", float("inf"), None
+        judged, faults = json.loads(told.stdout)["tables"]
+        row = judged["rows"][0]
+        return worded(row["verdict"], faults["rows"]), row["theta_error_max_rad"], row["is_felt"]
+
+
+def worded(verdict, faults):
+    """A verdict with the size of the first fault that is it."""
+    fault = next((fault for fault in faults if fault["fault"] == verdict), {})
+    sizes = []
+    if fault.get("event"):
+        sizes.append(fault["event"])
+    if fault.get("creep_rad_s") is not None:
+        sizes.append(f"{np.degrees(abs(fault['creep_rad_s'])):.2g}°/s")
+    elif fault.get("late_s") is not None:
+        sizes.append(f"{1e3 * abs(fault['late_s']):.2g} ms")
+    elif fault.get("theta_rad") is not None:
+        sizes.append(f"{np.degrees(abs(fault['theta_rad'])):.2g}°")
+    return ": ".join([verdict, ", ".join(sizes)]) if sizes else verdict
 
 
 def facts(times, theta, theta_dot, right, right_dot, scene):

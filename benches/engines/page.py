@@ -32,15 +32,22 @@ def degrees(error_rad):
 
 
 def seconds(row):
-    return f"{row['seconds']:.2g}" if "seconds" in row else "–"
+    if "seconds" not in row:
+        return "–"
+    return f"{row['seconds']:.2g}" + (" (wall clock)" if row.get("clock") == "wall" else "")
 
 
 def is_right(row):
     return row["verdict"].startswith(("right", "stands"))
 
 
+def felt(row):
+    """Behind a verdict that something is wrong."""
+    return "" if is_right(row) or row["is_felt"] is None else " (felt)" if row["is_felt"] else " (not felt)"
+
+
 def summary(engines, rows):
-    lines = ["| engine | setting | right | wrong | not run | which are wrong |", "|---|---|--:|--:|--:|---|"]
+    lines = ["| engine | setting | right | wrong, not felt | wrong, felt | not run | which a person can tell |", "|---|---|--:|--:|--:|--:|---|"]
     for engine in engines:
         for setting in engine["settings"]:
             if setting["kind"] == "more":
@@ -48,8 +55,10 @@ def summary(engines, rows):
             mine = [r for r in rows if r["engine"] == engine["engine"] and r["setting"] == setting["name"]]
             ran = [r for r in mine if "file" in r or "failed" in r]
             wrong = [r["scene"] for r in ran if not is_right(r)]
+            felt = [r["scene"] for r in ran if not is_right(r) and r["is_felt"] is not False]
             kind = "defaults" if setting["kind"] == "default" else "best"
-            lines.append(f"| {engine['name']} | {kind} | {len(ran) - len(wrong)} | {len(wrong)} | {len(mine) - len(ran)} | {', '.join(words.SHORT[s] for s in wrong)} |")
+            lines.append(f"| {engine['name']} | {kind} | {len(ran) - len(wrong)} | {len(wrong) - len(felt)} | {len(felt)} | "
+                         f"{len(mine) - len(ran)} | {', '.join(words.SHORT[s] for s in felt)} |")
     return lines
 
 
@@ -60,7 +69,7 @@ def scene_table(scene, engines, rows):
         for kind in ("default", "best"):
             name = next(s["name"] for s in engine["settings"] if s["kind"] == kind)
             row = next((r for r in rows if (r["engine"], r["setting"], r["scene"]) == (engine["engine"], name, scene.id)), None)
-            cells += ["–", "–", "not run"] if row is None else [seconds(row), degrees(row["error_rad"]), row["verdict"].replace("|", "/")]
+            cells += ["–", "–", "not run"] if row is None else [seconds(row), degrees(row["error_rad"]), row["verdict"].replace("|", "/") + felt(row)]
         lines.append("| " + " | ".join(cells) + " |")
     return lines
 

@@ -47,7 +47,7 @@ def measured(engine, scene, setting, rounds, path):
     kept = thinned(len(times) - 1)
     times, theta, theta_dot = times[::kept], theta[::kept], theta_dot[::kept]
     np.savetxt(path, np.column_stack([times, theta, theta_dot]), "%.17g", ",", header="t_s,theta_rad,theta_dot_rad_s", comments="")
-    return row | {"file": path.name, "seconds": statistics.median(all_seconds), "rounds": len(all_seconds), "samples": len(times)}
+    return row | {"file": path.name, "seconds": statistics.median(all_seconds), "rounds": len(all_seconds), "clock": "processor", "samples": len(times)}
 
 
 def main():
