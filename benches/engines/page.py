@@ -58,7 +58,7 @@ def summary(engines, rows):
             felt = [r["scene"] for r in ran if not is_right(r) and r["is_felt"] is not False]
             kind = "defaults" if setting["kind"] == "default" else "best"
             lines.append(f"| {engine['name']} | {kind} | {len(ran) - len(wrong)} | {len(wrong) - len(felt)} | {len(felt)} | "
-                         f"{len(mine) - len(ran)} | {', '.join(words.SHORT[s] for s in felt)} |")
+                         f"{len(words.SHORT) - len(ran)} | {', '.join(words.SHORT[s] for s in felt)} |")
     return lines
 
 

@@ -79,7 +79,7 @@ says otherwise. The default step of 1/240 s is long for a hand-held lever: it go
 Right wherever its step is short enough: `setCoulombFriction` stands, and stops hold. Limits of a joint do nothing until `setLimitEnforcement(True)`.
 """,
     "siconos": """
-Made for this, and right at steps short enough for the scene: friction and stops are inclusions, solved in each step. Its friction needs a contact in two dimensions: here a slider
+Debian's python3-siconos 4.4.0, which calls itself 4.5.0. Made for this, and right at steps short enough for the scene: friction and stops are inclusions, solved in each step. Its friction needs a contact in two dimensions: here a slider
 that 1 N presses on a plane, so that the coefficient is the level. Stops are met to a step's motion (no projection). The iterative solver
 takes long where the lever stands, at a tolerance of 10⁻¹².
 """,
@@ -97,7 +97,7 @@ become negative before the next output, however short the steps. The cure: `tran
     "diffsol": """
 The fastest of those that locate events. Its own resets are not safe: a ball that is reset to its floor falls through it
 ([script](../findings/pydiffsol-ball-through-the-floor.sh)). Here each mode is a model that ends at its stop condition; right on all scenes with tsit45, and a short
-first part after an edge. Its default (bdf at 10⁻⁶) misses the tangential touch and goes on in tiny swings after the stiff wall.
+first part after an edge. Its default (bdf at 10⁻⁶) misses the tangential touch.
 """,
     "scipy": """
 Located events with a direction pass on all scenes. Two traps: max(0, θ − stop) as an event is 0 at once, and ends the run at its first step
@@ -106,8 +106,8 @@ Located events with a direction pass on all scenes. Two traps: max(0, θ − sto
 """,
     "loop": """
 "Best" is not from a documentation here, but from the textbook that is named. Explicit Euler with tanh chatters or creeps wherever the lever should stand, and makes energy at a stiff wall. The sign of the velocity chatters. What a step needs
-of friction and stops, within their limits (three lines: `projected` in `engines/loop.py`), is right on all scenes, with an error of a
-step's motion.
+of friction and stops, within their limits (three lines: `projected` in `engines/loop.py`), is within a step's motion of the right answer on
+all scenes.
 """,
 }
 
@@ -122,7 +122,7 @@ ABSENT = """
 * **Pinocchio** 4.1.0 (`pin`) has models of joint friction and of stops as constraints, and solvers for them, and no step of time: that would have
   been this bench's own. The simulator that is built on it, `simple`, is in none of the package registries that were looked at (Python, Debian).
 * **Siconos** is in no Python registry; Debian's `python3-siconos` was taken.
-* **Genesis, Brax, Rapier** could be installed and were left out: Genesis needs PyTorch (gigabytes), Brax hands jointed bodies to MJX, Rapier's
+* **Genesis, Brax, Rapier** were left out without a try: Genesis needs PyTorch (gigabytes), Brax hands jointed bodies to MJX, Rapier's
   Python package counts in float32 alone. **Chrono and SOFA** have no package of that kind for this Python in the registries that were looked at.
 """
 

@@ -19,9 +19,9 @@ NAME = "diffrax"
 BOOK = "diffrax documentation, "
 SETTINGS = [
     Setting("step_end", "default", "Tsit5, rtol 1e-3, atol 1e-6 in float32; events without a root finder, so at the end of their step",
-            BOOK + "“Getting started”; Events (“root_find”: by default at the end of the step)", {"x64": False, "rtol": 1e-3, "atol": 1e-6, "root": False}),
+            BOOK + "“Getting started”; Events (“root_finder”: by default at the end of the step)", {"x64": False, "rtol": 1e-3, "atol": 1e-6, "root": False}),
     Setting("root", "best", "Dopri8, rtol and atol 1e-10 in float64, events by optimistix.Newton; steps of at most 4 ms where there are edges to cross",
-            BOOK + "Events (“root_find”), “How to choose a solver”, FAQ (jax_enable_x64), PIDController (dtmax)",
+            BOOK + "Events (“root_finder”), “How to choose a solver”, FAQ (jax_enable_x64), PIDController (dtmax)",
             {"x64": True, "rtol": 1e-10, "atol": 1e-10, "root": True, "largest_s": 4e-3}),
 ]
 
