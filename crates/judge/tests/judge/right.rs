@@ -39,6 +39,21 @@ fn the_right_motion_on_any_grid_is_right_whatever_its_digits() {
     }
 }
 
+/// Programs that solve for the friction leave velocities of 1e-20 rad/s of either sign.
+#[test]
+fn a_rest_that_trembles_in_its_last_digits_is_a_rest() {
+    let scene = ModelScene { duration_s: 12.0, ..scenes::slip_stick() };
+    let truth = Truth::of(&scene);
+    let right = truth.every(1e-3);
+    let turns = right.theta_dot_rad_s.windows(2).filter(|v| v[0] != 0.0 && v[1] == 0.0).count();
+    assert!(turns > 8, "{turns} slips");
+    let trembling = changed(&right, |t, [theta, omega]| {
+        let sign = if (t * 1e3).round() as i64 % 2 == 0 { 1.0 } else { -1.0 };
+        [theta, if omega == 0.0 { sign * 1e-20 } else { omega }]
+    });
+    passes(&truth, &trembling, "trembling");
+}
+
 #[test]
 fn a_hundred_thousand_samples_a_second_are_right() {
     for scene in [scenes::stop(), ModelScene { duration_s: 1.0, ..scenes::hybrid() }] {
