@@ -16,7 +16,7 @@ import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from judged import Judge
+from judged import judged
 from scene import scenes
 
 HERE = Path(__file__).parent
@@ -35,22 +35,22 @@ def command(name, arguments):
     return [*one, python, str(HERE / "worker.py"), name, str(arguments.out), "--rounds", str(arguments.rounds)]
 
 
-def judge_all(told, judge, known, out):
-    """Rows of results.csv. Verdicts are kept beside the trajectories, and given anew where a trajectory is newer."""
+def judge_all(told, zwidth, known, out):
+    """Rows of results.csv. Verdicts are kept beside the trajectories, and given anew where a trajectory or the program is newer."""
     kept_at = out / "verdicts.json"
     kept = json.loads(kept_at.read_text()) if kept_at.exists() else {}
 
-    def judged(row):
+    def verdict(row):
         path = out / row["file"]
-        key = [judge.name, path.stat().st_mtime_ns]
+        key = [Path(zwidth).stat().st_mtime_ns, path.stat().st_mtime_ns]
         if kept.get(row["file"], [None])[0] != key:
-            kept[row["file"]] = [key, *judge.verdict(known[row["scene"]], path)]
-        verdict, error_rad, is_felt = kept[row["file"]][1:]
-        return {"verdict": verdict, "error_rad": error_rad, "is_felt": is_felt}
+            kept[row["file"]] = [key, *judged(zwidth, known[row["scene"]], path)]
+        words, error_rad, is_felt = kept[row["file"]][1:]
+        return {"verdict": words, "error_rad": error_rad, "is_felt": is_felt}
 
     rows = [{"engine": engine["engine"], **row} for engine in told for row in engine["rows"]]
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        verdicts = list(pool.map(lambda row: judged(row) if "file" in row else {"verdict": row.get("cannot") or "failed: " + row["failed"], "error_rad": "", "is_felt": None}, rows))
+        verdicts = list(pool.map(lambda row: verdict(row) if "file" in row else {"verdict": row.get("cannot") or "failed: " + row["failed"], "error_rad": "", "is_felt": None}, rows))
     kept_at.write_text(json.dumps(kept))
     return [row | verdict for row, verdict in zip(rows, verdicts)]
 
@@ -72,7 +72,7 @@ def main():
             if subprocess.run(command(name, arguments), cwd=HERE, env=quiet).returncode != 0:
                 sys.exit(f"{name}: the worker failed; see above")
     told = [json.loads(path.read_text()) for name in ENGINES if (path := arguments.out / f"{name}.json").exists()]
-    rows = judge_all(told, Judge(arguments.zwidth), {s.id: s for s in scenes()}, arguments.out)
+    rows = judge_all(told, arguments.zwidth, {s.id: s for s in scenes()}, arguments.out)
     columns = ["engine", "setting", "scene", "samples", "rounds", "seconds", "error_rad", "verdict", "is_felt", "file"]
     with open(arguments.out / "results.csv", "w", newline="") as file:
         writer = csv.DictWriter(file, columns, extrasaction="ignore")

@@ -173,7 +173,7 @@ impl Driven {
             {
                 done += 1.0;
             }
-            rest_s = if done == steps { 0.0 } else { dt_s - done * step_s };
+            rest_s = if done < steps { dt_s - done * step_s } else { 0.0 };
         }
         // From event to event.
         // Counted over one advance: real events are few within a tick of a controller.

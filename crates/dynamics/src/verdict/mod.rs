@@ -52,7 +52,7 @@ pub use ticked::{HeldForces, TickController, TickedLoop};
 use path::Path;
 use reference::KnownMotion;
 pub(crate) use stability::Growth;
-use swings::{FEW, Swing, existing, has_its_own, sampled};
+use swings::{FEW, Swing, existing, has_its_own, sampled, without_rests};
 
 use crate::error::DynamicsError;
 use crate::solve::Solver;
@@ -108,7 +108,8 @@ pub struct ExistingSwings(Vec<Swing>);
 pub fn own_swings(run: &Trajectory, right: &Trajectory, bound_rad: f64) -> Option<Swings> {
     let [own, others] = [run, right].map(|run| sampled(run, bound_rad));
     let end_s = run.t_s.last().copied().unwrap_or(0.0);
-    has_its_own(&own, &others, end_s).then(|| Swings::of(&own))
+    let [moving, others] = [without_rests(run, &own), without_rests(right, &others)];
+    has_its_own(&moving, &others, end_s).then(|| Swings::of(&own))
 }
 
 /// Runs a model with a step and judges the run. For several runs of a model make its [`Reference`]

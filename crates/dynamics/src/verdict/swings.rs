@@ -63,19 +63,24 @@ pub(super) fn existing(run: &Trajectory, bound_rad: f64) -> Vec<Swing> {
     between(&turns, bound_rad)
 }
 
-/// The same by the samples alone. A swing begins where the lever leaves the angle at which it turned:
-/// how long it rests there is no part of it, nor whether a velocity of 0 is one of 1e-20.
+/// The same by the samples alone.
 pub(super) fn sampled(run: &Trajectory, bound_rad: f64) -> Vec<Swing> {
+    between(&sampled_turns(run), bound_rad)
+}
+
+/// Swings of a run, each from where the lever leaves the angle at which it turned: how long it rests
+/// there is no part of it, nor whether a velocity of 0 is one of 1e-20.
+pub(super) fn without_rests(run: &Trajectory, swings: &[Swing]) -> Vec<Swing> {
     /// What it moves before that, as a share of the swing.
     const LEFT: f64 = 0.02;
     let theta = |i: usize| run.states[i * run.layout.n + THETA];
-    let moving = |swing: Swing| {
+    let moving = |swing: &Swing| {
         let [from, to] = [swing.from_s, swing.to_s].map(|s| run.t_s.partition_point(|t| *t < s));
         let near_rad = LEFT * 2.0 * swing.amplitude_rad;
         let left = (from..to).rev().find(|i| (theta(*i) - theta(from)).abs() <= near_rad);
-        Swing { from_s: run.t_s[left.unwrap_or(from)], ..swing }
+        Swing { from_s: run.t_s[left.unwrap_or(from)], ..*swing }
     };
-    between(&sampled_turns(run), bound_rad).into_iter().map(moving).collect()
+    swings.iter().map(moving).collect()
 }
 
 /// The swings from one turn to the next that are above the bound.
