@@ -27,7 +27,7 @@ pub(crate) struct TradeArgs {
     pub(crate) out: Option<PathBuf>,
     /// Trajectories of other programs for the scene, judged and drawn beside our solvers: a table with
     /// the columns name, setting, file, cost_s and, where a file needs a mapping, map; or TOML with
-    /// [[trajectories]]. Files are named from the table's folder on
+    /// `[[trajectories]]`. Files are named from the table's folder on
     #[arg(long, value_name = "TABLE")]
     pub(crate) trajectories: Option<PathBuf>,
     /// Do everything again, whether it changed or not
