@@ -126,12 +126,16 @@ fn joined(phases: impl Iterator<Item = Phase>) -> Vec<Phase> {
     all
 }
 
-/// The way of moving at each sample.
+/// The way of moving at each sample. A lever whose angle stays at a stop stands there, whatever its
+/// velocity: a solver that lets it be pressed on has one that trembles.
 fn ways(sides: &Sides<'_>, side: &Side, near_rad: f64) -> Vec<Way> {
     let mut before = Way::Rest;
-    let samples = side.theta_rad.iter().zip(&side.theta_dot_rad_s);
+    let samples = side.theta_rad.iter().zip(&side.theta_dot_rad_s).enumerate();
     samples
-        .map(|(theta, omega)| {
+        .map(|(i, (theta, omega))| {
+            let step_s = if i > 0 { sides.t_s[i] - sides.t_s[i - 1] } else { 0.0 };
+            let has_moved = i == 0 || (theta - side.theta_rad[i - 1]).abs() > 0.0;
+            let is_pressed = !has_moved && (omega * step_s).abs() > sides.unseen_rad();
             let goes_on = match before {
                 Way::Forward => *omega > 0.0,
                 Way::Backward => *omega < 0.0,
@@ -139,6 +143,8 @@ fn ways(sides: &Sides<'_>, side: &Side, near_rad: f64) -> Vec<Way> {
             };
             let least = if goes_on { GOES_ON * sides.rest_rad_s } else { sides.rest_rad_s };
             before = match sides.stops_rad() {
+                Some([low, _]) if is_pressed && theta - low <= near_rad => Way::AtLowStop,
+                Some([_, high]) if is_pressed && high - theta <= near_rad => Way::AtHighStop,
                 _ if *omega > least => Way::Forward,
                 _ if *omega < -least => Way::Backward,
                 Some([low, _]) if theta - low <= near_rad => Way::AtLowStop,

@@ -121,6 +121,14 @@ fn an_event_that_is_early_is_measured_and_one_that_never_comes_is_missed() {
     };
     let fault = truth.fault(&early, TrajectoryVerdict::Early);
     assert!((fault.late_s.unwrap() + 0.005).abs() < 1e-6, "{fault:?}");
+    // In the stop a loop presses on: it adds to the velocity, which the stop then takes away.
+    let pressed = changed(&early, |t, [theta, omega]| {
+        let is_odd = (t * 1e4).round() as i64 % 2 == 1;
+        [theta, if theta >= 0.3 && is_odd { 0.05 } else { omega }]
+    });
+    let trembling = truth.fault(&pressed, TrajectoryVerdict::Early);
+    assert_eq!((trembling.times, trembling.event), (2, Some(LeverEvent::BrokeLoose)));
+    assert_eq!(trembling.late_s, fault.late_s);
     let still = changed(&right, |_, _| [0.0, 0.0]);
     let fault = truth.fault(&still, TrajectoryVerdict::Missed);
     assert_eq!(fault.event, Some(LeverEvent::BrokeLoose));
