@@ -117,10 +117,10 @@ def run(name, setting_name, number, seed, zwidth):
         path, trajectory = folder / f"{i}.toml", folder / f"{i}.csv"
         path.write_text("".join(f"{key} = {toml(value)}\n" for key, value in scene.items()))
         np.savetxt(trajectory, np.column_stack(columns), "%.17g", ",", header="t_s,theta_rad,theta_dot_rad_s", comments="")
-        said = judged(zwidth, Scene(scene, path), trajectory)[0]
+        words = judged(zwidth, Scene(scene, path), trajectory)[0]
         path.unlink()
         trajectory.unlink()
-        return said
+        return words
 
     def ran(i, kind, angle, time, scene):
         """Kind, the judge's verdict, and whether the closed form agrees with one that nothing is wrong."""
@@ -134,10 +134,10 @@ def run(name, setting_name, number, seed, zwidth):
     with tempfile.TemporaryDirectory() as temporary, ThreadPoolExecutor(2) as pool:
         folder = Path(temporary)
         runs = [ran(i, *drawn_one) for i, drawn_one in enumerate(drawn(number, seed))]
-        told = [(kind, said.result() if said else "failed", closed) for kind, said, closed in runs]
+        judgements = [(kind, words.result() if words else "failed", closed) for kind, words, closed in runs]
     counts, speeds, contradicted = {kind: {} for kind in ("stands", "arrives", "stops")}, [], 0
-    for kind, said, closed in told:
-        word, _, size = said.partition(": ")
+    for kind, words, closed in judgements:
+        word, _, size = words.partition(": ")
         counts[kind][word] = counts[kind].get(word, 0) + 1
         contradicted += word in ("right", "stands") and closed != "right"
         if word == "creeps":
@@ -161,16 +161,16 @@ def main():
     arguments = parser.parse_args()
     arguments.out.mkdir(parents=True, exist_ok=True)
     if not arguments.all:
-        told = run(arguments.engine, arguments.setting, arguments.number, arguments.seed, arguments.zwidth)
+        counted = run(arguments.engine, arguments.setting, arguments.number, arguments.seed, arguments.zwidth)
         path = arguments.out / f"extremes.{arguments.engine}.{arguments.setting}.json"
-        path.write_text(json.dumps(told, indent=1))
+        path.write_text(json.dumps(counted, indent=1))
         return
     for engine, setting, number, venv in RUNS:
         python = Path(arguments.engine) / venv / "bin/python"
         line = [python, HERE / "extremes.py", engine, arguments.out, "--zwidth", arguments.zwidth, "--setting", setting, "--number", str(number), "--seed", str(arguments.seed)]
         subprocess.run(line, cwd=HERE, check=True)
-    told = [json.loads((arguments.out / f"extremes.{engine}.{setting}.json").read_text()) for engine, setting, _, _ in RUNS]
-    (arguments.out / "extremes.json").write_text(json.dumps(told, indent=1))
+    all_runs = [json.loads((arguments.out / f"extremes.{engine}.{setting}.json").read_text()) for engine, setting, _, _ in RUNS]
+    (arguments.out / "extremes.json").write_text(json.dumps(all_runs, indent=1))
 
 
 if __name__ == "__main__":

@@ -91,13 +91,13 @@ impl<'a> Centred<'a> {
         let ahead = shift.max(0) as usize;
         let behind = (-shift).max(0) as usize;
         let n = self.y.len() - ahead.max(behind);
-        let of = |signal: &Self, from: usize| {
+        let overlap = |signal: &Self, from: usize| {
             let sum = signal.sums[from + n] - signal.sums[from];
             let squares = signal.squares[from + n] - signal.squares[from] - sum * sum / n as f64;
             let all = signal.squares[signal.y.len()];
             (squares > LEAST_SHARE * all).then_some((sum, squares))
         };
-        let Some(((a, aa), (b, bb))) = of(self, behind).zip(of(model, ahead)) else {
+        let Some(((a, aa), (b, bb))) = overlap(self, behind).zip(overlap(model, ahead)) else {
             return correlation(self.signal, model.signal, shift);
         };
         let ab = dot(&self.y[behind..behind + n], &model.y[ahead..ahead + n]) - a * b / n as f64;
