@@ -206,6 +206,15 @@ pub fn write() -> Result<(), Any> {
     put("arrow", "plain", include_bytes!("plain.arrow"))?;
     put("arrow", "packed", include_bytes!("packed.arrow"))?;
     put("xdf", "two_streams", &two_streams())?;
+    put("tdms", "two_channels", &two_channels())?;
+    put("c3d", "a_point", &a_point())?;
+    put("mcap", "plain", &two_messages(""))?;
+    put("mcap", "packed", &two_messages("zstd"))?;
+    put(
+        "sto",
+        "motion",
+        b"Coordinates\nversion=1\nnRows=2\nnColumns=2\ninDegrees=yes\nendheader\ntime\telbow\n0\t90\n0.1\tNaN\n",
+    )?;
     put("mat", "packed", &[mat_header(), packed(&data)?, packed(&vector)?].concat())?;
     Ok(())
 }
@@ -281,6 +290,86 @@ fn two_streams() -> Vec<u8> {
         chunk(6, Some(1), b"<info><sample_count>4</sample_count></info>"),
     ]
     .concat()
+}
+
+/// A TDMS file of two channels with a scale, in chunks, and a segment that says nothing new.
+fn two_channels() -> Vec<u8> {
+    let text = |text: &str| [&(text.len() as u32).to_le_bytes(), text.as_bytes()].concat();
+    let words = |words: &[u32]| words.iter().flat_map(|word| word.to_le_bytes()).collect::<Vec<u8>>();
+    let double = |name: &str, value: f64| [text(name), words(&[0x0A]), value.to_le_bytes().to_vec()].concat();
+    let scale = [
+        words(&[4]),
+        double("wf_increment", 0.001),
+        [text("NI_Scale[0]_Scale_Type"), words(&[0x20]), text("Linear")].concat(),
+        double("NI_Scale[0]_Linear_Slope", 0.5),
+        double("NI_Scale[0]_Linear_Y_Intercept", 1.0),
+    ];
+    let described = [
+        words(&[3]),
+        text("/'rig'"),
+        words(&[u32::MAX, 0]),
+        text("/'rig'/'F'"),
+        words(&[20, 2, 1, 2, 0]),
+        scale.concat(),
+        text("/'rig'/'angle'"),
+        words(&[20, 0x0A, 1, 2, 0, 0]),
+    ]
+    .concat();
+    let raw = [&[1, 0, 2, 0][..], &[0.5_f64, 1.5].map(f64::to_le_bytes).concat()].concat();
+    let lead_in = |toc: u32, next: usize, raw: usize| {
+        [b"TDSm", &words(&[toc, 4713, next as u32, 0, raw as u32, 0])[..]].concat()
+    };
+    let first = lead_in(0b1110, described.len() + 2 * raw.len(), described.len());
+    [first, described, raw.clone(), raw.clone(), lead_in(0b1000, raw.len(), 0), raw].concat()
+}
+
+/// A C3D file of a point and an analog channel, two frames.
+fn a_point() -> Vec<u8> {
+    let words = |words: &[u16]| words.iter().flat_map(|word| word.to_le_bytes()).collect::<Vec<u8>>();
+    let mut bytes = [&[2, 0x50][..], &words(&[1, 1, 1, 2, 0])].concat();
+    bytes.extend([&(-1_f32).to_le_bytes()[..], &words(&[3, 1]), &100_f32.to_le_bytes()].concat());
+    bytes.resize(512, 0);
+    bytes.extend([0, 0x50, 1, 84]);
+    // A group and its number, then a parameter of a text in it.
+    bytes.extend([&[5, 0xFF][..], b"POINT", &words(&[3]), &[0]].concat());
+    bytes.extend([&[6, 1][..], b"LABELS", &words(&[10]), &[0xFF, 2, 4, 1], b"hand", &[0]].concat());
+    bytes.extend([0, 0]);
+    bytes.resize(1024, 0);
+    bytes.extend((0..10_u8).flat_map(|i| f32::from(i).to_le_bytes()));
+    bytes
+}
+
+/// An MCAP file of a message of ROS 2 and one in JSON, in a chunk that is packed so.
+fn two_messages(packing: &str) -> Vec<u8> {
+    let text = |text: &str| [&(text.len() as u32).to_le_bytes(), text.as_bytes()].concat();
+    let record = |kind: u8, content: &[u8]| [&[kind][..], &(content.len() as u64).to_le_bytes(), content].concat();
+    let channel = |id: u8, topic: &str, form: &str| {
+        record(4, &[vec![id, 0, id, 0], text(topic), text(form), vec![0; 4]].concat())
+    };
+    let message = |channel: u8, data: &[u8]| record(5, &[&[channel, 0][..], &[0; 20], data].concat());
+    let definition = "Header header\nfloat64[] f\n===\nMSG: std_msgs/Header\nbuiltin_interfaces/Time stamp\nstring id\n";
+    let schema = record(3, &[vec![1, 0], text("p/msg/F"), text("ros2msg"), text(definition)].concat());
+    let cdr = [&[0, 1, 0, 0][..], &[0; 8], &[2, 0, 0, 0, b'a', 0, 0, 0], &[1, 0, 0, 0], &[0; 4], &1.5_f64.to_le_bytes()].concat();
+    let records = [
+        schema,
+        channel(1, "data", "cdr"),
+        channel(2, "other", "json"),
+        message(1, &cdr),
+        message(2, b"{\"f\":[1,2.5],\"who\":\"P01\"}"),
+    ]
+    .concat();
+    let size = records.len();
+    let packed = match packing {
+        // A frame of one block, in which they stand as they are.
+        "zstd" => {
+            let sizes = [&(size as u16 - 256).to_le_bytes()[..], &(size as u32 * 8 + 1).to_le_bytes()[..3]];
+            [b"\x28\xb5\x2f\xfd\x60", &sizes.concat()[..], &records].concat()
+        }
+        _ => records.clone(),
+    };
+    let head = [&[0; 16][..], &(records.len() as u64).to_le_bytes(), &[0; 4]].concat();
+    let chunk = [head, text(packing), (packed.len() as u64).to_le_bytes().to_vec(), packed].concat();
+    [b"\x89MCAP0\r\n".to_vec(), record(1, &[0; 8]), record(6, &chunk)].concat()
 }
 
 /// The parts of an Excel workbook: a sheet with a text, a number and a date.

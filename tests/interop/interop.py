@@ -15,6 +15,7 @@ import checks
 import compared
 import folders
 import foreign
+import laboratory
 import made
 import mixed
 import others
@@ -40,6 +41,7 @@ def main():
     compared.study(zwidth)
     compared.made(root / "derived/thesis-twin")
     foreign.check_all(zwidth)
+    laboratory.check_all(zwidth)
     walls.frequencies(zwidth)
     made.check_all(zwidth)
     others.check_all(zwidth)

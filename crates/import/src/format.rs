@@ -5,7 +5,9 @@ use super::limits::Take;
 use super::spelling::shown;
 use super::table::Table;
 use super::xdf::XdfClock;
-use super::{csv, feather, hdf5, jsonl, mat, npy, parquet, workbook, xdf};
+use super::{
+    c3d, csv, feather, hdf5, jsonl, mat, mcap, npy, opensim, parquet, tdms, workbook, xdf,
+};
 use serde::Deserialize;
 use std::path::Path;
 use zwidth_store::StoreError;
@@ -26,6 +28,10 @@ pub(super) enum Format {
     Npy,
     Npz,
     Xdf,
+    Tdms,
+    C3d,
+    Sto,
+    Mcap,
     Xlsx,
     Ods,
 }
@@ -49,7 +55,7 @@ const MATLAB_7_3: &[u8] = b"MATLAB 7.3";
 
 impl Format {
     /// Every format.
-    pub(super) const ALL: [Self; 13] = [
+    pub(super) const ALL: [Self; 17] = [
         Self::Csv,
         Self::Tsv,
         Self::Txt,
@@ -61,6 +67,10 @@ impl Format {
         Self::Npy,
         Self::Npz,
         Self::Xdf,
+        Self::Tdms,
+        Self::C3d,
+        Self::Sto,
+        Self::Mcap,
         Self::Xlsx,
         Self::Ods,
     ];
@@ -80,6 +90,10 @@ impl Format {
             Self::Npy => (&["npy"], "a NumPy array", false, None),
             Self::Npz => (&["npz"], "a NumPy archive", true, Some("matrix")),
             Self::Xdf => (&["xdf"], "an XDF file", false, Some("stream")),
+            Self::Tdms => (&["tdms"], "a TDMS file", false, Some("group")),
+            Self::C3d => (&["c3d"], "a C3D file", false, Some("group")),
+            Self::Sto => (&["sto", "mot"], "an OpenSim file", false, None),
+            Self::Mcap => (&["mcap"], "an MCAP file", true, Some("topic")),
             Self::Xlsx => (&["xlsx", "xlsm"], "an Excel workbook", true, Some("sheet")),
             Self::Ods => (&["ods"], "an OpenDocument workbook", true, Some("sheet")),
         }
@@ -119,7 +133,11 @@ impl Format {
         let (.., part_key) = self.row();
         if let Some(part) = options.part.filter(|_| part_key.is_none()) {
             let what = format!("'{}' is named, and {} has no parts", shown(part), self.name());
-            return Err(StoreError::new(path, what, "remove matrix, sheet or stream from [file]"));
+            return Err(StoreError::new(
+                path,
+                what,
+                "remove matrix, sheet, stream, group or topic from [file]",
+            ));
         }
         // An array that has a file to itself needs no name.
         if take.turned && options.part.is_none() && self != Self::Npy {
@@ -148,6 +166,10 @@ impl Format {
             Self::Xdf => {
                 xdf::read(path, &bytes, options.part, options.clock, options.dejitter, take)
             }
+            Self::Tdms => tdms::read(path, &bytes, options.part, take),
+            Self::C3d => c3d::read(path, &bytes, options.part, take),
+            Self::Sto => opensim::read(path, &bytes, options.dialect, take),
+            Self::Mcap => mcap::read(path, &bytes, options.part, take),
             Self::Xlsx | Self::Ods => {
                 let is_ods = self == Self::Ods;
                 workbook::read(path, &bytes, is_ods, options.dialect, options.part, take)

@@ -211,9 +211,14 @@ impl<'a> Take<'a> {
         if self.budget.cells(cells) { Ok(()) } else { Err(too_much(path)) }
     }
 
+    /// Whether the mapping names the column at `place` (from 0).
+    pub(super) fn is_mapped(&self, place: usize, name: Option<&str>) -> bool {
+        self.columns.iter().any(|column| column.means(place, name))
+    }
+
     /// Whether the column at `place` (from 0) is taken; `name` is its name where it has one.
     pub(super) fn wants(&self, place: usize, name: Option<&str>) -> bool {
-        self.columns.iter().any(|column| column.means(place, name))
+        self.is_mapped(place, name)
             || name.is_some_and(|name| self.pattern.is_some_and(|pattern| pattern.is_match(name)))
     }
 }

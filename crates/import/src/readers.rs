@@ -38,8 +38,8 @@ impl FormatReader {
         self.0.is_packed()
     }
 
-    /// Reads a file; the number of rows. Of a MAT file or a NumPy archive the columns of the matrix
-    /// `data` are read before its vectors.
+    /// Reads a file; the number of rows. Of a MAT file, a NumPy archive and an MCAP file the part `data` is read before the
+    /// others, of a C3D file each of its parts.
     ///
     /// # Errors
     /// Why it cannot be read.
@@ -62,8 +62,14 @@ impl FormatReader {
             let table = self.0.read(Path::new("input"), bytes.to_vec(), options, &take)?;
             Ok(table.lines.len())
         };
-        if matches!(self.0, Format::Mat | Format::Npz) {
-            let _: Result<usize, StoreError> = read(Some("data"));
+        // Parts that the seeds have.
+        let parts: &[&str] = match self.0 {
+            Format::Mat | Format::Npz | Format::Mcap => &["data"],
+            Format::C3d => &["points", "analog", "events"],
+            _ => &[],
+        };
+        for part in parts {
+            let _: Result<usize, StoreError> = read(Some(part));
         }
         read(None)
     }

@@ -79,7 +79,7 @@ pub(super) struct FileShape {
     pub(super) rows: Option<usize>,
     pub(super) missing: Missing,
     pub(super) missing_words: Vec<String>,
-    #[serde(alias = "sheet", alias = "stream")]
+    #[serde(alias = "sheet", alias = "stream", alias = "group", alias = "topic")]
     pub(super) matrix: Option<String>,
     pub(super) signals: SignalsIn,
     pub(super) encoding: Encoding,

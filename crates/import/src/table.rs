@@ -223,6 +223,8 @@ pub(super) struct Table {
     pub(super) hidden: Vec<String>,
     /// The units that the file names, by the places of their columns.
     pub(super) units: BTreeMap<usize, Declared>,
+    /// The units that it names for all angles and angular velocities, whichever of its columns they are.
+    pub(super) angles: Option<[&'static str; 2]>,
 }
 
 /// The unit that a file names of a column.

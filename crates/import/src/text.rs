@@ -60,7 +60,7 @@ pub(super) fn latin_1_note(bytes: &[u8], encoding: Encoding) -> Option<String> {
 }
 
 /// First bytes of files that nothing here reads, their kind, and what to do about one.
-const UNREAD: [(&[u8], &str, &str); 13] = [
+const UNREAD: [(&[u8], &str, &str); 12] = [
     (
         b"\xd0\xcf\x11\xe0",
         "an old Excel workbook (.xls), or one that a password locks",
@@ -72,14 +72,13 @@ const UNREAD: [(&[u8], &str, &str); 13] = [
     (b"\x80\x05", PICKLED, PICKLE),
     (b"SQLite format 3", "an SQLite database", "write its table as CSV"),
     (b"%PDF", "a PDF", "ask for the numbers themselves"),
-    (b"TDSm", "a TDMS file of LabVIEW", AS_CSV),
     (
         b"TDSh",
         "the index beside a TDMS file of LabVIEW",
-        "leave it out, and convert the .tdms file itself",
+        "leave it out, and import the .tdms file itself",
     ),
-    (b"\x89MCAP0\r\n", "an MCAP file", AS_CSV),
-    (b"#ROSBAG V", "a ROS bag", AS_CSV),
+    (b"#ROSBAG V", "a bag of ROS 1", ROS_BAG_1),
+    (b"MDF     ", "an MF4 file (ASAM MDF)", MF4),
     (b"\xffBIOSEMI", "a BDF file of BioSemi", AS_CSV),
     (b"0       ", EDF, AS_CSV),
 ];
@@ -98,12 +97,27 @@ pub(super) const HDF5: &str = "save it from MATLAB with -v7, or convert it: pyth
      + s.get('add_offset', s.get('offset', 0)))}) if a.dtype.kind in 'iufb' else None; \
      h5py.File(sys.argv[1]).visititems(lambda n, o: [f(n.replace('/', '.'), np.squeeze(o[()]), o.attrs)] and None \
      if hasattr(o, 'dtype') else None); np.savez(sys.argv[2], **d)\" IN OUT.npz";
+/// The lines that convert files that are not read; `tests/interop/laboratory.py` tries them. A bag's folder has its
+/// description beside it. Times of an AcqKnowledge file are the number of a sample over the rate: the reader's own
+/// `time_index` is longer by a sample.
+const ROS_BAG: &str = "convert its folder (pip install rosbags): rosbags-convert --src FOLDER --dst OUT --dst-storage mcap";
+const ROS_BAG_1: &str =
+    "convert it (pip install rosbags): rosbags-convert --src IN.bag --dst OUT --dst-storage mcap";
+const ACQ: &str = "convert it (pip install bioread): python -c \"import sys, bioread, numpy as np; \
+     f = bioread.read(sys.argv[1]); \
+     np.savez(sys.argv[2], **{f'{k}_{i}': v for i, c in enumerate(f.channels, 1) \
+     for k, v in {c.name: c.data, 't_s': np.arange(c.point_count) / c.samples_per_second}.items()})\" IN OUT.npz";
+const MF4: &str = "convert it (pip install asammdf): python -c \"import sys, asammdf, numpy as np; \
+     f = asammdf.MDF(sys.argv[1]); \
+     np.savez(sys.argv[2], **{f'{k}_{g}_{i}': v for g, i in ((g, i) for g, group in enumerate(f.groups) for i in range(len(group.channels))) \
+     for s in [f.get(group=g, index=i)] for k, v in {s.name: s.samples, 't_s': s.timestamps}.items() \
+     if i != f.masters_db.get(g)})\" IN OUT.npz";
 const PICKLED: &str = "a Python pickle";
 /// A pickle may run any program when it is opened.
 const PICKLE: &str = "where it was made, write it as CSV: frame.to_csv(\"OUT.csv\", index=False)";
 
 /// First bytes of files for other readers, their kind, and how to ask for that reader.
-const OTHER: [(&[u8], &str, &str); 8] = [
+const OTHER: [(&[u8], &str, &str); 11] = [
     (
         b"PK\x03\x04",
         "a packed file: an .xlsx or .ods workbook, or a ZIP",
@@ -115,6 +129,10 @@ const OTHER: [(&[u8], &str, &str); 8] = [
     (b"PAR1", "a Parquet file", "set format = \"parquet\" in [file]"),
     (b"ARROW1", "an Arrow file", "set format = \"arrow\" in [file]"),
     (b"XDF:", "an XDF file", "set format = \"xdf\" in [file]"),
+    // The block in which parameters begin, and the key of the format.
+    (b"\x02\x50", "a C3D file", "set format = \"c3d\" in [file]"),
+    (b"TDSm", "a TDMS file of LabVIEW", "set format = \"tdms\" in [file]"),
+    (b"\x89MCAP0\r\n", "an MCAP file", "set format = \"mcap\" in [file]"),
     (b"\x93NUMPY", "a NumPy array", "set format = \"npy\" in [file]"),
 ];
 
@@ -133,11 +151,12 @@ pub(super) fn check_readable(path: &Path, bytes: &[u8]) -> Result<(), StoreError
     let mut letters = bytes.iter().filter(|byte| !byte.is_ascii_whitespace());
     let is_json_array = letters.next() == Some(&b'[') && letters.next() == Some(&b'{');
     let (what, remedy) = match (unread, bytes) {
+        (Some(_), [b'S', b'Q', ..]) if extension.eq_ignore_ascii_case("db3") => {
+            ("a bag of ROS 2 in SQLite", ROS_BAG)
+        }
         (Some((_, what, remedy)), _) => (*what, *remedy),
-        // The block in which parameters begin, and the key of the format.
-        (None, [1..=8, 0x50, ..]) => ("a C3D file of a motion capture system", AS_CSV),
         (None, [0, ..]) if extension.eq_ignore_ascii_case("acq") => {
-            ("a file of AcqKnowledge (BIOPAC)", AS_CSV)
+            ("a file of AcqKnowledge (BIOPAC)", ACQ)
         }
         (None, _) if extension.eq_ignore_ascii_case("mat") && is_mat_4(bytes) => {
             ("a MAT file of version 4", "save it again with -v7")
@@ -298,6 +317,8 @@ mod tests {
     fn a_workbook_and_other_files_that_are_no_text_are_called_by_their_name() {
         check(b"PK\x03\x04rest", "an .xlsx or .ods workbook, or a ZIP; set format = \"xlsx\"");
         check(b"\x89HDF\r\n\x1a\n", "an HDF5 file; set format = \"h5\" in [file]");
+        check(b"TDSm\x0e\0\0\0", "a TDMS file of LabVIEW; set format = \"tdms\" in [file]");
+        check(b"\x02\x50\0\x01", "a C3D file; set format = \"c3d\" in [file]");
     }
 
     #[test]
@@ -307,11 +328,9 @@ mod tests {
         let mat_4_big: Vec<u8> =
             [1000_u32, 3, 1, 0, 2].into_iter().flat_map(u32::to_be_bytes).collect();
         for (name, bytes, words) in [
-            ("a.tdms", b"TDSm\x0e\0\0\0".as_slice(), "a TDMS file of LabVIEW"),
-            ("a.c3d", b"\x02\x50\0\x01", "a C3D file"),
+            ("a.tdms_index", b"TDSh\x0e\0\0\0".as_slice(), "the index beside a TDMS file"),
             ("a.acq", b"\0\0\x54\0\0\0", "AcqKnowledge"),
-            ("a.mcap", b"\x89MCAP0\r\n\x01", "an MCAP file"),
-            ("a.bag", b"#ROSBAG V2.0\n", "a ROS bag"),
+            ("a.bag", b"#ROSBAG V2.0\n", "a bag of ROS 1"),
             ("a.bdf", b"\xffBIOSEMI", "a BDF file"),
             ("a.edf", &edf, "an EDF file"),
             ("a.mat", &mat_4, "a MAT file of version 4; save it again with -v7"),

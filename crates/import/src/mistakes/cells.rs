@@ -75,8 +75,6 @@ pub(super) fn cells_of_others() -> Vec<Row> {
             LIKERT.to_owned(),
             "who,mode,q\nP01,active,5\nwho,mode,q\nP02,active,4\n",
         ),
-        file("a TDMS file", "a.tdms", b"TDSm\x0e\0\0\0"),
-        file("a C3D file", "a.c3d", b"\x02\x50\0\x01"),
         file(
             "a MAT file of version 4",
             "a.mat",

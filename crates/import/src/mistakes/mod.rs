@@ -6,6 +6,7 @@
 
 mod cells;
 mod containers;
+mod laboratories;
 mod motion;
 mod studies;
 mod texts;
@@ -76,6 +77,7 @@ fn rows() -> Vec<Row> {
         motion::units(),
         motion::answers(),
         containers::containers(),
+        laboratories::laboratories(),
     ]
     .into_iter()
     .flatten()
@@ -96,7 +98,10 @@ fn told(row: &Row) -> (&'static str, String, World) {
     let (becomes, said) = match world.import(&row.map, rest) {
         Ok(report) => {
             let is_odd = report.files.iter().any(|file| {
-                !(file.care.is_empty() && file.told.is_empty() && file.rows_dropped.is_empty())
+                !(file.care.is_empty()
+                    && file.told.is_empty()
+                    && file.lost.is_none()
+                    && file.rows_dropped.is_empty())
             });
             let is_odd = is_odd || report.trials > 1 || !report.against_plan.is_empty();
             (if is_odd { "flagged" } else { "read" }, report.to_string())
