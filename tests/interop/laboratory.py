@@ -1,13 +1,16 @@
 """Recordings of laboratories (TDMS, C3D, MCAP, OpenSim), written by other people's libraries: what zwidth reads of them, to the last
 bit of what those libraries read."""
 
+import importlib.metadata
 import json
 import subprocess
 import sys
+import tarfile
 import tempfile
 from pathlib import Path
 
 import asammdf
+import bioread
 import c3d
 import ezc3d
 import mcap.writer
@@ -203,3 +206,18 @@ def converted(world):
     t, found, _ = world.bring(archive, time=times, force=force)
     bits("an MF4 file, converted by its line: values", found, FORCE)
     bits("an MF4 file, converted by its line: times", t, fast)
+    # Files that AcqKnowledge wrote come with the source of bioread.
+    version = importlib.metadata.version("bioread")
+    source = world.root / "bioread"
+    download = ["download", "--quiet", "--disable-pip-version-check", "--no-deps", "--no-binary", "bioread", "--dest", source]
+    subprocess.run([sys.executable, "-m", "pip", *download, f"bioread=={version}"], check=True)
+    with tarfile.open(source / f"bioread-{version}.tar.gz") as archive:
+        archive.extractall(source, filter="data")
+    for name in ["physio-3.8.1", "physio-4.4.0-c", "physio-5.0.1"]:
+        path = source / f"bioread-{version}/test/data/physio/{name}.acq"
+        channel = bioread.read(str(path)).channels[0]
+        archive = world.convert(f"AcqKnowledge's {name}", path, "npz")
+        t, found, _ = world.bring(archive, time="t_s_1", force=f"{channel.name}_1")
+        bits(f"AcqKnowledge's {name}, converted by its line: values", found, channel.data)
+        # A sample after the other at the channel's rate; its own time_index is longer by one sample.
+        same(f"AcqKnowledge's {name}, converted by its line: times", t, np.arange(channel.point_count) / channel.samples_per_second)
