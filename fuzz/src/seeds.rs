@@ -192,6 +192,7 @@ pub fn write() -> Result<(), Any> {
     // h5py of two vectors, one in a group, and as MATLAB has them after a block of its own.
     put("h5", "two_vectors", include_bytes!("two_vectors.h5"))?;
     put("mat", "of_7_3", include_bytes!("of_7_3.mat"))?;
+    put("mat", "objects", include_bytes!("../../crates/import/src/mat/objects.mat"))?;
     put("npy", "vector", &array)?;
     put("npz", "stored", &archive(&[("theta.npy", &array, &array)]))?;
     put("npz", "deflated", &archive(&[("theta.npy", &array, &deflated(&array)?)]))?;

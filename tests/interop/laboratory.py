@@ -13,10 +13,12 @@ import asammdf
 import bioread
 import c3d
 import ezc3d
+import matio
 import mcap.writer
 import mcap_ros2.writer
 import nptdms
 import numpy as np
+import pandas as pd
 import rosbags.rosbag2
 import rosbags.typesys
 
@@ -37,6 +39,7 @@ def check_all(zwidth):
         tdms(world)
         points(world)
         bags(world)
+        tables(world)
         converted(world)
 
 
@@ -189,6 +192,25 @@ def bags(world):
     guessed = run(world.zwidth, "import", "--guess", path)
     check("the guess takes the stamp for the time, not when it was logged", 'from = "header.stamp"' in guessed, guessed)
     check("the guess names the force by its path", json.dumps("wrench.force.y") in guessed, guessed)
+
+
+def tables(world):
+    """mat-io writes tables and timetables as MATLAB has them, and reads what zwidth is held against."""
+    t = np.arange(FORCE.size) * 0.004
+    # A timetable counts in ms, as whole numbers or not.
+    times = pd.Index(pd.to_timedelta(np.arange(FORCE.size) * 4, unit="ms"), name="Time")
+    path = world.root / "tables.mat"
+    frame = pd.DataFrame({"t": t, "who": "P01", "F": FORCE, "count": np.arange(FORCE.size, dtype=np.int16)})
+    matio.save_to_mat(str(path), {"rig": frame, "log": pd.DataFrame({"F": -FORCE}, index=times)}, version="v7")
+    read = matio.load_from_mat(str(path))
+    found, force, _ = world.bring(path, time="rig.t", force="rig.F")
+    bits("a table of MATLAB: values as mat-io reads them", force, read["rig"]["F"])
+    bits("a table of MATLAB: times as mat-io reads them", found, read["rig"]["t"])
+    matio.save_to_mat(str(path), {"log": pd.DataFrame({"F": -FORCE}, index=times), "x": 1.0}, version="v7")
+    found, force, _ = world.bring(path, 'matrix = "log"', time="Time", force="F", unit='"ms"')
+    read = matio.load_from_mat(str(path))["log"]
+    bits("a timetable of MATLAB: values as mat-io reads them", force, read["F"])
+    same("a timetable of MATLAB: times as mat-io reads them", found, read.index.total_seconds())
 
 
 def converted(world):

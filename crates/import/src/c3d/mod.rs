@@ -221,7 +221,7 @@ fn frames(bytes: &[u8], parameters: &Parameters) -> Result<(Frames, Option<Strin
     };
     let points = parameters.number("POINT:USED").map_or_else(|| word(2), |used| used as usize);
     let (all, first, last, samples) = (word(3), word(4).max(1), word(5), word(10));
-    let channels = if samples == 0 { 0 } else { all / samples };
+    let channels = all.checked_div(samples).unwrap_or(0);
     if points == 0 && channels == 0 {
         return Err("it has neither points nor analog channels".to_owned());
     }

@@ -125,8 +125,9 @@ impl Written {
 
 /// Three frames of a point and two channels of two samples each.
 fn of_three(numbers: As, is_float: bool) -> Written {
-    let frame = |i: f32| {
-        let residual = if i == 2.0 { -1.0 } else { 0.0 };
+    let frame = |i: u8| {
+        let residual = if i == 2 { -1.0 } else { 0.0 };
+        let i = f32::from(i);
         vec![10.0 * i, 20.0, -30.0, residual, 100.0 + i, 7.0, 200.0 + i, 9.0]
     };
     Written {
@@ -149,7 +150,7 @@ fn of_three(numbers: As, is_float: bool) -> Written {
             ("ANALOG", "OFFSET", Value::Words(vec![100, 0])),
             ("SUBJECTS", "NAMES", Value::Texts(vec!["P01"])),
         ],
-        frames: (0..3_u8).flat_map(|i| frame(f32::from(i))).collect(),
+        frames: (0..3_u8).flat_map(frame).collect(),
     }
 }
 
@@ -213,7 +214,7 @@ fn without_a_part_both_are_there_and_neither_is_put_on_the_times_of_the_other() 
     assert!(error.contains("the file has no 'forces'; it has points and analog"), "{error}");
     let mut one = of_three(As::Intel, true);
     (one.channels, one.samples) = (0, 0);
-    one.frames = vec![1.0, 2.0, 3.0, 0.0].repeat(3);
+    one.frames = [1.0, 2.0, 3.0, 0.0].repeat(3);
     let table = table_of(&one.bytes(), None, &["hand.y"]).unwrap();
     assert_eq!(numbers(&table, "hand.y"), given(&[2.0; 3]));
     let error = table_of(&one.bytes(), Some("analog"), &["Fx"]).unwrap_err().to_string();

@@ -3,12 +3,15 @@
 //!
 //! Source of the format: MathWorks, "MAT-File Format" (R2024b), "Level 5 MAT-File Format".
 
+mod objects;
+
 use super::limits::{MOST_COLUMNS, MOST_NAME, MOST_UNPACKED, Take};
 use super::matlab::{is_object, other_class};
 use super::spelling::shown;
 use super::table::{Cells, ColumnRef, Number, NumberKind, Table};
 use arrow::array::Float64Array;
 use flate2::read::ZlibDecoder;
+use objects::Objects;
 use std::borrow::Cow;
 use std::io::Read as _;
 use std::path::Path;
@@ -64,11 +67,40 @@ pub(super) fn read(
     let mut table = Table { names: Some(Vec::new()), ..Table::default() };
     let mut names = Vec::new();
     let mut matrix_columns = None;
+    // Objects lie behind all variables: they are unpacked once, if there is one.
+    let big = bytes.get(HEADER - 2..HEADER) == Some(b"MI");
+    let behind = place_of_objects(bytes, big)
+        .and_then(|at| objects::subsystem(bytes, at, big, MOST_UNPACKED));
+    let objects = behind.as_deref().and_then(|bytes| Objects::read(bytes, big));
     variables(bytes, &mut |head, data| {
         let within = match matrix {
             None => Some(head.name.as_str()),
             Some(matrix) => head.name.strip_prefix(matrix).and_then(|rest| rest.strip_prefix('.')),
         };
+        let columns_of =
+            head.object.zip(objects.as_ref()).map(|(id, objects)| (objects, objects.columns(id)));
+        if let Some((objects, Ok(columns))) = columns_of {
+            names.push(shown(&head.name).into_owned());
+            if matrix.is_some_and(|matrix| matrix != head.name) {
+                return Ok(());
+            }
+            for column in columns {
+                let name = match matrix {
+                    Some(_) => column.name.clone(),
+                    None => format!("{}.{}", head.name, column.name),
+                };
+                let place = table.columns.len();
+                let is_taken = take.wants(place, Some(&name));
+                table.columns.push(if is_taken {
+                    objects.cells(&column, take)?
+                } else {
+                    Cells::Unread
+                });
+                table.units.extend(column.unit.map(|unit| (place, unit)));
+                table.names.get_or_insert_default().push(name);
+            }
+            return Ok(());
+        }
         // The first of the name: nothing keeps a file from having two.
         if matrix == Some(head.name.as_str()) && !head.is_struct && matrix_columns.is_none() {
             matrix_columns = Some(columns(head, data, take)?);
@@ -117,6 +149,8 @@ struct Head {
     /// Its class if it is not a real numeric array.
     class: Option<String>,
     is_struct: bool,
+    /// The number of the object that it stands for.
+    object: Option<usize>,
 }
 
 /// The values of a variable, not decoded yet.
@@ -223,6 +257,12 @@ fn columns(head: &Head, values: Values, take: &Take) -> Result<Result<Table, Str
 /// Stands for the error of the budget, which takes its place.
 const TOO_MUCH: &str = "it has more values than are read";
 
+/// The place of what belongs to objects, which lies behind the variables.
+fn place_of_objects(bytes: &[u8], big: bool) -> Option<usize> {
+    let offset = *bytes.get(SUBSYSTEM..)?.first_chunk::<8>()?;
+    usize::try_from(if big { u64::from_be_bytes(offset) } else { u64::from_le_bytes(offset) }).ok()
+}
+
 /// Goes through the variables of a file.
 fn variables(
     bytes: &[u8],
@@ -245,14 +285,11 @@ fn variables(
     }
     let mut elements = Elements { bytes: &bytes[HEADER..], big };
     // Behind the variables lies what belongs to the objects among them.
-    let subsystem = header[SUBSYSTEM..SUBSYSTEM + 8].try_into().ok().map(|offset| match big {
-        true => u64::from_be_bytes(offset),
-        false => u64::from_le_bytes(offset),
-    });
+    let subsystem = place_of_objects(bytes, big);
     let mut last: Option<String> = None;
     let mut visited = 0;
     for count in 1.. {
-        let place = (bytes.len() - elements.bytes.len()) as u64;
+        let place = bytes.len() - elements.bytes.len();
         if elements.bytes.is_empty() || Some(place) == subsystem {
             break;
         }
@@ -351,7 +388,8 @@ fn visit(
                 // A field that was never set has nothing at all.
                 if data.is_empty() {
                     let class = Some("empty".to_owned());
-                    let head = Head { name: full, size: vec![0, 0], class, is_struct: false };
+                    let size = vec![0, 0];
+                    let head = Head { name: full, size, class, is_struct: false, object: None };
                     each(&head, &|_| Ok(()))?;
                     continue;
                 }
@@ -385,6 +423,14 @@ struct Elements<'a> {
 }
 
 impl<'a> Elements<'a> {
+    /// The element behind so many.
+    fn nth(&mut self, n: usize) -> Option<(u32, &'a [u8])> {
+        for _ in 0..n {
+            self.next()?;
+        }
+        self.next()
+    }
+
     /// The next element's type and data; `None` where it is cut off.
     fn next(&mut self) -> Option<(u32, &'a [u8])> {
         let first = word(self.bytes, self.big)?;
@@ -433,7 +479,12 @@ fn head<'a>(data: &'a [u8], big: bool, field: Option<&str>) -> Option<(Head, Ele
         let _system = parts.next()?;
         let class = text(parts.next()?.1);
         let class = other_class(&class, &name).unwrap_or_else(|| "an object".to_owned());
-        let head = Head { name, size: vec![1, 1], class: Some(class), is_struct: false };
+        // Behind that a matrix of numbers, which say where it is.
+        let mut place = parts.next().map(|(_, bytes)| Elements { bytes, big });
+        let place = place.as_mut().and_then(|place| place.nth(3));
+        let object = place.and_then(|(_, numbers)| objects::object_of(numbers, big));
+        let (size, class) = (vec![1, 1], Some(class));
+        let head = Head { name, size, class, is_struct: false, object };
         return Some((head, parts));
     }
     let (size_kind, size) = parts.next()?;
@@ -457,7 +508,7 @@ fn head<'a>(data: &'a [u8], big: bool, field: Option<&str>) -> Option<(Head, Ele
         16 => other_class("function_handle", &name),
         _ => other_class("unknown", &name),
     };
-    Some((Head { name, size, class, is_struct: kind == STRUCT }, parts))
+    Some((Head { name, size, class, is_struct: kind == STRUCT, object: None }, parts))
 }
 
 fn text(bytes: &[u8]) -> String {

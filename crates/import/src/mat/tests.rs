@@ -1,5 +1,6 @@
 //! MAT files: some that SciPy wrote, truncated ones, and some that claim too much.
 
+use super::super::limits::Budget;
 use super::super::limits::tests::{everything, everything_turned, only};
 use super::super::table::{Cell, ColumnRef};
 use super::*;
@@ -332,4 +333,63 @@ fn more_variables_than_are_read_are_refused() {
     let many: Vec<(u8, &[f64])> = (0..=MOST_COLUMNS).map(|_| (b'x', &[] as &[f64])).collect();
     let error = refused(&encode(&many, false));
     assert!(error.contains("more than 16384 variables"), "{error}");
+}
+
+/// A table `rig` and a timetable `log` as mat-io 1.0.2 writes them.
+pub(in super::super) const OBJECTS: &[u8] = include_bytes!("objects.mat");
+
+#[test]
+fn tables_and_timetables_have_their_columns_by_name_whatever_is_in_them() {
+    let all = |names: &[&str], matrix| {
+        only(names, |take| super::read(Path::new("a.mat"), OBJECTS, matrix, take)).unwrap()
+    };
+    let names =
+        ["rig.t", "rig.f", "rig.who", "rig.level", "rig.wait", "rig.when", "log.Time", "log.f"];
+    let table = all(&names, None);
+    let numbers = |values: [f64; 3]| values.map(Cell::Number);
+    assert_eq!(column(&table, "rig.t"), numbers([0.0, 0.5, 1.0]));
+    assert_eq!(column(&table, "rig.f"), numbers([1.5, -2.0, 4.0]));
+    let texts = |name: &str| {
+        let cells = &table.columns[table.find(&ColumnRef::Name(name.to_owned())).unwrap()];
+        [0, 1, 2].map(|row| cells.cell(row))
+    };
+    assert_eq!(texts("rig.who"), [Cell::Text("P01"), Cell::Empty, Cell::Text("P02")]);
+    assert_eq!(texts("rig.level"), ["low", "high", "low"].map(Cell::Text));
+    assert_eq!(column(&table, "rig.wait"), numbers([1500.0, 2250.0, 0.0]));
+    // As far as the writer kept it (a double of ms), and before 1970 too.
+    let when = ["1769853600000000977", "1769853601000000000", "-500000000"];
+    assert_eq!(texts("rig.when"), when.map(Cell::Text));
+    assert_eq!(column(&table, "log.Time"), numbers([0.0, 500.0, 1000.0]));
+    let unit = |name: &str| {
+        let place = table.find(&ColumnRef::Name(name.to_owned())).unwrap();
+        table.units.get(&place).map(|unit| (unit.unit.as_str(), unit.is_type))
+    };
+    assert_eq!(
+        [unit("rig.t"), unit("rig.wait"), unit("rig.when")],
+        [None, Some(("ms", true)), Some(("ns", true))]
+    );
+    // A table that is named has its columns by their own names.
+    let table = all(&["f", "Time"], Some("log"));
+    assert_eq!(column(&table, "f"), numbers([1.5, -2.0, 4.0]));
+}
+
+#[test]
+fn no_damage_of_objects_ends_the_program() {
+    let at = super::place_of_objects(OBJECTS, false).unwrap();
+    let subsystem = super::objects::subsystem(OBJECTS, at, false, 1 << 20).unwrap();
+    for place in 0..subsystem.len() {
+        for byte in [0, 1, 0x7F, 0xFF] {
+            let mut damaged = subsystem.clone();
+            damaged[place] = byte;
+            let Some(objects) = super::Objects::read(&damaged, false) else { continue };
+            for id in 0..8 {
+                let Ok(columns) = objects.columns(id) else { continue };
+                let budget = Budget::default();
+                let take = Take::of(Vec::new(), &budget);
+                for column in &columns {
+                    let _: Result<Cells, String> = objects.cells(column, &take);
+                }
+            }
+        }
+    }
 }
