@@ -13,6 +13,7 @@ import asammdf
 import bioread
 import c3d
 import ezc3d
+import lvm_read
 import matio
 import mcap.writer
 import mcap_ros2.writer
@@ -37,6 +38,7 @@ def check_all(zwidth):
         run(zwidth, "--root", root, "new", "foreign")
         world = World(zwidth, root)
         tdms(world)
+        lvm(world)
         points(world)
         bags(world)
         tables(world)
@@ -94,6 +96,37 @@ def tdms(world):
         file.write_segment([nptdms.ChannelObject("rig", "F", -FORCE[:50], timing)])
     _, force, _ = world.bring(path, time="time_s", force="F")
     bits("TDMS with the index of an older file is read by itself", force, -FORCE[:50])
+
+
+def lvm(world):
+    """Texts as LabVIEW writes them, which lvm_read reads too."""
+    end = "***End_of_Header***"
+    for x_columns, comma in [("One", False), ("One", True), ("Multi", True), ("No", False)]:
+        path = world.root / f"{x_columns}{comma}.lvm"
+        number = (lambda value: f"{value:.6f}".replace(".", ",")) if comma else (lambda value: f"{value:.6f}")
+        first = ["LabVIEW Measurement", "Writer_Version\t2", "Reader_Version\t2", "Separator\tTab"]
+        first += [f"Decimal_Separator\t{',' if comma else '.'}", "Multi_Headings\tNo", f"X_Columns\t{x_columns}", "Time_Pref\tRelative", end, ""]
+        second = ["Channels\t2", f"Samples\t{FORCE.size}\t{FORCE.size}", "Y_Unit_Label\tN\tN", "X_Dimension\tTime\tTime"]
+        second += [f"X0\t{number(0)}\t{number(0)}", f"Delta_X\t{number(0.002)}\t{number(0.002)}", end]
+        names = {"One": "X_Value\tF\tG\tComment", "Multi": "X_Value\tF\tX_Value\tG\tComment", "No": "X_Value\tF\tG\tComment"}[x_columns]
+        rows = []
+        for i, force in enumerate(FORCE):
+            t, f, g = number(0.002 * i), number(force), number(-force)
+            rows.append({"One": f"{t}\t{f}\t{g}", "Multi": f"{t}\t{f}\t{t}\t{g}", "No": f"\t{f}\t{g}"}[x_columns])
+        path.write_text("\r\n".join([*first, *second, names, *rows]) + "\r\n")
+        theirs = lvm_read.read(str(path), read_from_pickle=False, dump_file=False)[0]["data"]
+        head = len(first) + len(second)
+        keys = f'format = "tsv"\ndecimal = "{"," if comma else "."}"\n'
+        where = {"One": (f"skip = {head}", "X_Value", "F", 1), "Multi": (f"skip = {head + 1}\nheader = false", 1, 2, 1), "No": (f"skip = {head}", None, "F", 1)}
+        skip, time, force, place = where[x_columns]
+        if time is None:
+            # A file without times has a rate, which its second head names.
+            guessed = run(world.zwidth, "import", "--guess", path)
+            check("LVM without times: the guess has its rate", "rate_hz = 500.0" in guessed, guessed)
+            continue
+        t, found, _ = world.bring(path, keys + skip, time=time, force=force)
+        bits(f"LVM with X_Columns {x_columns}, {'comma' if comma else 'point'}: values as lvm_read reads them", found, theirs[:, place])
+        bits(f"LVM with X_Columns {x_columns}, {'comma' if comma else 'point'}: times as lvm_read reads them", t, theirs[:, 0])
 
 
 def points(world):
