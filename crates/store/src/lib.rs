@@ -85,7 +85,7 @@ pub use keep::journal::Journal;
 pub use keep::lay_down::{laid_down, lay_down, record_bytes};
 pub use keep::open_session::{OpenSession, record_trial};
 
-pub use keep::outside_log::{GivenFile, give_metric, withdraw_metric};
+pub use keep::outside_log::{GivenFile, give_metric, next_table, withdraw_metric};
 pub use keep::recover::recover;
 pub use keep::recovered::{Done, Recovered};
 pub use keep::stream::{Staged, TrialWriter, replace_by};

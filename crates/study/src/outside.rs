@@ -139,7 +139,7 @@ pub fn is_unit(text: &str) -> bool {
         };
         PLAIN.contains(&part)
             || WITH_PREFIX.contains(&part)
-            || PREFIXES.iter().any(|prefix| prefixed(&prefix))
+            || PREFIXES.iter().any(|prefix| prefixed(prefix))
     };
     let is_product = |text: &str| text.split('·').all(is_one);
     match text.split_once('/') {

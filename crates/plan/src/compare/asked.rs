@@ -1,5 +1,6 @@
 //! What a study asks to be compared: its metrics, how many claims that makes, and what is asked in vain.
 
+use super::chosen::chosen_after;
 use std::collections::{BTreeMap, BTreeSet};
 use zwidth_store::{Signal, StudyData};
 use zwidth_study::{
@@ -27,6 +28,8 @@ pub fn compared(data: &StudyData) -> Vec<String> {
     }
     let mut metrics = requested_metrics(&data.study);
     metrics.retain(|metric| is_possible(data, metric));
+    // Primary ones come first, and these are none.
+    metrics.sort_by_key(|metric| chosen_after(data, metric).is_some());
     metrics
 }
 

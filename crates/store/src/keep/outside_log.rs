@@ -4,9 +4,7 @@
 use crate::form::outside::outside_bytes;
 use crate::judge::outside::logged;
 use crate::keep::commit::{Change, commit_events};
-use crate::{
-    Entered, Entry, Files, FirstErrors, Layout, OutsideRow, StoreError, hex_blake3, write_new,
-};
+use crate::{Entered, Files, FirstErrors, Layout, OutsideRow, StoreError, hex_blake3, write_new};
 use std::path::PathBuf;
 use zwidth_study::{Event, MetricId, OutsideMetric};
 
@@ -17,6 +15,35 @@ pub struct GivenFile<'a> {
     pub name: &'a str,
     /// Its BLAKE3, hexadecimal.
     pub blake3: &'a str,
+}
+
+/// The number of the next table of a metric from outside.
+///
+/// # Errors
+/// A log that cannot be read to its end; a metric that counts with another unit.
+pub fn next_table(
+    files: &dyn Files,
+    layout: &Layout,
+    metric: &OutsideMetric,
+) -> Result<u32, StoreError> {
+    let before = logged(files, layout)?;
+    let mut own = before.iter().filter(|entry| entry.metric.id == metric.id);
+    let other = own.clone().find(|entry| entry.counts() && entry.metric.unit != metric.unit);
+    if let Some(other) = other {
+        let what = format!(
+            "the metric {} has the unit {}, not {}",
+            metric.id, other.metric.unit, metric.unit
+        );
+        let remedy =
+            "give the values in that unit, choose another id, or withdraw the metric first";
+        return Err(StoreError::new(&other.path, what, remedy));
+    }
+    // A file that no line speaks of keeps its number.
+    let mut table = own.next_back().map_or(1, |last| last.table + 1);
+    while files.kind(&layout.own_table(&metric.id, table)).is_some() {
+        table += 1;
+    }
+    Ok(table)
 }
 
 /// Keeps a table of a metric from outside as its next one, and says so in the log: both, or neither. The path of the
@@ -33,24 +60,7 @@ pub fn give_metric(
     rows: &[OutsideRow],
     from: GivenFile<'_>,
 ) -> Result<PathBuf, FirstErrors> {
-    let before = logged(files, layout)?;
-    let mut own = before.iter().filter(|entry| entry.metric.id == metric.id);
-    if let Some(other) =
-        own.clone().find(|entry| entry.counts() && entry.metric.unit != metric.unit)
-    {
-        let what = format!(
-            "the metric {} has the unit {}, not {}",
-            metric.id, other.metric.unit, metric.unit
-        );
-        let remedy =
-            "give the values in that unit, choose another id, or withdraw the metric first";
-        return Err(StoreError::new(&other.path, what, remedy).into());
-    }
-    // A file that no line speaks of keeps its number.
-    let mut table = own.next_back().map_or(1, |last| last.table + 1);
-    while files.kind(&layout.own_table(&metric.id, table)) == Some(Entry::File) {
-        table += 1;
-    }
+    let table = next_table(files, layout, metric)?;
     let path = layout.own_table(&metric.id, table);
     let bytes = outside_bytes(metric, table, rows, &path)?;
     let blake3 = hex_blake3(&bytes);

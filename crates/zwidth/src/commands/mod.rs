@@ -15,6 +15,7 @@ pub(crate) mod ladder;
 pub(crate) mod list;
 pub(crate) mod locate;
 pub(crate) mod methods;
+pub(crate) mod metric;
 mod near;
 pub(crate) mod new;
 pub(crate) mod open;
