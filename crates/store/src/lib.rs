@@ -66,7 +66,7 @@ pub use judge::alike::{check_session_ids, check_study_id};
 pub use judge::lately::Lately;
 pub use judge::one_form::check_form;
 pub use judge::open::OpenTrial;
-pub use judge::outside::OutsideEntry;
+pub use judge::outside::{OutsideEntry, outside_log};
 pub use judge::people::{ChangedGroup, PersonChanges, read_people};
 pub use judge::plausible::{Asked, Plateau, plateau};
 pub use judge::samples::{CHECKED, check_samples};

@@ -174,7 +174,8 @@ pub fn in_words(study: &Study, metric: &str) -> Option<String> {
 pub fn is_felt(own: &[OwnMetric], metric: &str) -> bool {
     match own.iter().find(|own| own.id.as_str() == metric) {
         Some(own) => own.is_felt(),
-        None => zwidth_study::is_felt(metric),
+        // What another program's numbers are of, nobody knows here.
+        None => !OutsideMetric::is_named(metric) && zwidth_study::is_felt(metric),
     }
 }
 

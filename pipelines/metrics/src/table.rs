@@ -206,6 +206,32 @@ mod tests {
         assert_eq!(joined.floats("discrepancy_actuator_mean_n").unwrap(), [None; 3]);
     }
 
+    #[test]
+    fn no_metric_is_named_as_those_of_other_programs_are() {
+        assert!(names().all(|name| !OutsideMetric::is_named(name)));
+    }
+
+    #[test]
+    fn values_of_another_program_stand_beside_their_trials_and_others_are_null() {
+        let parameters = in_spring(4.0, REST_RAD);
+        let rows = [3, 1, 2].map(|number| {
+            let mut made = trial(&stroke(1.0, 2.0), |theta, _| 4.0 * (theta - REST_RAD));
+            made.meta.trial = number;
+            trial_metrics(&made, &parameters).unwrap()
+        });
+        let metrics = table(&rows, &[]).unwrap().with_note("kept");
+        let key =
+            |trial: u32| (rows[0].meta.participant.clone(), rows[0].meta.session.clone(), trial);
+        let metric = OutsideMetric::new("grip_peak".parse().unwrap(), "N", "grip").unwrap();
+        let values = BTreeMap::from([(key(1), 0.1 + 0.2), (key(3), -2.0), (key(9), 7.0)]);
+        let joined = join_outside(&metrics, &[OutsideColumn { metric, values }]).unwrap();
+        assert_eq!(joined.floats("own_grip_peak_n").unwrap(), [Some(-2.0), Some(0.1 + 0.2), None]);
+        assert_eq!(
+            (joined.column("own_grip_peak_n").unwrap().field.unit.as_ref(), joined.notes()),
+            ("N", &["kept".to_owned()][..])
+        );
+    }
+
     /// `docs/analysis.md` is the page on which a reader looks a column up.
     #[test]
     fn every_column_is_defined_on_the_page_about_the_analysis() {

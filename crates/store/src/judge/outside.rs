@@ -5,7 +5,7 @@ use crate::disk::walk::parquet_below;
 use crate::form::change_list::pending;
 use crate::form::events::read_lines_to;
 use crate::form::outside::read_outside;
-use crate::{Entry, Files, Layout, StoreError, TrialEntry};
+use crate::{Entry, Files, Layout, RealFiles, StoreError, TrialEntry};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use zwidth_study::{Event, ExperimenterId, MetricId, OutsideMetric, ParticipantId, SessionId};
@@ -45,6 +45,14 @@ impl OutsideEntry {
     pub fn counts(&self) -> bool {
         self.why_not.is_none()
     }
+}
+
+/// Every table of a metric from outside that the study's log speaks of, in its order; none of their files is read.
+///
+/// # Errors
+/// A log that is damaged.
+pub fn outside_log(layout: &Layout) -> Result<Vec<OutsideEntry>, StoreError> {
+    logged(&RealFiles, layout)
 }
 
 /// Every table that the log speaks of, in its order. The last of a metric counts, unless it was withdrawn.
