@@ -264,6 +264,7 @@ fn parameters(study: &Study, sat: &[Sat]) -> anyhow::Result<Parameters> {
     let metric = |(metric, ..): &(&str, &str, bool)| -> anyhow::Result<MetricParameters> {
         Ok(MetricParameters {
             metric: metric.parse()?,
+            chosen_after: None,
             primary: study.compare.primary.has(metric),
             better: zwidth_study::Better::Lower,
             preregistered: None,

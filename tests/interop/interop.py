@@ -19,6 +19,7 @@ import laboratory
 import made
 import mixed
 import others
+import outside
 import people
 import recordings
 import results
@@ -45,6 +46,7 @@ def main():
     walls.frequencies(zwidth)
     made.check_all(zwidth)
     others.check_all(zwidth)
+    outside.check_all(zwidth)
     real = os.environ.get("ZWIDTH_REAL_DATA")
     if real:
         recordings.all_sets(zwidth, Path(real), WORKSPACE / "studies")

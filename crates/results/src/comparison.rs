@@ -21,6 +21,8 @@ words! {
         Primary = "primary",
         /// Any other.
         Exploratory = "exploratory",
+        /// One that another program computed and that no study.toml named before the data.
+        ChosenAfter = "exploratory, chosen after the data",
     }
     /// What the tests of a difference show.
     Verdict {
@@ -50,6 +52,16 @@ words! {
         BelowWhatIsFelt = "below what is felt",
         /// Neither.
         MayBeFelt = "may be felt",
+    }
+}
+
+impl Role {
+    /// How a sentence about findings begins that carry no claim.
+    pub fn of_findings(self) -> &'static str {
+        match self {
+            Self::Primary | Self::Exploratory => "Exploratory",
+            Self::ChosenAfter => "Chosen after the data",
+        }
     }
 }
 

@@ -26,6 +26,7 @@ mod level_contrast;
 mod locate;
 mod model;
 pub mod order;
+mod outside;
 mod own_metric;
 mod people;
 mod perception;
@@ -74,6 +75,7 @@ pub use model::{
     Analysis, Condition, Coordinate, Design, Device, Environment, Masses, Mode, OrderScheme,
     Question, Resistances, Study,
 };
+pub use outside::{OutsideMetric, is_unit, unit_in_names};
 pub use own_metric::{OwnMetric, Statistic, TrialPart};
 pub use people::{Known, People, PeopleForm, Person, PersonColumn, PersonValue};
 pub use perception::{Measured, MeasuredJnd, Perception, VibrationCurve, is_felt};

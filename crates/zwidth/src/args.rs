@@ -102,6 +102,15 @@ pub(crate) enum Command {
     /// Give answers after the session, one or a table of them; each counts in place of an earlier
     /// one, which is kept
     Answer(commands::said::answers::AnswerArgs),
+    /// Give values of a metric that another program computed, one per trial: a metric like any other from
+    /// then on
+    #[command(after_help = concat!(
+        "Examples:\n",
+        "  zwidth metric mystudy --from grip.csv --id grip_peak --unit N --label \"largest grip\"\n",
+        "  zwidth metric mystudy --list\n",
+        "  zwidth metric mystudy --withdraw grip_peak \"wrong channel\""
+    ))]
+    Metric(commands::metric::MetricArgs),
     /// Open a blinded session's seal: its modes are known from then on
     #[command(after_help = "Example:\n  zwidth unseal mystudy -p P01 -s S01")]
     Unseal(commands::unseal::UnsealArgs),

@@ -83,7 +83,7 @@ use zwidth_results::{
     AnyGroup, Cell, Compared, CovariateSlope, DoseModel, DosePoint, EffectDifference, FactorTest,
     GroupDifference, GroupMean, GroupMember, GroupModeDifference, GroupModel, GroupModelTest,
     Learning, Mean, MetricNote, ModeDifference, Model, Omnibus, OrderTest, PersonDifference,
-    PersonValue, RedrawnDifference, RepeatMean, Role, SessionChange, TrialSlope, UnitOfAnalysis,
+    PersonValue, RedrawnDifference, RepeatMean, SessionChange, TrialSlope, UnitOfAnalysis,
 };
 use zwidth_study::Families;
 use zwidth_tables::Measured;
@@ -296,7 +296,7 @@ impl<'a> Tested<'a> {
                 metric: measure.parameters.metric.clone(),
                 unit: measure.unit.clone(),
                 words: measure.words.clone(),
-                role: if measure.parameters.primary { Role::Primary } else { Role::Exploratory },
+                role: measure.parameters.role(),
                 better: measure.parameters.better,
                 unit_of_analysis: unit.clone(),
             }],

@@ -31,6 +31,11 @@ pub(crate) fn below<R: Row>(measure: &Measure, notes: Vec<Note>) -> Vec<MetricNo
     notes.collect()
 }
 
+/// That a metric was chosen after the data.
+fn chosen_after(measure: &Measure) -> Option<Note> {
+    measure.parameters.chosen_after.clone().map(|why| (NoteKind::Care, why))
+}
+
 fn general(text: &str) -> Note {
     (NoteKind::General, text.to_owned())
 }
@@ -331,6 +336,7 @@ pub(crate) fn contrasts(
                 .flatten(),
         )
         .chain(plan)
+        .chain(chosen_after(measure))
         .chain(reached(rows, parameters.alpha))
         .chain(guard(rows, unit, parameters).filter(|_| split.is_none()))
         .chain(
@@ -371,6 +377,7 @@ pub(crate) fn groups(cells: &Cells, split: Option<&Split>, measure: &Measure) ->
             "Nobody's group was drawn by chance: people of two groups may differ in more than their group.",
         ));
     }
+    notes.extend(chosen_after(measure));
     let without = groups::without_group(split, cells);
     if !without.is_empty() {
         let text = format!("Without {} (no {}).", without.join(", "), compared.column);
@@ -443,6 +450,7 @@ pub(crate) fn effects(
         }),
         general(&format!("{role}{together}, {adjusted}; intervals are not adjusted.")),
     ];
+    notes.extend(chosen_after(measure));
     notes.extend(split.map(weights));
     let has_jnd = rows.iter().any(effects::Row::has_jnd);
     notes.extend(jnd(has_jnd, "conditions that are subtracted", measure).into_iter().flatten());

@@ -3,6 +3,7 @@
 use crate::{Preregistered, SessionOrder};
 use serde::Serialize;
 use std::collections::BTreeMap;
+use zwidth_results::Role;
 use zwidth_study::{
     Better, Contrast, DoseCurve, Effect, EffectSize, EnvironmentId, Families, GroupsCompared,
     MetricId, ModeId, OverTrials, ParticipantId, Perception, PersonColumnId,
@@ -78,6 +79,9 @@ pub struct MetricParameters {
     pub metric: MetricId,
     /// Whether it is a primary metric of the study. The claims of every other one are exploratory.
     pub primary: bool,
+    /// Where another program computed it and it was chosen after the data: that, in words.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub chosen_after: Option<String>,
     /// Which values of it are better.
     pub better: Better,
     /// What the study's plan says about this analysis, if there is a plan.
@@ -104,6 +108,15 @@ pub struct Noticed {
 }
 
 impl MetricParameters {
+    /// What a study says of it.
+    pub(crate) fn role(&self) -> Role {
+        match (self.primary, &self.chosen_after) {
+            (true, _) => Role::Primary,
+            (false, None) => Role::Exploratory,
+            (false, Some(_)) => Role::ChosenAfter,
+        }
+    }
+
     /// The size up to which differences in an environment are equivalent; over several environments (none) where each
     /// has the same.
     pub(crate) fn bound(&self, environment: Option<usize>) -> Option<f64> {

@@ -35,6 +35,7 @@ pub(crate) fn parameters() -> Parameters {
     let contrast = |with| Contrast { mode: mode("hybrid"), against: mode(with) };
     let step = MetricParameters {
         metric: "step_n".parse().unwrap(),
+        chosen_after: None,
         primary: true,
         better: zwidth_study::Better::Lower,
         preregistered: None,

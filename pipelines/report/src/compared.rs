@@ -205,7 +205,8 @@ fn others_in_brief(study: &Setup, others: &[ComparedMetric]) -> impl Iterator<It
         let rows = metric.contrasts.iter();
         let briefs: Vec<String> = rows.map(|row| difference(study, metric, row, None)).collect();
         let words = metric.words(study.coordinate);
-        finding(metric, format!("Exploratory, {words}: {}.", briefs.join("; ")))
+        let role = metric.metric.role.of_findings();
+        finding(metric, format!("{role}, {words}: {}.", briefs.join("; ")))
     })
 }
 
@@ -227,6 +228,7 @@ fn answer(study: &Setup, metric: &ComparedMetric) -> String {
         (Role::Primary, Primaries::Several | Primaries::Curves) => "a primary metric",
         (Role::Exploratory, Primaries::Several) => "exploratory: not a primary metric",
         (Role::Exploratory, _) => "exploratory: not the primary metric",
+        (Role::ChosenAfter, _) => "exploratory: chosen after the data",
     };
     if contrasts.iter().all(|row| row.p_adjusted.is_none()) {
         return capital(&format!(
@@ -355,8 +357,9 @@ pub(crate) fn explored(
     });
     let texts: Vec<String> = texts.collect();
     let words = metric.words(study.coordinate);
+    let role = metric.metric.role.of_findings();
     (!texts.is_empty())
-        .then(|| Finding::new(format!("Exploratory, {words}: {}.", texts.join("; ")), shown))
+        .then(|| Finding::new(format!("{role}, {words}: {}.", texts.join("; ")), shown))
 }
 
 /// A difference between two modes in one environment: in a sentence of its own if the metric's

@@ -127,6 +127,7 @@ fn sentence(study: &Setup, test: &CurveDifference, runs: &[&CurveRun]) -> Option
     let role = match test.role {
         Role::Primary => "",
         Role::Exploratory => "; exploratory",
+        Role::ChosenAfter => "; exploratory, chosen after the data",
     };
     let place = format!(
         "{}, {}, {effect}",

@@ -29,6 +29,7 @@ pub fn changes(
         (Role::Primary, Primaries::Several) => "a primary metric, ",
         (Role::Primary, _) => "the primary metric, ",
         (Role::Exploratory, _) => "",
+        (Role::ChosenAfter, _) => "a metric chosen after the data, ",
     };
     let what = format!("between sessions in {role}{}", metric.words(study.coordinate));
     finding(&what, &told, Shown::Sessions(metric.metric.metric.to_string()))

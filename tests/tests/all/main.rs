@@ -31,6 +31,7 @@ mod hostile_import;
 mod little_memory;
 mod logs;
 mod others;
+mod outside_metrics;
 mod own_metrics;
 mod page;
 mod participant;

@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 use std::fs;
 use std::path::Path;
 
-const STUDY: &str = r#"
+pub(crate) const STUDY: &str = r#"
 schema = 2
 [study]
 id = "grips"
@@ -46,6 +46,11 @@ primary = "grip_max_n"
 /// Five people whose grips swell to 3 N and a tenth of their number where the handle is firm, and to 2 N
 /// and as much where it is soft, but for P03, who swells by half a newton more there.
 fn grips(root: &Path) {
+    grips_of(root, STUDY);
+}
+
+/// The same recordings in a study of that text.
+pub(crate) fn grips_of(root: &Path, study: &str) {
     for person in 1..=5 {
         for (mode, largest) in [("firm", 3.0), ("soft", if person == 3 { 2.5 } else { 2.0 })] {
             let largest = largest + 0.1 * f64::from(person);
@@ -53,7 +58,7 @@ fn grips(root: &Path) {
             record(root, [&who, mode, "1"], 20.0, |t| largest * (PI * t).sin());
         }
     }
-    import(root, "grips", STUDY, "[[channel]]\nto = \"grip_n\"");
+    import(root, "grips", study, "[[channel]]\nto = \"grip_n\"");
 }
 
 #[test]

@@ -70,6 +70,7 @@ fn only_the_commands_that_may_hold_a_handle_that_writes_below_raw() {
         [
             "acquire",
             "characterise",
+            "metric",
             "power",
             "recover",
             "said/answers",
@@ -101,6 +102,8 @@ fn writes_without_handle() -> Vec<String> {
         "recover_study",
         "settle",
         "record_sweep",
+        "give_metric",
+        "withdraw_metric",
         "lay_down",
         "keep",
     ];

@@ -1,6 +1,7 @@
 //! Stage `compare`: modes, participants and sessions compared, one job for all metrics and one for answers; its figures.
 
 mod asked;
+mod chosen;
 mod parameters;
 
 pub use asked::{asked_in_vain, claims, compared, inflation_by_groups};
@@ -8,6 +9,7 @@ pub(crate) use asked::{
     claims_of_both, compares_curves, environments_of_curves, has_group_differences, is_of_one,
     took_part,
 };
+pub(crate) use chosen::chosen_after;
 pub(crate) use parameters::{ScoreColumn, groups, order};
 
 use crate::figures::drawing::{Drawing, Figured};

@@ -1,6 +1,7 @@
 //! What a comparison depends on besides tables.
 
 use super::asked::{claims_of_both, compared, compares_curves, took_part};
+use super::chosen::chosen_after;
 use crate::page::preregistered::preregistered;
 use crate::thresholds::{self, ThresholdColumn};
 use serde::Serialize;
@@ -109,10 +110,12 @@ impl Comparing<OfMetrics> {
                 }
             });
             let chosen = compare.better.iter().find(|(id, _)| id.as_str() == metric);
-            let primary = compare.primary.has(metric);
+            let chosen_after = chosen_after(data, metric);
+            let primary = compare.primary.has(metric) && chosen_after.is_none();
             metrics.push(MetricParameters {
                 metric: metric.parse()?,
                 primary,
+                chosen_after,
                 better: chosen.map_or_else(|| zwidth_metrics::better(study, metric), |(_, b)| *b),
                 // A plan is a promise on primary metrics alone.
                 preregistered: if primary { preregistered(data, &measured) } else { None },

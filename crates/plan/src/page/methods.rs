@@ -43,6 +43,10 @@ pub fn recorded(data: &StudyData) -> Recorded {
     let metrics = bounded.chain(primary).chain(compared.iter().cloned());
     let words = metrics.filter_map(|name| {
         let words = zwidth_metrics::in_words(&data.study, &name)?;
+        let words = match compare::chosen_after(data, &name) {
+            Some(why) => format!("{words} ({})", why.trim_end_matches('.')),
+            None => words,
+        };
         Some((name, words))
     });
     Recorded {

@@ -98,6 +98,12 @@ impl<'a> Raw<'a> {
         in_sessions && record.is_some_and(|record| self.files.kind(&record).is_none())
     }
 
+    /// Whether this is a log without a line: a write failed that was to begin it.
+    fn is_empty_log(&self, path: &Path) -> bool {
+        let is_log = path.to_string_lossy().ends_with(".events.jsonl");
+        is_log && self.files.read(path, 1).is_ok_and(|bytes| bytes.is_empty())
+    }
+
     fn newest(&self) -> MutexGuard<'_, Option<PathBuf>> {
         // A panic elsewhere leaves a path or none.
         self.newest.lock().unwrap_or_else(PoisonError::into_inner)
@@ -186,7 +192,8 @@ impl Files for Raw<'_> {
             || path.starts_with(self.layout.journals())
             // The list of a change of several files goes when that is made.
             || path == self.layout.unfinished()
-            || self.newest().as_deref() == Some(path);
+            || self.newest().as_deref() == Some(path)
+            || self.is_empty_log(path);
         self.layer_for_removal(path, own)?.remove(path)
     }
 

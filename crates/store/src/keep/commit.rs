@@ -153,6 +153,9 @@ impl<'a> Change<'a> {
         for mut log in open.into_iter().rev() {
             cut = log.take_back().and(cut);
         }
+        for log in &self.list.logs {
+            log.remove_if_new(self.disk, self.layout);
+        }
         let back = self.list.take_back_files(self.disk, self.layout);
         if cut.is_ok() && back.left.is_empty() {
             // A list that stays names what is gone: whoever finds it has nothing to take back.
@@ -208,6 +211,9 @@ impl List {
                 Err(error) => left.push(error),
             }
         }
+        for (log, _) in lines.iter().filter(|(_, stand)| *stand == Stand::Before) {
+            log.remove_if_new(disk, layout);
+        }
         let mut back = self.take_back_files(disk, layout);
         back.left.splice(0..0, left);
         TakenBack { logs, ..back }
@@ -245,7 +251,7 @@ impl NewFile {
         if disk.kind(&path).is_none() {
             return Ok(false);
         }
-        if blake3_of(disk, &path)? != self.blake3 || !is_imported(disk, &path) {
+        if blake3_of(disk, &path)? != self.blake3 || !is_a_changes_own(disk, layout, &path) {
             let what = "a change that was cut short lists it, but did not write it as it is now";
             let list = layout.unfinished();
             let remedy = format!("look at it; if it is to stay, remove {}", list.display());
@@ -257,6 +263,16 @@ impl NewFile {
 }
 
 impl Longer {
+    /// Removes a log that the change began, and that has no line. One that stays says nothing, so that nothing is lost.
+    fn remove_if_new(&self, disk: &dyn Files, layout: &Layout) {
+        if let Ok(path) = self.place(layout)
+            && self.bytes_before == 0
+            && disk.read(&path, MOST_LOG).is_ok_and(|bytes| bytes.is_empty())
+        {
+            let _ = disk.remove(&path).and_then(|()| disk.sync_folder(folder_of(&path)));
+        }
+    }
+
     /// Cuts off what follows the lines of before.
     fn cut(&self, disk: &dyn Files, layout: &Layout) -> Result<(), StoreError> {
         let path = self.place(layout)?;
@@ -278,9 +294,12 @@ impl TakenBack {
     }
 }
 
-/// Whether a file belongs to an imported session, or is an imported sweep. No other is a change's
-/// to remove.
-fn is_imported(disk: &dyn Files, path: &Path) -> bool {
+/// Whether a file belongs to an imported session, or is an imported sweep or a table of a metric from outside. No other
+/// is a change's to remove.
+fn is_a_changes_own(disk: &dyn Files, layout: &Layout, path: &Path) -> bool {
+    if path.parent() == Some(layout.own().as_path()) {
+        return true;
+    }
     if path.extension().is_some_and(|e| e == "parquet") {
         let source = match read_footer_from(disk, path) {
             Ok(trial) => Some(trial.meta.source),

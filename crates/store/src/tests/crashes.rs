@@ -135,7 +135,7 @@ fn lay_down_two(files: &dyn Files, layout: &Layout) {
 }
 
 /// A study in memory with a session of two trials; the first is finished if `first`.
-fn study(first: bool) -> (Memory, Layout) {
+pub(crate) fn study(first: bool) -> (Memory, Layout) {
     let (disk, layout) =
         (Memory::new(), Layout::new(Path::new("/root"), StudyId::new("demo").unwrap()));
     disk.put(&layout.study_toml(), &toml(&layout));

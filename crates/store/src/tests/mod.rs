@@ -5,3 +5,4 @@ mod answers;
 mod commits;
 pub(crate) mod crashes;
 pub(crate) mod faulty;
+mod outside;

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use zwidth_acquire::left_to_do;
 use zwidth_store::{GAPS, LOST, Layout, SessionLog, StudyData, TrialEntry};
-use zwidth_study::{Channel, Kind, StudyId};
+use zwidth_study::{Channel, Kind, StudyId, counted};
 
 #[derive(Serialize)]
 struct Listing {
@@ -21,6 +21,8 @@ struct Listing {
     channels: Vec<Channel>,
     sessions: Vec<Session>,
     sweeps: BTreeMap<String, usize>,
+    /// How many trials have a value of each metric that another program computed.
+    metrics: BTreeMap<String, usize>,
     unreadable: Vec<String>,
 }
 
@@ -78,6 +80,7 @@ fn listing(layout: &Layout) -> anyhow::Result<Listing> {
         let id = (&log.record.participant, &log.record.session);
         session(&data, log, trials.get(&id).map_or(&[], Vec::as_slice))
     });
+    let metrics = data.outside.iter().filter(|own| own.counts());
     Ok(Listing {
         study: layout.study().to_string(),
         title: data.study.title.clone(),
@@ -85,6 +88,7 @@ fn listing(layout: &Layout) -> anyhow::Result<Listing> {
         channels: data.study.channels.clone(),
         sessions: sessions.collect(),
         sweeps,
+        metrics: metrics.map(|own| (own.metric.column.to_string(), own.rows)).collect(),
         unreadable: data.problems.iter().map(ToString::to_string).collect(),
     })
 }
@@ -166,6 +170,9 @@ fn text(l: &Listing) -> String {
             .map(|c| format!("  channel {} ({}): {}", c.id.as_str(), c.unit, c.description)),
     );
     lines.extend(l.sweeps.iter().map(|(actuator, n)| format!("  {actuator}  {n} sweeps")));
+    lines.extend(l.metrics.iter().map(|(column, n)| {
+        format!("  metric {column} of another program, {}", counted(*n, "trials"))
+    }));
     lines.extend(l.unreadable.iter().map(|e| format!("  unreadable: {e}")));
     lines.join("\n")
 }

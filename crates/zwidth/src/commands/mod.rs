@@ -15,6 +15,7 @@ pub(crate) mod ladder;
 pub(crate) mod list;
 pub(crate) mod locate;
 pub(crate) mod methods;
+pub(crate) mod metric;
 mod near;
 pub(crate) mod new;
 pub(crate) mod open;
@@ -167,7 +168,8 @@ fn session<'a>(
 fn hashes_read(data: &StudyData) -> HashesRead {
     let trials = data.trials.iter().map(|t| (t.path.clone(), &t.blake3));
     let sweeps = data.sweeps.iter().map(|s| (s.path.as_path().into(), &s.blake3));
-    trials.chain(sweeps).collect()
+    let outside = data.outside.iter().map(|own| (own.path.as_path().into(), &own.blake3));
+    trials.chain(sweeps).chain(outside).collect()
 }
 
 /// Whether a folder is a study's: one with recordings stays one without its study.toml, which is

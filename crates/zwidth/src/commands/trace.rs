@@ -15,7 +15,7 @@ use std::path::Path;
 use std::sync::Arc;
 use zwidth_plan as plan;
 use zwidth_runner::{Record, Source, Trace, trace as follow};
-use zwidth_store::file_blake3;
+use zwidth_store::{file_blake3, outside_log};
 
 /// What `--json` prints of a file.
 #[derive(Serialize)]
@@ -53,6 +53,18 @@ struct Raw {
     source: Source,
     /// What the file is now; null if it is gone.
     now: Option<String>,
+    /// Of a table that was given: the file that it was, and who computed it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    given: Option<Given>,
+}
+
+/// Where a table of a metric of another program came from.
+#[derive(Serialize)]
+struct Given {
+    file: String,
+    blake3: String,
+    program: Option<String>,
+    utc: String,
 }
 
 pub(crate) fn trace(root: &Path, command: &Traced, screen: &Screen) -> anyhow::Result<Exit> {
@@ -105,9 +117,18 @@ fn trace_behind(root: &Path, maker: &Maker) -> anyhow::Result<Behind> {
         .steps
         .into_iter()
         .map(|step| Job { job: step.job.to_owned(), record: Arc::unwrap_or_clone(step.record) });
+    // A log that is damaged is told by `verify`, and tells nothing here.
+    let tables = outside_log(&maker.layout).unwrap_or_default();
     let raw = raw.into_iter().map(|source| {
-        let now = file_blake3(&root.join(&source.path)).ok();
-        Raw { now, source }
+        let path = root.join(&source.path);
+        let own = tables.iter().find(|own| own.path == path && own.blake3 == source.blake3);
+        let given = own.map(|own| Given {
+            file: own.file.clone(),
+            blake3: own.file_blake3.clone(),
+            program: own.metric.program.clone(),
+            utc: own.utc.clone(),
+        });
+        Raw { now: file_blake3(&path).ok(), source, given }
     });
     Ok(Behind {
         path: maker.path.clone(),
@@ -133,6 +154,10 @@ fn parameters_from(maker: &Maker, trace: &Trace) -> Vec<String> {
     let mut files = Vec::new();
     if trace.steps.iter().any(|step| !step.record.parameters.is_empty()) {
         files.push(shown(&layout.study_toml()));
+    }
+    let own = layout.own();
+    if trace.sources.iter().any(|source| layout.root().join(&source.path).starts_with(&own)) {
+        files.push(shown(&layout.own_events()));
     }
     let trials = trace.sources.iter().filter_map(|s| trial(&s.path));
     let sessions: BTreeSet<_> = trials.map(|t| (t.participant, t.session)).collect();
@@ -179,6 +204,12 @@ fn text(b: &Behind) -> String {
         let is_unchanged = raw.now.as_ref() == Some(&raw.source.blake3);
         let since = if is_unchanged { "" } else { "  changed since" };
         lines.push(format!("  {}  {}{since}", short(Some(&raw.source.blake3)), raw.source.path));
+        if let Some(Given { file, blake3, program, utc }) = &raw.given {
+            let program = program.as_ref().map(|program| format!(" by {program}"));
+            let by = program.unwrap_or_default();
+            let hash = short(Some(blake3));
+            lines.push(format!("    computed outside of zwidth{by}: {hash}  {file}, given {utc}"));
+        }
     }
     if !b.lost.is_empty() {
         lines.push(

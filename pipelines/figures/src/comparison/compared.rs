@@ -239,6 +239,7 @@ pub fn modes_compared(
         (Role::Primary, true) => "A primary metric.",
         (Role::Exploratory, false) => "Exploratory: not the primary metric.",
         (Role::Exploratory, true) => "Exploratory: not a primary metric.",
+        (Role::ChosenAfter, _) => "Exploratory: chosen after the data.",
     };
     let weights = (!compared.groups.is_empty()).then(|| EQUAL_WEIGHTS.to_owned());
     let footnotes = [what].into_iter().chain(weights).chain(against).chain(band);

@@ -340,7 +340,7 @@ pub fn verdicts(
             "Of metrics in standard deviations ({of}) it is not known what is felt."
         ));
     }
-    if rows.iter().any(|row| row.role == Role::Exploratory) {
+    if rows.iter().any(|row| row.role != Role::Primary) {
         let metrics = if about.has_several_primary { "metrics" } else { "metric" };
         footnotes.push(format!("Bold: the primary {metrics}; all others are exploratory."));
     }
@@ -376,6 +376,7 @@ fn both_panels(line: usize, by: MeasuredBy, rows: &[&VerdictRow], is_narrow: boo
         let heading = match of_metric[0].role {
             Role::Primary => format!("**{heading}**"),
             Role::Exploratory => heading,
+            Role::ChosenAfter => format!("{heading}, chosen after the data"),
         };
         names.push(heading + &of_metric[0].direction());
         for row in of_metric {

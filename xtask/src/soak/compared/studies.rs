@@ -77,6 +77,7 @@ fn parameters() -> anyhow::Result<Parameters> {
     let metric = |(place, name): (usize, &str)| -> anyhow::Result<MetricParameters> {
         Ok(MetricParameters {
             metric: name.parse()?,
+            chosen_after: None,
             primary: place == 0,
             better: zwidth_study::Better::Lower,
             preregistered: None,

@@ -76,6 +76,17 @@ pub(super) const CASES: &[Case] = &[
     Case { name: "answer", line: "answer demo -p P01 -s S01 --trial 1 4", ..WHOLE },
     Case { name: "answer --from", line: "answer demo --from answers.csv", ..WHOLE },
     Case {
+        name: "metric",
+        line: "metric demo --from values.csv --id grip --unit N --label grip",
+        ..WHOLE
+    },
+    Case {
+        name: "metric --withdraw",
+        prepare: given,
+        line: "metric demo --withdraw grip wrong",
+        ..WHOLE
+    },
+    Case {
         name: "accept a changed study.toml",
         prepare: changed,
         line: "recover demo --accept-study-change",
@@ -172,6 +183,7 @@ fn laid_down(root: &Path, changes: &[(&str, &str)]) -> anyhow::Result<()> {
     let answers =
         "participant,session,trial,answer\nP01,S01,1,4\nP01,S01,2,2\nP02,S01,1,5\nP02,S01,2,1\n";
     std::fs::write(root.join("answers.csv"), answers)?;
+    std::fs::write(root.join("values.csv"), answers.replace("answer", "value"))?;
     Ok(())
 }
 
@@ -184,6 +196,12 @@ fn study(program: &Path, root: &Path) -> anyhow::Result<()> {
     laid_down(root, &[])?;
     run(program, root, "import demo --map trials.toml P01.csv P02.csv")?;
     run(program, root, "import demo --map sweeps.toml first.csv")
+}
+
+/// The same with values of a metric that another program computed.
+fn given(program: &Path, root: &Path) -> anyhow::Result<()> {
+    study(program, root)?;
+    run(program, root, "metric demo --from values.csv --id grip --unit N --label grip")
 }
 
 /// A simulated session, of which every result can be made.
