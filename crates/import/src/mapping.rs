@@ -375,11 +375,22 @@ pub(super) enum Origin {
     Derived(Rule),
 }
 
-/// How a signal is computed from another one.
+/// How a signal is computed from others.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Rule {
     DerivativeOf(Signal),
     IntegralOf(Signal),
+    /// The projection of position or force on the push of the study's axes.
+    AlongPush(PushOrigin),
+}
+
+/// Where the coordinate along the push is 0.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum PushOrigin {
+    /// At the trial's first sample.
+    First,
+    /// At a place in the frame of the axes, m.
+    Place([f64; 3]),
 }
 
 /// Where a sweep comes from: its labels, its quantities, and how it lies in its file.
