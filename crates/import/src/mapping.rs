@@ -520,7 +520,7 @@ mod tests {
     #[test]
     fn every_mapping_in_the_documentation_is_valid() {
         let examples = examples();
-        assert_eq!(examples.len(), 7);
+        assert_eq!(examples.len(), 8);
         for text in examples {
             Mapping::from_toml(&text, Path::new("docs/import.md")).unwrap();
         }

@@ -2,7 +2,7 @@
 //!
 //! The filter is the usual one for recorded movements: Butterworth's of second order, once forwards
 //! and once backwards, so that it is of fourth order and moves nothing in time (Winter 2009,
-//! *Biomechanics and Motor Control of Human Movement*, 4th ed., §2.2.4.4). Each pass takes its share
+//! *Biomechanics and Motor Control of Human Movement*, 4th ed., on digital filtering). Each pass takes its share
 //! of the cut-off, so both together are 3 dB down there.
 
 use crate::order::median;

@@ -29,7 +29,7 @@ impl Axes {
 }
 
 /// Voluntary movements of a hand have next to nothing above 10 Hz, where tremor begins (Winter 2009, *Biomechanics and
-/// Motor Control of Human Movement*, 4th ed., §2.2.4; Stiles and Randall 1967, doi:10.1152/jappl.1967.23.3.324).
+/// Motor Control of Human Movement*, 4th ed.; Stiles & Randall 1967, J. Appl. Physiol. 23:324, on tremor).
 fn usual_low_pass_hz() -> f64 {
     10.0
 }

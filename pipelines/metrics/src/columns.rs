@@ -472,16 +472,16 @@ const STEP: &[Spec] = &[
 
 #[rustfmt::skip]
 const SPACE: &[Spec] = &[
-    averaged("completion_s", "s", "completion time: the movement in space, from its onset to its end", |r| r.space.completion_s),
-    averaged("path_m", "m", "path length in space, behind the low-pass, from onset to end", |r| r.space.path_m),
-    float("distance_m", "m", "distance in space between onset and end", |r| r.space.distance_m),
-    averaged("path_over_distance", "1", "path length in space over distance: 1 of a straight line", |r| r.space.path_over_distance),
-    float("path_gap_s", "s", "time of the movement in space that lies in gaps, across which its path is taken as straight", |r| r.space.path_gap_s),
-    averaged("force_magnitude_largest_n", "N", "largest magnitude of the force in all axes, in the recording", |r| r.space.force_largest_n),
-    averaged("force_magnitude_mean_n", "N", "magnitude of the force in all axes, mean over the recording", |r| r.space.force_mean_n),
-    averaged("force_magnitude_rest_n", "N", "magnitude of the force in all axes at rest: mean before and after the movement in space", |r| r.space.force_rest_n),
-    averaged("force_across_share", "1", "share of the force that is across the push, in the recording", |r| r.space.force_across_share),
-    averaged("work_j", "J", "the user's work on the device in all axes, over the movement in space", |r| r.space.work_j),
+    averaged("completion_s", "s", "completion time of the movement in space", |r| r.space.completion_s),
+    averaged("path_m", "m", "path length in space", |r| r.space.path_m),
+    float("distance_m", "m", "distance in space between the ends of the path", |r| r.space.distance_m),
+    averaged("path_over_distance", "1", "path length in space over distance, 1 if straight", |r| r.space.path_over_distance),
+    float("path_gap_s", "s", "time of the movement in space in gaps, across which its path is taken as straight", |r| r.space.path_gap_s),
+    averaged("force_magnitude_largest_n", "N", "largest magnitude of the force in all axes", |r| r.space.force_largest_n),
+    averaged("force_magnitude_mean_n", "N", "mean magnitude of the force in all axes", |r| r.space.force_mean_n),
+    averaged("force_magnitude_rest_n", "N", "mean magnitude of the force in all axes at rest", |r| r.space.force_rest_n),
+    averaged("force_across_share", "1", "share of the force that is across the push", |r| r.space.force_across_share),
+    averaged("work_j", "J", "the user's work on the device in all axes", |r| r.space.work_j),
 ];
 
 #[rustfmt::skip]

@@ -67,6 +67,15 @@ fn of_sessions(data: &StudyData, sessions: Vec<Session>) -> Vec<Drawing> {
         let mut environments: Vec<&Environment> =
             data.study.environments.iter().filter(|e| !session.of(e).is_empty()).collect();
         for environment in &environments {
+            drawings.extend(in_space(data, session, environment));
+            // In a study with axes there may be no projection on the push, and so nothing of one coordinate.
+            let is_of_one = |trial: &&TrialEntry| {
+                let signals = &trial.said.signals;
+                signals.contains(&Signal::Theta) || signals.contains(&Signal::ForceEx)
+            };
+            if data.study.axes.is_some() && !session.of(environment).iter().any(is_of_one) {
+                continue;
+            }
             let subject = session.ids_with(environment);
             let stem = Caption::new(MODES, subject.clone()).stem();
             let alignment = data.study.figures.alignment(&stem);
@@ -83,7 +92,6 @@ fn of_sessions(data: &StudyData, sessions: Vec<Session>) -> Vec<Drawing> {
             let n = session.of(environment).len();
             drawings.push(Drawing::new(data, MODES, subject, all, files, draw_modes).of(n));
             drawings.extend(repeats(data, session, environment));
-            drawings.extend(in_space(data, session, environment));
         }
         environments.retain(|e| e.scene.spring().is_some());
         if environments.is_empty() {

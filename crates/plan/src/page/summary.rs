@@ -471,7 +471,9 @@ fn facts(data: &StudyData, findings: &Findings) -> Summary {
             counting.iter().filter(|t| !signals.iter().any(|s| t.said.signals.contains(s)));
         let n = without.count();
         let all = counting.len();
-        if n > 0 {
+        // Of positions and forces in several axes that nothing projects, the line above says all.
+        let is_of_axes = data.study.axes.is_some() && n == all;
+        if n > 0 && !is_of_axes {
             limits.push(format!("No {what} was recorded in {n} of {all} trials: for them {so}."));
         }
     }

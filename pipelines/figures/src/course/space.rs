@@ -4,10 +4,10 @@ use crate::FigureKind;
 use crate::course::data::{EnvironmentData, ModeData, Repeat};
 use crate::words::{keep_together, mark, plain, time_axis};
 use std::collections::BTreeMap;
-use zwidth_draw::style::{self, Marker, Stroke};
+use zwidth_draw::style::{self, Stroke};
 use zwidth_draw::{
-    Axis, Cell, Direction, Figure, Intervals, Layer, LegendPlace, Line, Panel, Range, Reference,
-    Text, TextPlace,
+    Axis, Cell, Direction, Figure, Layer, LegendPlace, Line, Panel, Points, Range, Reference, Text,
+    TextPlace,
 };
 use zwidth_numerics::series::ends;
 use zwidth_store::Signal;
@@ -40,6 +40,9 @@ const FORCE_MM: f64 = 34.0;
 const ROOM: f64 = 0.12;
 /// Half of the least extent that is drawn, mm: a device at rest has noise alone.
 const LEAST_MM: f64 = 1.0;
+/// Diameters of the discs where a path begins and where it ends, pt: the large one is the beginning.
+const START_PT: f64 = 6.0;
+const END_PT: f64 = 3.4;
 /// Length of the arrow of the push, as a share of a panel, and what its corner takes.
 const ARROW: f64 = 0.2;
 const CORNER: f64 = 0.36;
@@ -105,8 +108,8 @@ pub fn space(scene: &EnvironmentData, axes: &Axes) -> Figure {
     Figure {
         title: Some(title(scene, "paths")),
         description: format!(
-            "{}, environment {}: paths in the planes x–y, z–y and x–z, in mm of one scale ({}). Repeats: {}. The disc is \
-             where a path begins, the square where it ends, and the arrow the direction of the push.",
+            "{}, environment {}: paths in the planes x–y, z–y and x–z, in mm of one scale ({}). Repeats: {}. The large disc \
+             is where a path begins, the small one where it ends, and the arrow the direction of the push.",
             scene.who,
             scene.environment.label,
             axes.frame,
@@ -167,27 +170,26 @@ fn plane_panel(
             .tall(PLANE_MM);
     }
     let arrow = push_arrow(&layers, axes, extent, plane);
-    layers.push(marks(begins, Marker::Disc, "start"));
-    layers.push(marks(stops, Marker::Square, "end"));
+    layers.push(marks(begins, START_PT, "start"));
+    layers.push(marks(stops, END_PT, "end"));
+    let is_across = arrow.is_empty();
     layers.extend(arrow);
-    Panel::new(cell, x, y, layers).tall(PLANE_MM)
+    let panel = Panel::new(cell, x, y, layers).tall(PLANE_MM);
+    if is_across { panel.titled("push: across this plane") } else { panel }
 }
 
-/// Marks in ink: they stand for all modes.
-fn marks([x, y]: [Vec<f64>; 2], marker: Marker, name: &str) -> Layer {
-    let none = vec![f64::NAN; x.len()];
-    let marks = Intervals::new(Direction::Vertical, x, [y, none.clone(), none]);
-    Layer::Intervals(Intervals { marker, name: Some(name.to_owned()), ..marks })
+/// Discs in ink: they stand for all modes.
+fn marks([x, y]: [Vec<f64>; 2], diameter_pt: f64, name: &str) -> Layer {
+    Layer::Points(Points { x, y, diameter_pt, name: Some(name.to_owned()), ..Points::default() })
 }
 
-/// The direction of the push in the emptiest corner of a plane, or the words that it is across it.
+/// The direction of the push in the emptiest corner of a plane; nothing if it is across it.
 fn push_arrow(paths: &[Layer], axes: &Axes, extent: &Extent, plane: [usize; 2]) -> Vec<Layer> {
     let side = 2.0 * extent.half;
     let lows = plane.map(|k| extent.middle[k] - extent.half);
     let [dx, dy] = plane.map(|k| axes.push[k] * ARROW * side);
     if libm::hypot(dx, dy) < ACROSS * ARROW * side {
-        let lines = vec!["push: across".to_owned()];
-        return vec![Layer::Text(Text { lines, place: TextPlace::EmptiestCorner })];
+        return Vec::new();
     }
     let corners = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
     let covered = |[right, top]: &[f64; 2]| {
@@ -281,7 +283,7 @@ fn force_panel(mode: &ModeData, rest_n: &BTreeMap<u32, f64>, cell: Cell, time: A
         let name = Some("mean at rest".to_owned());
         layers.push(Layer::Reference(Reference {
             name,
-            label: Some(format!("{mean_n:.2}")),
+            label: Some(format!("{mean_n:.2} N")),
             ..line
         }));
     }
