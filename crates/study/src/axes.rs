@@ -45,6 +45,7 @@ fn usual_offset_m_s() -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::Axes;
     use crate::Study;
     use crate::tests::{check_refused, check_round_trip, text};
 
@@ -72,11 +73,12 @@ mod tests {
     #[test]
     fn the_low_pass_and_the_speeds_are_the_usual_ones_where_none_are_given() {
         let axes = "frame = \"x right\"\npush = [1, 0, 0]\n";
+        let numbers = |axes: &Axes| vec![axes.low_pass_hz, axes.onset_m_s, axes.offset_m_s];
         let usual = with(axes).unwrap().axes.unwrap();
-        assert_eq!([usual.low_pass_hz, usual.onset_m_s, usual.offset_m_s], [10.0, 0.01, 0.005]);
+        assert_eq!(numbers(&usual), [10.0, 0.01, 0.005]);
         let own =
             with(&format!("{axes}low_pass_hz = 6\nonset_m_s = 0.05\noffset_m_s = 0.05")).unwrap();
-        assert_eq!(own.axes.as_ref().unwrap().low_pass_hz, 6.0);
+        assert_eq!(numbers(own.axes.as_ref().unwrap()), [6.0, 0.05, 0.05]);
         check_round_trip(&own);
         for (key, value, words) in [
             ("low_pass_hz", "0", "from 0.1 to 1000"),

@@ -116,7 +116,7 @@ fn metrics(conditions: &Table) -> Vec<Metric<'_>> {
         let (stem, suffix) = split_unit(&field.name, &field.unit);
         let deviations = floats(conditions, &format!("{stem}_sd{suffix}"))?;
         let means = floats(conditions, &field.name)?;
-        let along = if field.description.ends_with(ALONG_PUSH) { ALONG_PUSH } else { "" };
+        let along = if field.description.ends_with(ALONG_PUSH) { "_along_push" } else { "" };
         Some(Metric { stem: format!("{stem}{along}"), unit: &field.unit, means, deviations })
     });
     metrics.collect()

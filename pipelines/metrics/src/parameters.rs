@@ -1,6 +1,5 @@
 //! What the metrics of a trial depend on besides its samples.
 
-use crate::space::AXES;
 use serde::Serialize;
 use zwidth_store::Signal;
 use zwidth_study::{
@@ -21,6 +20,10 @@ pub const SIGNALS: [Signal; 9] = [
     Signal::ForceCmd,
     Signal::StateBits,
 ];
+
+/// Those that it looks at too in a study with axes.
+const AXES: [Signal; 6] =
+    [Signal::X, Signal::Y, Signal::Z, Signal::ForceX, Signal::ForceY, Signal::ForceZ];
 
 /// Everything that the metrics of a condition's trials depend on besides the trials.
 #[derive(Debug, Clone, PartialEq, Serialize)]

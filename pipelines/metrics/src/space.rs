@@ -11,9 +11,6 @@ use zwidth_study::Axes;
 
 const POSITIONS: [Signal; 3] = [Signal::X, Signal::Y, Signal::Z];
 const FORCES: [Signal; 3] = [Signal::ForceX, Signal::ForceY, Signal::ForceZ];
-/// The signals that these metrics look at besides the time.
-pub(crate) const AXES: [Signal; 6] =
-    [Signal::X, Signal::Y, Signal::Z, Signal::ForceX, Signal::ForceY, Signal::ForceZ];
 
 /// A device has at least so many axes: with one, everything is along it.
 const LEAST_AXES: usize = 2;
