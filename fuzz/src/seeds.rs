@@ -97,6 +97,7 @@ pub fn write() -> Result<(), Any> {
     put("people", "toml", &[&[1], tables.as_bytes()].concat())?;
     put("calibration", "thesis", Calibration::thesis().to_toml()?.as_bytes())?;
     put("twin", "default", toml::to_string(&TwinParameters::default())?.as_bytes())?;
+    put("mapping", "axes", AXES.as_bytes())?;
     for (target, file) in [
         ("mapping", "studies/brake_b5zd/map.toml"),
         ("mapping", "studies/tsa/map.toml"),
@@ -399,6 +400,34 @@ const ODS: [(&str, &str); 1] = [(
 
 const RECORDS: &str = r#"{"metrics P01 S01":{"stage":"metrics","version":1,"parameters":"{}",
 "inputs":{"raw/demo/study.toml":"00"},"outputs":{"derived/demo/metrics.parquet":"11"},"problems":[],"origin":"22"}}"#;
+
+/// A mapping of positions and forces in several axes, with their projections.
+const AXES: &str = r#"kind = "trials"
+[trial]
+participant = "P01"
+session = "S01"
+environment = "spring"
+mode = "hybrid"
+[time]
+from = 1
+unit = "s"
+[[column]]
+to = "x_m"
+from = 2
+unit = "in"
+zero = "first"
+[[column]]
+to = "force_x_n"
+from = 3
+unit = "lbf"
+[[column]]
+to = "theta_rad"
+derive = "along push"
+origin = [0.0, 0.1, -0.2]
+[[column]]
+to = "force_ex_n"
+derive = "along push"
+"#;
 
 /// What a session says to a participant's screen.
 const SIGHTS: &str = r#"{"sight":{"now":"ready","environment":"Spring","practice":true,"done":1,"total":9}}

@@ -11,6 +11,7 @@ import argparse
 import os
 from pathlib import Path
 
+import axes
 import checks
 import compared
 import folders
@@ -47,6 +48,7 @@ def main():
     made.check_all(zwidth)
     others.check_all(zwidth)
     outside.check_all(zwidth)
+    axes.check_all(zwidth)
     real = os.environ.get("ZWIDTH_REAL_DATA")
     if real:
         recordings.all_sets(zwidth, Path(real), WORKSPACE / "studies")

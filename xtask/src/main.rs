@@ -61,7 +61,7 @@ cargo xtask soak simulate [SEEDS [FIRST]] whole sessions in memory with faults d
 cargo xtask soak simulate-twin [SEEDS [FIRST]] the same with the simulated device and participant [1000, from 0]
 cargo xtask soak properties [CASES [SEED]] fresh cases for every random property [1000000, a new seed]
 cargo xtask soak judge [SCENES]         right and wrong trajectories of random scenes: none may be misjudged [10000]
-cargo xtask soak extremes [SCENES]      scenes and answers at the extremes; writes docs/extremes.md [1000000]
+cargo xtask soak extremes [SCENES]      scenes, answers and paths at the extremes; writes docs/extremes.md [1000000]
 cargo xtask soak r [SETS [SEED]]       statistics against R, SciPy and statsmodels on so many random data sets [1000]
 cargo xtask soak null [STUDIES [PART]] tests, intervals and power on studies without an effect, or those tests of null_studies whose names have PART [40000, all]
 cargo xtask fuzz TARGET|all|seeds [RUNS] any bytes for a reader, or for all of them; or the files they begin from, anew [10000000 or 1000000]

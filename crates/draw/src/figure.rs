@@ -215,6 +215,10 @@ pub enum Range {
     Tight,
     /// From the first to the second value; data outside are cut off at the plot's edge.
     Fixed(f64, f64),
+    /// The same, where both axes of a panel are so: one unit is as long on the one as on the other,
+    /// and the range of one grows to both sides where it must. Panels of one size whose axes are all
+    /// as long have one scale.
+    OneScale(f64, f64),
 }
 
 /// The labels at an axis' ticks.

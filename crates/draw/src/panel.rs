@@ -2,7 +2,7 @@
 
 use crate::axis::{self, AxisPlan, PLOT_GAP_PT};
 use crate::error::Error;
-use crate::figure::{Direction, Figure, Panel, Ticks};
+use crate::figure::{Direction, Figure, Panel, Range, Ticks};
 use crate::font::{self, Fonts, Label};
 use crate::grid::Decor;
 use crate::references::{self, Word};
@@ -52,7 +52,9 @@ pub(crate) fn plan<'a>(
     }
     let [x_numbered, y_numbered] = numbered(figure, panel);
     let is_drawing = panel.x.ticks == Ticks::Bare && panel.y.ticks == Ticks::Bare;
-    let ends = if is_drawing { one_scale(ends, &plot) } else { ends };
+    let axes = [&panel.x, &panel.y];
+    let has_one_scale = axes.iter().all(|axis| matches!(axis.range, Range::OneScale(..)));
+    let ends = if is_drawing || has_one_scale { one_scale(ends, &plot) } else { ends };
     let x = axis::plan(fonts, &panel.x, ends[0], Direction::Horizontal, plot.width(), x_numbered)?;
     let y = axis::plan(fonts, &panel.y, ends[1], Direction::Vertical, plot.height(), y_numbered)?;
     let title = match &panel.title {
@@ -135,6 +137,19 @@ fn numbered(figure: &Figure, panel: &Panel) -> [bool; 2] {
 mod tests {
     use super::*;
     use crate::figure::{Axis, Cell};
+
+    #[test]
+    fn one_unit_of_axes_of_one_scale_is_as_long_on_either_and_numbered() {
+        let axis = || Axis::new("x", "mm").ranged(Range::OneScale(-50.0, 50.0));
+        let panel = Panel::new(Cell::at(0, 0), axis(), axis(), Vec::new()).tall(40.0);
+        let figure = Figure { panels: vec![panel], ..Figure::default() };
+        let page = crate::layout::plan(&figure, Fonts::bundled().unwrap()).unwrap();
+        let plan = &page.panels[0];
+        let length = |scale: Scale| (scale.pt(1.0) - scale.pt(0.0)).abs();
+        let (x, y) = (length(plan.x_scale.unwrap()), length(plan.y_scale.unwrap()));
+        assert!((x - y).abs() < 1e-9 && x > 0.0, "{x} pt across, {y} pt upwards");
+        assert!(!plan.x.ticks.is_empty() && plan.y.ends == Some((-50.0, 50.0)));
+    }
 
     #[test]
     fn one_unit_of_a_bare_panel_is_as_long_across_as_upwards() {

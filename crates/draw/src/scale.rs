@@ -223,7 +223,7 @@ fn panel_ends(panel: &Panel, which: usize) -> Result<Option<Ends>, Error> {
     let ends = match (&axis.ticks, axis.range) {
         // Names have their places, whatever range is asked for.
         (Ticks::Categories(names), _) => Some((-0.5, names.len() as f64 - 0.5)),
-        (_, Range::Fixed(low, high)) => Some((low, high)),
+        (_, Range::Fixed(low, high) | Range::OneScale(low, high)) => Some((low, high)),
         (Ticks::Powers, _) => held.map(|ends| two_powers(widen(ends, ROOM))),
         (_, Range::Tight) => covered.map(|ends| widen(ends, 0.0)),
         (_, Range::Holding(..) | Range::Auto) => held.map(|ends| widen(ends, ROOM)),

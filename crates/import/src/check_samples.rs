@@ -1,10 +1,13 @@
 //! Checks of a mapping's samples: time, columns, units, derivatives.
 
+use super::axes::{FORCES, POSITIONS, not_recorded};
 use super::check::Check;
 use super::convert::{Linear, Zero};
 use super::limits::RATES_HZ;
-use super::mapping::{ChannelFrom, ColumnFrom, Mend, Origin, Rule, SignalFrom, Time};
-use super::shape::{ChannelShape, ColumnShape, RestShape, TimeShape, ZeroShape, ZeroWord};
+use super::mapping::{ChannelFrom, ColumnFrom, Mend, Origin, PushOrigin, Rule, SignalFrom, Time};
+use super::shape::{
+    ChannelShape, ColumnShape, OriginShape, RestShape, TimeShape, ZeroShape, ZeroWord,
+};
 use super::unit::{self, Dimension, Unit};
 use zwidth_store::{COLUMNS, Signal};
 use zwidth_study::ChannelId;
@@ -154,6 +157,9 @@ impl Check<'_> {
         let to = self.keep(
             &key,
             Signal::from_name(&c.to).ok_or_else(|| {
+                if let Some(why) = not_recorded(&c.to) {
+                    return why;
+                }
                 let names = COLUMNS.iter().map(|c| c.name).filter(|n| *n != Signal::Time.name());
                 format!(
                     "'{}' is not a column of a trial; use one of {}",
@@ -168,8 +174,12 @@ impl Check<'_> {
         if mapped.iter().any(|other| other.to == to) {
             self.error(&key, format!("'{}' is mapped twice", c.to));
         }
+        let place = c.origin;
         let origin = match (c.from, c.derive) {
             (Some(from), None) => {
+                if place.is_some() {
+                    self.error(&format!("{at}.origin"), "is used beside derive = \"along push\" alone; a column has zero and offset");
+                }
                 // All are checked before the first `?`, so that every problem is reported at once.
                 let unit = self.unit(&format!("{at}.unit"), c.unit.as_deref(), to);
                 let zero = self.zero(at, c.zero);
@@ -195,7 +205,7 @@ impl Check<'_> {
                     );
                 }
                 let key = format!("{at}.derive");
-                let rule = derived(&rule, to, above);
+                let rule = derived(&rule, to, above, place);
                 Origin::Derived(self.keep(&key, rule)?)
             }
             _ => {
@@ -225,8 +235,20 @@ impl Check<'_> {
 
 /// What `derive` asks for: `derivative of theta_rad`, `integral of theta_dot_rad_s`; `above` is what
 /// the columns before it are to become, those with an error of their own included.
-fn derived(rule: &str, to: Signal, above: &[Signal]) -> Result<Rule, String> {
-    let form = "write \"derivative of …\" or \"integral of …\" with a column of a trial, for instance theta_rad";
+fn derived(
+    rule: &str,
+    to: Signal,
+    above: &[Signal],
+    origin: Option<OriginShape>,
+) -> Result<Rule, String> {
+    let form = "write \"derivative of …\" or \"integral of …\" with a column of a trial, for instance theta_rad, or \
+                \"along push\"";
+    if rule == "along push" {
+        return along_push(to, above, origin);
+    }
+    if origin.is_some() {
+        return Err("origin is used beside derive = \"along push\" alone; remove it".to_owned());
+    }
     let (is_derivative, name) = match rule.split_once(" of ") {
         Some(("derivative", name)) => (true, name),
         Some(("integral", name)) => (false, name),
@@ -253,6 +275,40 @@ fn derived(rule: &str, to: Signal, above: &[Signal]) -> Result<Rule, String> {
         ));
     }
     Ok(if is_derivative { Rule::DerivativeOf(source) } else { Rule::IntegralOf(source) })
+}
+
+/// The projection of positions or forces that are mapped above.
+fn along_push(to: Signal, above: &[Signal], origin: Option<OriginShape>) -> Result<Rule, String> {
+    let axes = match to {
+        Signal::Theta => POSITIONS,
+        Signal::ForceEx => FORCES,
+        other => {
+            return Err(format!(
+                "\"along push\" makes theta_rad of positions or force_ex_n of forces, and not {}; a velocity is the \
+                 derivative of theta_rad",
+                other.name()
+            ));
+        }
+    };
+    if !axes.iter().any(|axis| above.contains(axis)) {
+        let names = axes.map(Signal::name).join(", ");
+        return Err(format!(
+            "\"along push\" needs {names}, each mapped by a [[column]] above this one"
+        ));
+    }
+    match origin {
+        None => Ok(Rule::AlongPush(PushOrigin::Place([0.0; 3]))),
+        Some(_) if to == Signal::ForceEx => {
+            Err("a force has no origin; remove it, and give the force's columns a zero".to_owned())
+        }
+        Some(OriginShape::Word(ZeroWord::First)) => Ok(Rule::AlongPush(PushOrigin::First)),
+        Some(OriginShape::Place(place)) if place.iter().all(|part| part.is_finite()) => {
+            Ok(Rule::AlongPush(PushOrigin::Place(place)))
+        }
+        Some(OriginShape::Place(_)) => {
+            Err("origin must be three finite numbers, in metres".to_owned())
+        }
+    }
 }
 
 #[cfg(test)]

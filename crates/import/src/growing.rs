@@ -1,5 +1,6 @@
 //! Rows of a recording become a trial: whole, or part by part as a long text is read.
 
+use super::axes::Projection;
 use super::convert::{central, slope};
 use super::counter::{self, Elsewhere};
 use super::errors::Errors;
@@ -9,6 +10,7 @@ use super::mend::unwrap_angle;
 use super::plan::{Plan, rate_times};
 use super::recording::{Gaps, Recording, Standing};
 use super::zero;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use zwidth_store::{Samples, Signal, StoreError, TrialWriter};
 use zwidth_study::ChannelId;
@@ -61,6 +63,8 @@ pub(super) struct Growing<'a> {
     path: PathBuf,
     /// Columns in the order of the plan, then the time from a rate, then those that are computed.
     columns: Vec<(To, Vec<f64>)>,
+    /// Of each projection on the push, its first value.
+    first_places: BTreeMap<Signal, f64>,
     /// The zero subtracted from each column, as recorded; empty before the first rows.
     zeros: Vec<f64>,
     /// Notes on the zeros, for the trial's file.
@@ -91,6 +95,7 @@ impl<'a> Growing<'a> {
             plan,
             path: path.to_owned(),
             columns: all.map(|to| (to, Vec::new())).collect(),
+            first_places: BTreeMap::new(),
             zeros: Vec::new(),
             zero_notes: Zeros::default(),
             ends: None,
@@ -254,7 +259,16 @@ impl<'a> Growing<'a> {
                 let remedy = "leave the file out, or remove derive from the mapping";
                 return Err(StoreError::new(&self.path, what, remedy).into());
             }
-            let (Rule::DerivativeOf(source) | Rule::IntegralOf(source)) = *rule;
+            let source = match *rule {
+                Rule::DerivativeOf(source) | Rule::IntegralOf(source) => source,
+                Rule::AlongPush(_) => {
+                    if let Some(projection) = self.plan.projections.get(to) {
+                        let more = self.projected(*to, projection);
+                        self.extend(*to, more);
+                    }
+                    continue;
+                }
+            };
             let t = self.column(Signal::Time);
             let x = self.column(source);
             let have = self.column(*to);
@@ -273,7 +287,7 @@ impl<'a> Growing<'a> {
                         })
                         .collect()
                 }
-                Rule::IntegralOf(_) => {
+                _ => {
                     let mut sum = have.last().copied().unwrap_or(0.0);
                     let sums = (have.len()..n).map(|i| {
                         if i > 0 {
@@ -284,11 +298,34 @@ impl<'a> Growing<'a> {
                     sums.collect()
                 }
             };
-            if let Some((_, values)) = self.columns.iter_mut().find(|c| c.0 == To::Signal(*to)) {
-                values.extend(more);
-            }
+            self.extend(*to, more);
         }
         Ok(())
+    }
+
+    /// The projection on the push of the rows at hand that have none yet.
+    fn projected(&mut self, to: Signal, projection: &Projection) -> Vec<f64> {
+        let parts: Vec<(&[f64], f64)> =
+            projection.parts.iter().map(|(axis, part)| (self.column(*axis), *part)).collect();
+        let n = parts.iter().map(|(values, _)| values.len()).min().unwrap_or(0);
+        let mut more: Vec<f64> = (self.column(to).len()..n)
+            .map(|i| parts.iter().fold(0.0, |sum, (values, part)| sum + part * values[i]))
+            .collect();
+        let Some(first) = more.first().copied() else { return more };
+        let zero = match projection.zero {
+            Some(zero) => zero,
+            None => *self.first_places.entry(to).or_insert(first),
+        };
+        for value in &mut more {
+            *value = (*value - zero) / projection.per;
+        }
+        more
+    }
+
+    fn extend(&mut self, to: Signal, more: Vec<f64>) {
+        if let Some((_, values)) = self.columns.iter_mut().find(|c| c.0 == To::Signal(to)) {
+            values.extend(more);
+        }
     }
 
     /// Gives whole parts to the writer; at the end all.

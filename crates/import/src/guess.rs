@@ -4,6 +4,7 @@
 //! A guess imports nothing: the mapping is a text that a person reads, corrects and names in
 //! `--map`. It has a line to fill in for whatever could not be guessed.
 
+use super::axes::not_recorded;
 use super::clock::{Clock, clock};
 use super::counter::wrap_of;
 use super::guess_answers::answers;
@@ -12,7 +13,7 @@ use super::guess_names::{Names, names};
 use super::guess_read::{Looked, MOST_GUESSED, Written, first_numbers, is_number, look, quoted};
 use super::guess_task::task;
 use super::guess_words::{
-    ANSWERS, COMMANDED, CURRENTS, ColumnName, LABELS, has_word, parse_name, signal_of,
+    ANSWERS, COMMANDED, CURRENTS, ColumnName, LABELS, axis_of, has_word, parse_name, signal_of,
 };
 use super::mapping::CellForm;
 use super::recording::number;
@@ -20,12 +21,12 @@ use super::spelling::shown;
 use super::table::{Cell, Cells, Table};
 use super::text::{Encoding, HDF5};
 use super::unit::{find, may_become, word_of};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use zwidth_numerics::series::ends;
 use zwidth_store::{Signal, StoreError};
-use zwidth_study::{CURRENT_BRAKE, CURRENT_MOTOR, REFERENCE};
+use zwidth_study::{CURRENT_BRAKE, CURRENT_MOTOR, REFERENCE, Schema};
 
 /// The result of a guess.
 #[derive(Debug)]
@@ -136,6 +137,9 @@ fn mapping(path: &Path, apart: &[StoreError], looked: &Looked, names: &Names) ->
         column.write(&mut text);
     }
     let signals: Vec<Option<Signal>> = columns.iter().map(|column| column.to).collect();
+    if signals.iter().flatten().any(|signal| signal.schema() >= Schema::Three) {
+        text.push_str(AXES);
+    }
     if signals.contains(&Some(Signal::Theta)) && !signals.contains(&Some(Signal::ThetaDot)) {
         let _ = writeln!(
             text,
@@ -196,6 +200,27 @@ pub(super) fn trajectory_mapping(path: &Path) -> Result<String, StoreError> {
     }
     Ok(text)
 }
+
+/// What no file says of its axes.
+const AXES: &str = r#"
+# Several axes: study.toml needs schema = 3, and what no file tells of them:
+#   [axes]
+#   frame = "TODO"         # where x, y and z point, and which of them is up: "x right, y up, z to the person"
+#   push = [0, 0, -1]      # TODO: the direction of a push into the object in that frame, of length 1
+# Are the forces those of the person on the device? If they are those of the device on the person, set sign = -1 in each.
+# Positions have the frame's own zero; zero = "first" in a column counts from its first sample.
+# For the metrics of one coordinate and one force as well, along push (study.toml needs device.lever_m for it):
+# [[column]]
+# to = "theta_rad"
+# derive = "along push"
+# origin = "first"         # or where it is 0: a place in m, such as [0.0, 0.12, 0.0]
+# [[column]]
+# to = "theta_dot_rad_s"
+# derive = "derivative of theta_rad"
+# [[column]]
+# to = "force_ex_n"
+# derive = "along push"
+"#;
 
 /// What stands for a participant whom the names do not tell.
 const WHO: &str =
@@ -353,6 +378,9 @@ impl Guessed {
                     "\n# a label of the trial? Then under [trial]: {key} = {{ column = {from} }}"
                 )
             }
+            None if let Some(why) = not_recorded(from.trim_matches('"')) => {
+                writeln!(text, "\n# not read: {why}")
+            }
             None if has_word(words, &ANSWERS) => {
                 writeln!(text, "\n# an answer? Then under [trial]: likert = {{ column = {from} }}")
             }
@@ -390,6 +418,7 @@ fn describe_columns(looked: &Looked, decimal_comma: bool) -> Vec<Guessed> {
     let usual = lengths.into_iter().max_by_key(|(length, count)| (*count, *length));
     let usual = usual.map_or(1, |(length, _)| length);
     let names = table.names.as_deref().unwrap_or_default();
+    let has_axes = has_several_axes(looked, decimal_comma);
     for (place, cells) in table.columns.iter().enumerate().take(MOST_GUESSED) {
         let name = names.get(place).filter(|name| !name.is_empty());
         // A structure whose fields are columns too is no column itself.
@@ -406,6 +435,21 @@ fn describe_columns(looked: &Looked, decimal_comma: bool) -> Vec<Guessed> {
         let is_number = is_number(cells, decimal_comma);
         let ColumnName { words, mut signal, mut unit } =
             label.map_or_else(ColumnName::default, |label| parse_name(label));
+        let axis = label.and_then(|label| {
+            let axis = axis_of(&words)?;
+            let of_force = [Signal::ForceX, Signal::ForceY, Signal::ForceZ].contains(&axis);
+            let is_several = if of_force { has_axes.force } else { has_axes.position };
+            // A unit that does not fit leaves the column to what it was.
+            let fits = unit.as_deref().and_then(find).is_none_or(|unit| may_become(unit, axis));
+            (is_several && fits && not_recorded(label).is_none()).then_some(axis)
+        });
+        if axis.is_some() {
+            signal = axis;
+        } else if (has_axes.force || has_axes.position)
+            && label.is_some_and(|label| not_recorded(label).is_some())
+        {
+            signal = None;
+        }
         let mut why_not = why_not(cells, usual);
         if let Some(heads) = labview {
             let is_x = place == 0 || (heads.has_many_times && place % 2 == 0);
@@ -465,6 +509,26 @@ fn describe_columns(looked: &Looked, decimal_comma: bool) -> Vec<Guessed> {
         columns.push(Guessed { place, from, to, unit, is_number, words, about, why_not });
     }
     columns
+}
+
+/// Whether a file has positions, and forces, in more than one axis.
+struct SeveralAxes {
+    position: bool,
+    force: bool,
+}
+
+fn has_several_axes(looked: &Looked, decimal_comma: bool) -> SeveralAxes {
+    let Looked { table, labels, .. } = looked;
+    let names = table.names.as_ref().unwrap_or(labels);
+    let numbers =
+        names.iter().zip(&table.columns).filter(|(_, cells)| is_number(cells, decimal_comma));
+    let axes: BTreeSet<Signal> =
+        numbers.filter_map(|(name, _)| axis_of(&parse_name(name).words)).collect();
+    let count = |of: [Signal; 3]| of.iter().filter(|axis| axes.contains(axis)).count();
+    SeveralAxes {
+        position: count([Signal::X, Signal::Y, Signal::Z]) > 1,
+        force: count([Signal::ForceX, Signal::ForceY, Signal::ForceZ]) > 1,
+    }
 }
 
 /// Why another channel's times in a file of LabVIEW's are no column.
@@ -550,6 +614,32 @@ mod tests {
         let expect =
             ["format = \"txt\"\ndelimiter = \"|\"", "encoding = \"latin-1\"", "split = \"time\""];
         check("a.log", b"t|\xfcber\n0|1\n1|2\n0|3\n", &expect);
+    }
+
+    #[test]
+    fn a_pose_and_a_wrench_are_guessed_axis_by_axis_and_what_no_file_tells_is_asked() {
+        let text = "t,x,y,z,roll,Fx,Fy,Fz,Tx\n0,1,2,3,0,4,5,6,7\n0.01,1,2,3,0,4,5,6,7\n";
+        let expect = [
+            "to = \"x_m\"\nfrom = \"x\"\nunit = \"TODO\"",
+            "to = \"z_m\"\nfrom = \"z\"",
+            "to = \"force_x_n\"\nfrom = \"Fx\"",
+            "to = \"force_z_n\"\nfrom = \"Fz\"",
+            "# not read: 'roll' is orientation",
+            "# not read: 'Tx' is a moment about an axis",
+            "#   push = [0, 0, -1]      # TODO",
+            "which of them is up",
+        ];
+        let map = check("a.csv", text, &expect);
+        assert!(!map.contains("to = \"theta_rad\"\nfrom"), "{map}");
+        let text = "time_ms;pos_x (mm);pos_y (mm);ForceX (N);ForceY (N)\n0;1;2;3;4\n10;1;2;3;4\n";
+        let expect = [
+            "to = \"x_m\"\nfrom = \"pos_x (mm)\"\nunit = \"mm\"",
+            "to = \"force_y_n\"\nfrom = \"ForceY (N)\"\nunit = \"N\"",
+        ];
+        check("a.csv", text, &expect);
+        // One axis is the coordinate, as ever.
+        let expect = ["to = \"theta_rad\"\nfrom = \"x\"", "to = \"force_ex_n\"\nfrom = \"fx\""];
+        check("a.csv", "t,x,fx\n0,1,2\n1,2,3\n", &expect);
     }
 
     #[test]

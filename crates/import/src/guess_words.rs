@@ -138,6 +138,54 @@ pub(super) fn signal_of(words: &[String]) -> Option<Signal> {
     }
 }
 
+/// Words beside the axis in the name of a position.
+const PLACES: [&str; 16] = [
+    "p",
+    "pos",
+    "position",
+    "coord",
+    "tip",
+    "tcp",
+    "hand",
+    "tool",
+    "instrument",
+    "ee",
+    "effector",
+    "end",
+    "stylus",
+    "marker",
+    "right",
+    "left",
+];
+/// Words beside the axis in the name of a force.
+const FORCES: [&str; 6] = ["f", "force", "kraft", "contact", "sensor", "user"];
+
+/// The axis of a position or a force that a column of these words holds, if the file has several of them:
+/// `x`, `px`, `pos_x`, `PosX`, `fy`, `force_y`.
+pub(super) fn axis_of(words: &[String]) -> Option<Signal> {
+    let axes = ["x", "y", "z"];
+    let positions = [Signal::X, Signal::Y, Signal::Z];
+    let forces = [Signal::ForceX, Signal::ForceY, Signal::ForceZ];
+    // An axis is a word of its own, or the last letter of a word that says what it is of.
+    let split = words.iter().enumerate().find_map(|(i, word)| {
+        let axis = axes.iter().position(|axis| word.ends_with(axis))?;
+        let before = &word[..word.len() - 1];
+        let is_known = before.is_empty() || PLACES.contains(&before) || FORCES.contains(&before);
+        is_known.then_some((i, axis, before))
+    });
+    let (place, axis, before) = split?;
+    let others =
+        words.iter().enumerate().filter(|(i, _)| *i != place).map(|(_, word)| word.as_str());
+    let rest: Vec<&str> = others.chain(Some(before).filter(|before| !before.is_empty())).collect();
+    if rest.iter().any(|word| ["f", "force", "kraft"].contains(word)) {
+        return rest
+            .iter()
+            .all(|word| FORCES.contains(word) || PLACES.contains(word))
+            .then(|| forces[axis]);
+    }
+    rest.iter().all(|word| PLACES.contains(word)).then(|| positions[axis])
+}
+
 /// The key under `[trial]` of a label that a column's name says, by its words without the numbers at
 /// their ends: `Condition1` is a mode.
 pub(super) fn label_of(name: &str) -> Option<&'static str> {
@@ -182,6 +230,32 @@ mod tests {
         check("torque_N_m", Some(Signal::TorqueEx), Some("N m"));
         check("torque_nm", Some(Signal::TorqueEx), Some("Nm"));
         check("voltage_v", Some(Signal::VoltageMotor), Some("V"));
+    }
+
+    #[test]
+    fn an_axis_is_known_by_its_letter_and_by_what_it_is_of() {
+        for (name, axis) in [
+            ("x", Some(Signal::X)),
+            ("y_mm", Some(Signal::Y)),
+            ("pz", Some(Signal::Z)),
+            ("Pos_X (mm)", Some(Signal::X)),
+            ("PositionY", Some(Signal::Y)),
+            ("tip_z_m", Some(Signal::Z)),
+            ("Fx", Some(Signal::ForceX)),
+            ("ForceY (N)", Some(Signal::ForceY)),
+            ("force_z_lbf", Some(Signal::ForceZ)),
+            ("tip force x", Some(Signal::ForceX)),
+            ("vx", None),
+            ("vel_x", None),
+            ("x desired", None),
+            ("Tx", None),
+            ("torque_z", None),
+            ("qx", None),
+            ("index", None),
+            ("mode", None),
+        ] {
+            assert_eq!(axis_of(&parse_name(name).words), axis, "{name}");
+        }
     }
 
     #[test]

@@ -8,6 +8,7 @@
 //! `trials`, `sweeps`, `likert` or `psychometric` (labels resolved, units converted) → `batch` (bytes, written).
 
 mod added;
+mod axes;
 mod batch;
 mod blocks;
 mod c3d;

@@ -375,11 +375,22 @@ pub(super) enum Origin {
     Derived(Rule),
 }
 
-/// How a signal is computed from another one.
+/// How a signal is computed from others.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Rule {
     DerivativeOf(Signal),
     IntegralOf(Signal),
+    /// The projection of position or force on the push of the study's axes.
+    AlongPush(PushOrigin),
+}
+
+/// Where the coordinate along the push is 0.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum PushOrigin {
+    /// At the trial's first sample.
+    First,
+    /// At a place in the frame of the axes, m.
+    Place([f64; 3]),
 }
 
 /// Where a sweep comes from: its labels, its quantities, and how it lies in its file.
@@ -509,7 +520,7 @@ mod tests {
     #[test]
     fn every_mapping_in_the_documentation_is_valid() {
         let examples = examples();
-        assert_eq!(examples.len(), 7);
+        assert_eq!(examples.len(), 8);
         for text in examples {
             Mapping::from_toml(&text, Path::new("docs/import.md")).unwrap();
         }

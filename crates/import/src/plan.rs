@@ -1,11 +1,13 @@
 //! The plan by which every file becomes trials: the mapping joined with the study.
 
+use super::axes::{Projection, check_axes};
 use super::convert::{Linear, Zero};
 use super::errors::{Errors, all};
 use super::mapping::{ChannelFrom, ColumnFrom, Mend, Origin, Rule, SignalFrom, Time};
 use super::table::ColumnRef;
 use super::unit;
 use super::unit::Unit;
+use std::collections::BTreeMap;
 use std::path::Path;
 use zwidth_store::{Signal, StoreError};
 use zwidth_study::Study;
@@ -40,6 +42,8 @@ pub(super) struct Plan<'a> {
     pub(super) channels: &'a [ChannelFrom],
     /// Signals computed from others, in order.
     pub(super) derived: Vec<(Signal, Rule)>,
+    /// Of those that are projections on the push, how.
+    pub(super) projections: BTreeMap<Signal, Projection>,
     /// For the report.
     pub(super) converted: Vec<String>,
     /// For the report and the files.
@@ -64,7 +68,8 @@ pub(super) struct Taken<'a> {
 /// Joins a mapping, by its file, with a study.
 ///
 /// # Errors
-/// A unit that only fits with a lever length or a linear coordinate, which the study lacks.
+/// A unit that only fits with a lever length or a linear coordinate, or a column that only fits with axes, which the
+/// study lacks.
 pub(super) fn plan<'a>(
     study: &Study,
     mapping: &Path,
@@ -72,6 +77,7 @@ pub(super) fn plan<'a>(
     columns: &'a [SignalFrom],
     channels: &'a [ChannelFrom],
 ) -> Result<Plan<'a>, Errors> {
+    check_axes(study, mapping, columns)?;
     all(channels.iter().map(|channel| {
         let id = channel.to.as_str();
         let (what, remedy) = match study.channels.iter().find(|c| c.id == channel.to) {
@@ -120,6 +126,15 @@ pub(super) fn plan<'a>(
         }
         Origin::Derived(rule) => {
             let words = match rule {
+                Rule::AlongPush(origin) => {
+                    let projection = Projection::of(study, mapping, *to, *origin, columns)?;
+                    if *to == Signal::Theta {
+                        plan.lever_m = study.device.lever_m;
+                    }
+                    let words = projection.words();
+                    plan.projections.insert(*to, projection);
+                    words
+                }
                 Rule::DerivativeOf(source) => {
                     format!("derivative of {} (central differences)", source.name())
                 }

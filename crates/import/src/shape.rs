@@ -217,6 +217,15 @@ pub(super) struct ColumnShape {
     pub(super) zero: Option<ZeroShape>,
     pub(super) wrap: Option<f64>,
     pub(super) derive: Option<String>,
+    pub(super) origin: Option<OriginShape>,
+}
+
+/// Where the coordinate along the push is 0.
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(untagged, expecting = "expected \"first\", or a place in metres such as [0.0, 0.12, 0.0]")]
+pub(super) enum OriginShape {
+    Word(ZeroWord),
+    Place([f64; 3]),
 }
 
 /// A column of theirs that becomes a channel of the study's own.

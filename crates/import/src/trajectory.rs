@@ -124,11 +124,17 @@ fn read(path: &Path, mapping: &Mapping, plan: &Plan<'_>) -> Result<Trajectory, E
         central_differences(t_s, x).map_err(few)
     };
     for (to, rule) in &plan.derived {
-        let (Rule::DerivativeOf(source) | Rule::IntegralOf(source)) = *rule;
+        let source = match *rule {
+            Rule::DerivativeOf(source) | Rule::IntegralOf(source) => source,
+            Rule::AlongPush(_) => {
+                let what = "its coordinate is to be a projection of several, and a scene has one";
+                return Err(recording.error(what, "map the column of the angle").into());
+            }
+        };
         let [t_s, x] = [of(&signals, Signal::Time)?, of(&signals, source)?];
         let values = match rule {
             Rule::DerivativeOf(_) => derivative(&t_s, &x)?,
-            Rule::IntegralOf(_) => cumulative_trapezoid(&t_s, &x)
+            _ => cumulative_trapezoid(&t_s, &x)
                 .map_err(|e| recording.error(e.to_string(), "sort the rows by their time"))?,
         };
         signals.insert(*to, values);

@@ -1,7 +1,7 @@
 //! Units of other people's recordings: the known ones, and how they are converted to ours.
 
 use zwidth_store::Signal;
-use zwidth_study::{Coordinate, Study};
+use zwidth_study::{Coordinate, Schema, Study};
 
 /// The quantity that a unit measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -257,8 +257,8 @@ pub(super) fn may_become(unit: &Unit, signal: Signal) -> bool {
     match (unit.dimension, target) {
         // By a linear coordinate x = L θ.
         (Length, Angle) | (Velocity, AngularVelocity) | (Acceleration, AngularAcceleration) => true,
-        // By a lever.
-        (Torque, Force) => true,
+        // By a lever, which the axes of space do not have.
+        (Torque, Force) => signal.schema() < Schema::Three,
         (own, target) => own == target,
     }
 }

@@ -13,6 +13,7 @@ mod error;
 pub mod expm;
 pub mod fourier;
 pub mod local;
+pub mod low_pass;
 pub mod lsq;
 pub mod minimise;
 pub mod moments;

@@ -41,7 +41,8 @@ fn trials(data: &StudyData) -> FreeTrials<'_> {
         .counting()
         .filter(|trial| {
             let environment = data.study.environment(&trial.meta.environment);
-            environment.is_some_and(|e| matches!(e.scene, Scene::Free))
+            // A plane of one coordinate; of several axes the stage knows nothing.
+            environment.is_some_and(|e| matches!(e.scene, Scene::Free)) && data.study.axes.is_none()
         })
         .partition(|trial| {
             trial.said.signals.contains(&Signal::Theta)

@@ -42,6 +42,11 @@ pub(crate) fn of_study(data: &StudyData) -> Option<PathBuf> {
     is_any(data).then(|| study_files(&data.layout)[0].clone())
 }
 
+/// The metrics of the session of a trial without those that rest on the plant.
+pub(crate) fn of_session(layout: &Layout, trial: &TrialMeta) -> PathBuf {
+    derived(layout, format!("metrics/{}.parquet", session_key(trial)))
+}
+
 /// Reads the metrics of the study that a report needs, and those that are compared.
 pub(crate) fn read_for_report(file: &Path, compared: &[String]) -> Result<Measured, TableError> {
     let mut metrics = zwidth_report::metric_columns();
@@ -82,7 +87,7 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
         let first = first_trial(session);
         let key = session_key(first);
         let name = format!("metrics {} {}", first.participant, first.session);
-        let plain_metrics = derived(&data.layout, format!("metrics/{key}.parquet"));
+        let plain_metrics = of_session(&data.layout, first);
         let plant_metrics = derived(&data.layout, format!("metrics/{key}.plant.parquet"));
         sessions.push(vec![plain_metrics.clone(), plant_metrics.clone()]);
         // One table for all conditions: a table has a hundred columns, and to write and read one takes
@@ -181,7 +186,8 @@ fn make_with_plant(
         each.map(|each| each.into_iter().flatten().flatten().collect::<Vec<_>>())
     });
     let rows: Vec<_> = rows.collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect();
-    write_tables(&[zwidth_metrics::plant_table(&rows)?], making, Vec::new())
+    let in_space = conditions.first().is_some_and(|first| first.stage.axes.is_some());
+    write_tables(&[zwidth_metrics::plant_table(&rows, in_space)?], making, Vec::new())
 }
 
 /// The metrics of a session's trials, and the remarks on them.
@@ -202,7 +208,11 @@ fn make_session(
                     .into_iter()
                     .map(|finding| describe(trial, finding))
                     .collect();
-                care.extend(row.as_ref().ok().and_then(|row| covers_little(row, trial)));
+                care.extend(
+                    row.as_ref()
+                        .ok()
+                        .and_then(|row| covers_little(row, trial, metrics.axes.is_some())),
+                );
                 (row.map_err(|error| (name(&trial.meta), error.to_string())), care)
             })?;
         let mut rows = Vec::new();
@@ -236,7 +246,8 @@ fn make_session(
     remarks.sort_by_key(|remark| remark.kind == NoteKind::Care);
 
     let own = conditions.first().map_or(&[][..], |first| &first.stage.metrics.own);
-    let mut metrics = zwidth_metrics::table(&rows, own)?;
+    let in_space = conditions.first().is_some_and(|first| first.stage.metrics.axes.is_some());
+    let mut metrics = zwidth_metrics::table(&rows, own, in_space)?;
     let (mut problems, mut care) = (Vec::new(), Vec::new());
     for TrialRemark { kind, what, why, .. } in &remarks {
         let sentence = format!("{what}: {why}");
@@ -282,19 +293,30 @@ const LITTLE: f64 = 0.05;
 const LONG_S: f64 = 5.0;
 
 /// The remark on a movement that covers little of its recording: subject and sentence.
-fn covers_little(row: &TrialMetrics, trial: &OpenTrial) -> Option<(String, String)> {
+fn covers_little(
+    row: &TrialMetrics,
+    trial: &OpenTrial,
+    in_space: bool,
+) -> Option<(String, String)> {
     let duration_s = row.movement.duration_s?;
     let t = trial.columns().column(Signal::Time)?;
     let recorded_s = t.last()? - t.first()?;
     let is_little = duration_s < LITTLE * recorded_s && recorded_s - duration_s > LONG_S;
-    is_little.then(|| {
-        let why = format!(
-            "its movement is taken to be {duration_s:.2} s of the {recorded_s:.1} s that were recorded; look whether \
+    let said = match row.space.completion_s {
+        // The movement in space tells how long it took: what is short is only the part along the push.
+        Some(completion_s) => format!(
+            "its movement along push is taken to be {duration_s:.2} s of the {recorded_s:.1} s that were recorded, and \
+             duration_s and all else that says \"along push\" is of that alone; in all axes the movement lasts \
+             {completion_s:.2} s (completion_s)"
+        ),
+        None => format!(
+            "its movement{} is taken to be {duration_s:.2} s of the {recorded_s:.1} s that were recorded; look whether \
              this is the one that was meant, and set onset_deg_s and offset_deg_s under [analysis] of study.toml, or split \
-             the recording"
-        );
-        (format!("{}, {}", name(&trial.meta), Signal::ThetaDot.name()), why)
-    })
+             the recording",
+            if in_space { " along push" } else { "" }
+        ),
+    };
+    is_little.then(|| (format!("{}, {}", name(&trial.meta), Signal::ThetaDot.name()), said))
 }
 
 /// The remark on a finding of `verify` in a trial that counts all the same: subject and sentence.

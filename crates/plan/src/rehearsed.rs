@@ -95,6 +95,7 @@ pub fn rehearsed(
     let mut stops = Vec::new();
     let conditions = conditions(data);
     let defined = &data.study.metrics;
+    let in_space = data.study.axes.is_some();
     for repeats in &conditions {
         let Some(first) = repeats.trials.first() else {
             return Err("a condition has trials".into());
@@ -138,8 +139,8 @@ pub fn rehearsed(
             }
             rehearsals.push(Rehearsed {
                 setup,
-                own: zwidth_metrics::table(&own, defined)?,
-                changed: zwidth_metrics::table(&changed_rows, defined)?,
+                own: zwidth_metrics::table(&own, defined, in_space)?,
+                changed: zwidth_metrics::table(&changed_rows, defined, in_space)?,
             });
         }
         let lever_m = data.study.device.lever_m.unwrap_or(0.0);

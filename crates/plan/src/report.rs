@@ -239,8 +239,8 @@ mod tests {
 
     #[test]
     fn the_columns_that_reports_look_at_are_those_of_the_stages_that_make_them() {
-        let metrics = zwidth_metrics::table(&[], &[]).unwrap();
-        let plant = zwidth_metrics::plant_table(&[]).unwrap();
+        let metrics = zwidth_metrics::table(&[], &[], false).unwrap();
+        let plant = zwidth_metrics::plant_table(&[], false).unwrap();
         let replays = Table::of_rows::<zwidth_results::ReplayedTrial>(&[]).unwrap();
         let made = |tables: &[&Table]| -> Vec<String> {
             tables.iter().flat_map(|of| of.fields()).map(|field| field.name.to_string()).collect()

@@ -235,7 +235,7 @@ fn make_data(
     })?;
     let table = |k: usize| {
         let rows: Vec<_> = rows.iter().map(|row: &Vec<_>| row[k].clone()).collect();
-        zwidth_metrics::table(&rows, &metrics.own)
+        zwidth_metrics::table(&rows, &metrics.own, metrics.axes.is_some())
     };
     let whole = table(0)?;
     let less = Less::ALL.into_iter().enumerate().map(|(k, less)| Ok((less, table(k + 1)?)));

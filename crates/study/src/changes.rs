@@ -155,6 +155,7 @@ fn affects(key: &str) -> Affects {
         | ["compare", ..]
         | ["perception", ..]
         | ["people" | "metrics" | "scores" | "factors", ..]
+        | ["axes", "low_pass_hz" | "onset_m_s" | "offset_m_s"]
         | ["replay", ..]
         | ["figures" | "scenes", ..] => Affects::Nothing,
         ["environments" | "modes", _, "label" | "factors", ..]
@@ -258,6 +259,20 @@ mod tests {
             assert!(keys.contains(&key), "{found:?}");
             assert!(found.iter().all(|c| c.affects == Affects::Nothing), "{found:?}");
         }
+    }
+
+    #[test]
+    fn the_frame_and_the_push_of_axes_are_recorded_and_their_low_pass_is_not() {
+        let with = |push: &str, low_pass: &str| {
+            let text = text().replacen("schema = 2", "schema = 3", 1);
+            let axes = format!("frame = \"x right\"\npush = {push}\nlow_pass_hz = {low_pass}\n");
+            Study::from_toml(&format!("{text}\n[axes]\n{axes}")).unwrap()
+        };
+        let usual = with("[0, 0, 1]", "10");
+        let [filter] = study_changes(&usual, &with("[0, 0, 1]", "6")).try_into().unwrap();
+        assert_eq!((&*filter.key, filter.affects), ("axes.low_pass_hz", Affects::Nothing));
+        let [push] = study_changes(&usual, &with("[0, 1, 0]", "10")).try_into().unwrap();
+        assert_eq!((&*push.key, push.affects), ("axes.push", Affects::Recording));
     }
 
     #[test]

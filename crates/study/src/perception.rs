@@ -216,7 +216,22 @@ pub fn is_felt(metric: &str) -> bool {
     const KNOWLEDGE: [&str; 5] =
         ["std_error", "ci_low", "ci_high", "hold_rigidity_min", "stiffness_error"];
     const SUMS: [&str; 2] = ["path_rad", "force_rms_n"];
-    !SUMS.contains(&metric) && !KNOWLEDGE.iter().any(|part| metric.contains(part))
+    // What can be felt of a movement or a force in several axes is not known here.
+    const IN_SPACE: [&str; 10] = [
+        "completion_s",
+        "path_m",
+        "distance_m",
+        "path_over_distance",
+        "path_gap_s",
+        "force_magnitude_largest_n",
+        "force_magnitude_mean_n",
+        "force_magnitude_rest_n",
+        "force_across_share",
+        "work_j",
+    ];
+    !IN_SPACE.contains(&metric)
+        && !SUMS.contains(&metric)
+        && !KNOWLEDGE.iter().any(|part| metric.contains(part))
 }
 
 /// Vibration that is just felt, over frequency.

@@ -24,6 +24,9 @@ pub struct About {
     /// What modes and environments have in common.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub factors: Vec<Factor>,
+    /// The direction on which position and force are projections, in a study with axes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub push: Option<[f64; 3]>,
     /// Curves over those of them that are doses.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub dose_curves: Vec<DoseCurve>,
@@ -40,6 +43,7 @@ impl About {
             has_reference: study.channels.iter().any(|channel| channel.id.as_str() == REFERENCE),
             has_several_primary: study.compare.primary.are_several(),
             factors: study.factors.clone(),
+            push: study.axes.as_ref().map(|axes| axes.push),
             dose_curves: study.dose_curves(),
         }
     }

@@ -1,5 +1,6 @@
 //! Doubts about the trials of a figure, in a note below it.
 
+use crate::About;
 use crate::words::plain;
 use std::collections::{BTreeMap, BTreeSet};
 use zwidth_draw::Figure;
@@ -27,6 +28,16 @@ pub fn with_care(mut figure: Figure, findings: &[Found]) -> Figure {
         columns.entry(&finding.column).or_default().push(finding);
     }
     let notes = columns.into_iter().map(|(column, findings)| note(column, &findings));
+    figure.footnotes.extend(notes);
+    figure
+}
+
+/// The figure with a note that says that position, velocity and force are projections, in a study with axes.
+#[must_use]
+pub fn with_push(mut figure: Figure, about: &About) -> Figure {
+    let notes = about.push.map(|[x, y, z]| {
+        format!("Along push: position, velocity and force are projections on [{x}, {y}, {z}].")
+    });
     figure.footnotes.extend(notes);
     figure
 }

@@ -13,6 +13,7 @@
 //! | `schematic` | 4–7, 9, 10, 20, 21, 32 | model, device and control loop, from the study's own numbers |
 //! | `replay` | 24 | forces, position and velocity of recorded trials and of the model, by eye and fitted |
 //! | `repeats` | 36–41 | every repeat of one condition, the commanded force dotted |
+//! | `space` | – | paths in three planes of one scale; the magnitude of the force against time |
 //! | `loops` | 31 | force against angle for every environment |
 //! | `characteristic` | 22, 23 | an actuator's response to its command: sweeps, mean, first-order and chosen fit |
 //! | `likert` | 30 | answers, diverging bars with counts |
@@ -47,7 +48,7 @@ mod words;
 pub use about::{About, Caption, FigureKind};
 pub use caption::caption_text;
 pub use captions::{CAPTION_FORMATS, NamedCaption, captions_text};
-pub use care::{Found, with_care, with_thinned};
+pub use care::{Found, with_care, with_push, with_thinned};
 pub use comparison::*;
 pub use course::*;
 pub use export::data_table;

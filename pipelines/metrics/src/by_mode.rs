@@ -1,5 +1,6 @@
 //! The metrics by condition in a form that fits on a page: one row per metric, modes side by side.
 
+use crate::columns::ALONG_PUSH;
 use zwidth_results::ConditionTrials;
 use zwidth_tables::{Column, Field, Table, TableError, Type, UNIT_OF_ROW, Values, split_unit};
 
@@ -8,8 +9,8 @@ const BLOCK: [&str; 3] = ["participant", "session", "environment"];
 
 /// A metric in the table of conditions.
 struct Metric<'a> {
-    /// Its name without its unit.
-    stem: &'a str,
+    /// Its name without its unit, and whether it is along the push where others are not.
+    stem: String,
     unit: &'a str,
     means: &'a [Option<f64>],
     deviations: &'a [Option<f64>],
@@ -28,8 +29,12 @@ pub fn by_mode(conditions: &Table, modes: &[(String, String)]) -> Result<Table, 
     let modes = present(modes, &rows);
     let metrics = metrics(conditions);
     let counts: Vec<Option<f64>> = rows.iter().map(|row| Some(row.n as f64)).collect();
-    let trials =
-        Metric { stem: "trials", unit: "1", means: &counts, deviations: &vec![None; counts.len()] };
+    let trials = Metric {
+        stem: "trials".to_owned(),
+        unit: "1",
+        means: &counts,
+        deviations: &vec![None; counts.len()],
+    };
 
     let mut keys: [Vec<Option<String>>; 5] = Default::default();
     let mut cells: Vec<[Vec<Option<f64>>; 2]> = vec![Default::default(); modes.len()];
@@ -44,7 +49,7 @@ pub fn by_mode(conditions: &Table, modes: &[(String, String)]) -> Result<Table, 
             if values.iter().all(Option::is_none) {
                 continue;
             }
-            let about = [Some(metric.stem.to_owned()), Some(metric.unit.to_owned())];
+            let about = [Some(metric.stem.clone()), Some(metric.unit.to_owned())];
             let row = block.iter().cloned().map(Some).chain(about);
             keys.iter_mut().zip(row).for_each(|(column, cell)| column.push(cell));
             for (k, value) in values.into_iter().enumerate() {
@@ -111,7 +116,8 @@ fn metrics(conditions: &Table) -> Vec<Metric<'_>> {
         let (stem, suffix) = split_unit(&field.name, &field.unit);
         let deviations = floats(conditions, &format!("{stem}_sd{suffix}"))?;
         let means = floats(conditions, &field.name)?;
-        Some(Metric { stem: &field.name[..stem.len()], unit: &field.unit, means, deviations })
+        let along = if field.description.ends_with(ALONG_PUSH) { "_along_push" } else { "" };
+        Some(Metric { stem: format!("{stem}{along}"), unit: &field.unit, means, deviations })
     });
     metrics.collect()
 }

@@ -78,13 +78,40 @@ const fn word<R>(
 pub(crate) const GROUPS: [&[Spec]; 9] =
     [MOVEMENT, FORCE, COMPLIANCE, DISCREPANCY, SPRING, WALL, STABILITY, ELECTRICITY, STEP];
 
+/// Those of a study with axes, likewise: tables of others have no such columns.
+pub(crate) const SPACE_GROUPS: [&[Spec]; 1] = [SPACE];
+
 /// Those that rest on the plant, likewise.
 pub(crate) const PLANT_GROUPS: [&[Spec<PlantMetrics>]; 2] = [ACTUATORS, ENERGY];
+
+/// The metrics of a trial, those of a study with axes after the others if it is `in_space`.
+pub(crate) fn of_trial(in_space: bool) -> impl Iterator<Item = &'static Spec> {
+    let in_space = SPACE_GROUPS.into_iter().filter(move |_| in_space);
+    GROUPS.into_iter().chain(in_space).flatten()
+}
+
+/// What the description of a metric ends in that is along the push, in a study with axes.
+pub(crate) const ALONG_PUSH: &str = ", along push";
+
+/// Whether a metric rests on the one coordinate and the one force that in a study with axes are
+/// projections on the push.
+pub(crate) fn is_along_push(metric: &str) -> bool {
+    const OF_ACTUATORS: [&str; 3] = ["motor_switches", "brake_switches", "actuator_switches"];
+    let is_of_samples = metric == "recording_s" || OF_ACTUATORS.contains(&metric);
+    !is_of_samples && !is_in(SPACE, metric) && !is_in(ELECTRICITY, metric)
+}
+
+/// What a metric measures, in a study with axes if it is `in_space`.
+pub(crate) fn described<R>(spec: &Spec<R>, in_space: bool) -> String {
+    let along = if in_space && is_along_push(spec.name) { ALONG_PUSH } else { "" };
+    format!("{}{along}", spec.description)
+}
 
 /// A study's own metrics, but for those whose name is taken: what is told of those ([`taken`]) is that
 /// they are left out.
 pub fn own(study: &Study) -> impl Iterator<Item = &OwnMetric> {
-    study.metrics.iter().filter(|own| !is_taken(own.id.as_str()))
+    let in_space = study.axes.is_some();
+    study.metrics.iter().filter(move |own| !is_taken(own.id.as_str(), in_space))
 }
 
 fn own_of<'a>(study: &'a Study, metric: &str) -> Option<&'a OwnMetric> {
@@ -93,7 +120,8 @@ fn own_of<'a>(study: &'a Study, metric: &str) -> Option<&'a OwnMetric> {
 
 /// A study's own metrics whose names tables have for something else.
 pub fn taken(study: &Study) -> impl Iterator<Item = &MetricId> {
-    study.metrics.iter().map(|own| &own.id).filter(|id| is_taken(id.as_str()))
+    let in_space = study.axes.is_some();
+    study.metrics.iter().map(|own| &own.id).filter(move |id| is_taken(id.as_str(), in_space))
 }
 
 /// The metrics that other programs computed, but for those whose columns the study has by a rule of its own.
@@ -105,9 +133,10 @@ fn outside_of<'a>(study: &'a Study, metric: &str) -> Option<&'a OutsideMetric> {
     outside(study).find(|outside| outside.column.as_str() == metric)
 }
 
-/// Whether tables of metrics have a column of that name anyhow.
-pub(crate) fn is_taken(name: &str) -> bool {
-    let of_trial = GROUPS.into_iter().flatten().map(|spec| spec.name);
+/// Whether tables of metrics have a column of that name anyhow, those of a study with axes if it is
+/// `in_space`.
+pub(crate) fn is_taken(name: &str, in_space: bool) -> bool {
+    let of_trial = of_trial(in_space).map(|spec| spec.name);
     let of_plant = PLANT_GROUPS.into_iter().flatten().map(|spec| spec.name);
     let (trial, condition) = (TrialKey::fields(), ConditionTrials::fields());
     let mut keys = trial.iter().chain(&condition).map(|field| &*field.name);
@@ -133,7 +162,8 @@ pub fn is_number(study: &Study, metric: &str) -> bool {
 /// The names of all metrics that can be compared: zwidth's in the order of the table, the study's own, those of other
 /// programs, scores, and what tasks tell.
 pub fn names(study: &Study) -> impl Iterator<Item = String> {
-    let of_trials = numbers().map(|(name, _)| name).chain(own(study).map(|own| own.id.as_str()));
+    let numbers = numbers(study.axes.is_some()).map(|(name, _)| name);
+    let of_trials = numbers.chain(own(study).map(|own| own.id.as_str()));
     let of_trials = of_trials.chain(outside(study).map(|outside| outside.column.as_str()));
     let of_answers = scores(study).map(|(metric, _)| metric);
     let of_answers = of_answers.chain(study.task_metrics().map(|(metric, ..)| metric));
@@ -164,10 +194,11 @@ pub fn in_words(study: &Study, metric: &str) -> Option<String> {
     if let Some((task, quantity)) = study.task_metric(metric) {
         return Some(task.metric_in_words(quantity));
     }
-    let of_trial = GROUPS.into_iter().flatten().map(|spec| (spec.name, spec.description));
-    let of_plant = PLANT_GROUPS.into_iter().flatten().map(|spec| (spec.name, spec.description));
-    let found = of_trial.chain(of_plant).find(|(name, _)| *name == metric);
-    found.map(|(_, words)| words.to_owned())
+    let in_space = study.axes.is_some();
+    let of_trial = of_trial(in_space).find(|spec| spec.name == metric);
+    let of_plant = || PLANT_GROUPS.into_iter().flatten().find(|spec| spec.name == metric);
+    let of_trial = of_trial.map(|spec| described(spec, in_space));
+    of_trial.or_else(|| of_plant().map(|spec| described(spec, in_space)))
 }
 
 /// Whether a metric describes something that a person could feel ([`zwidth_study::is_felt`]).
@@ -228,9 +259,10 @@ pub fn better(study: &Study, metric: &str) -> Better {
     }
 }
 
-/// The names of all metrics of zwidth's that are numbers with a unit, and whether each is summarised.
-pub(crate) fn numbers() -> impl Iterator<Item = (&'static str, bool)> {
-    let of_trial = GROUPS.into_iter().flatten().filter_map(number);
+/// The names of all metrics of zwidth's that are numbers with a unit, and whether each is summarised; those
+/// of a study with axes too if it is `in_space`.
+pub(crate) fn numbers(in_space: bool) -> impl Iterator<Item = (&'static str, bool)> {
+    let of_trial = of_trial(in_space).filter_map(number);
     of_trial.chain(PLANT_GROUPS.into_iter().flatten().filter_map(number))
 }
 
@@ -289,7 +321,15 @@ pub fn is_possible(study: &Study, metric: &str, scene: &Scene, signals: &[Signal
     if OutsideMetric::is_named(metric) {
         return true;
     }
-    if is_in(ACTUATORS, metric) {
+    if is_in(SPACE, metric) {
+        let recorded =
+            |axes: [Signal; 3]| axes.iter().filter(|axis| signals.contains(axis)).count() > 1;
+        let moves = recorded([Signal::X, Signal::Y, Signal::Z]);
+        let pushes = recorded([Signal::ForceX, Signal::ForceY, Signal::ForceZ]);
+        let needs_force = metric.starts_with("force_") || metric == "work_j";
+        let needs_movement = !metric.starts_with("force_") || metric == "force_magnitude_rest_n";
+        study.axes.is_some() && (pushes || !needs_force) && (moves || !needs_movement)
+    } else if is_in(ACTUATORS, metric) {
         scene.spring().is_some() && has(&[Signal::Theta, Signal::ForceEx])
     } else if is_in(ENERGY, metric) {
         has(&[Signal::Theta, Signal::ForceEx])
@@ -310,6 +350,11 @@ pub fn is_possible(study: &Study, metric: &str, scene: &Scene, signals: &[Signal
         scene.spring().is_some() && has(&[Signal::Theta, Signal::ForceEx])
     } else if is_in(WALL, metric) {
         scene.wall_rad().is_some() && has(&[Signal::Theta])
+    } else if study.axes.is_some() && metric != "recording_s" {
+        // Where nothing is projected on the push there is no coordinate at all.
+        let is_of_angle =
+            is_in(MOVEMENT, metric) || is_in(COMPLIANCE, metric) || is_in(STABILITY, metric);
+        is_of_angle && has(&[Signal::Theta])
     } else {
         is_in(MOVEMENT, metric) || is_in(COMPLIANCE, metric) || is_in(STABILITY, metric)
     }
@@ -444,6 +489,20 @@ const STEP: &[Spec] = &[
     averaged("step_overshoot_share", "1", "overshoot after a step of the set-point, as a share of the way", |r| r.step.overshoot_share),
     averaged("step_settling_s", "s", "settling time (2 %) after a step of the set-point", |r| r.step.settling_s),
     averaged("step_steady_error_rad", "rad", "steady error after a step of the set-point", |r| r.step.steady_error_rad),
+];
+
+#[rustfmt::skip]
+const SPACE: &[Spec] = &[
+    averaged("completion_s", "s", "completion time of the movement in space", |r| r.space.completion_s),
+    averaged("path_m", "m", "path length in space", |r| r.space.path_m),
+    float("distance_m", "m", "distance in space between the ends of the path", |r| r.space.distance_m),
+    averaged("path_over_distance", "1", "path length in space over distance, 1 if straight", |r| r.space.path_over_distance),
+    float("path_gap_s", "s", "time of the movement in space in gaps, across which its path is taken as straight", |r| r.space.path_gap_s),
+    averaged("force_magnitude_largest_n", "N", "largest magnitude of the force in all axes", |r| r.space.force_largest_n),
+    averaged("force_magnitude_mean_n", "N", "mean magnitude of the force in all axes", |r| r.space.force_mean_n),
+    averaged("force_magnitude_rest_n", "N", "mean magnitude of the force in all axes at rest", |r| r.space.force_rest_n),
+    averaged("force_across_share", "1", "share of the force that is across the push", |r| r.space.force_across_share),
+    averaged("work_j", "J", "the user's work on the device in all axes", |r| r.space.work_j),
 ];
 
 #[rustfmt::skip]

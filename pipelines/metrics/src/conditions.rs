@@ -18,9 +18,11 @@ pub enum ConditionsError {
     Table(#[from] TableError),
 }
 
-/// The metrics that are summarised, those of the study's `own` last.
+/// The metrics that are summarised, those of the study's `own` last. A table need not have all of them.
 pub fn summarised(own: &[MetricId]) -> Vec<&str> {
-    let of_all = numbers().filter(|(_, summarised)| *summarised).map(|(name, _)| name);
+    let of_all = numbers(true).filter(|(_, summarised)| *summarised).map(|(name, _)| name);
+    // A study without axes may have one of its own that is called as one of a study with axes.
+    let of_all = of_all.filter(|name| own.iter().all(|own| own.as_str() != *name));
     of_all.chain(own.iter().map(MetricId::as_str)).collect()
 }
 

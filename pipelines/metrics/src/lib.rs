@@ -17,12 +17,14 @@
 //!   between them, if the recording gives their age (`force_age_s`); else as recorded. A held value
 //!   lags behind by half of the sensor's interval on average: it would make loops too small and an
 //!   elastic spring look active.
+//! * In a study with axes, θ L and the force are projections on the push, and all of this is along it;
+//!   only [`Space`] is of all axes.
 //! * A metric is null (`None`) if the recording lacks what it needs, or if it does not apply;
 //!   missing data never give 0.
 //!
 //! The definitions are at the fields of [`Movement`], [`UserForce`], [`Discrepancy`],
 //! [`SpringRendering`], [`WallContact`], [`Stability`], [`ElectricalEnergy`], [`StepResponse`],
-//! [`Compliance`], [`ActuatorDiscrepancy`] and [`EnergyObserver`].
+//! [`Compliance`], [`Space`], [`ActuatorDiscrepancy`] and [`EnergyObserver`].
 
 mod actuator;
 mod branch;
@@ -48,6 +50,7 @@ mod plateau;
 mod real_data;
 mod resolution;
 mod signals;
+mod space;
 mod spring;
 mod stability;
 mod step;
@@ -75,6 +78,7 @@ pub use movement::Movement;
 pub use oscillation::Swings;
 pub use parameters::{Parameters, Plant, SIGNALS};
 pub use plant::{PLANT_SIGNALS, PlantMetrics, plant_metrics};
+pub use space::Space;
 pub use spring::{Saturation, SpringRendering};
 pub use stability::Stability;
 pub use step::StepResponse;
@@ -109,6 +113,8 @@ pub struct TrialMetrics {
     pub step: StepResponse,
     /// Whether the trial was what the protocol asks for.
     pub compliance: Compliance,
+    /// Movement and force in several axes; all null in a study without axes.
+    pub space: Space,
     /// The study's own, in the order of study.toml.
     pub own: Vec<Option<f64>>,
     /// What happened when.
@@ -146,6 +152,10 @@ pub fn trial_metrics<'a>(
         electricity: electricity::electrical_energy(&signals, parameters),
         step: step::step_response(&signals),
         compliance: compliance::compliance(&signals, parameters),
+        space: match &parameters.axes {
+            Some(axes) => space::space(&signals, axes)?,
+            None => Space::default(),
+        },
         own: own::own_metrics(&signals, parameters)?,
     })
 }

@@ -3,11 +3,11 @@
 use serde::Serialize;
 use zwidth_store::Signal;
 use zwidth_study::{
-    Analysis, CURRENT_BRAKE, CURRENT_MOTOR, ChannelId, Environment, Mode, OwnMetric, REFERENCE,
-    Resistances, Scene, Study,
+    Analysis, Axes, CURRENT_BRAKE, CURRENT_MOTOR, ChannelId, Environment, Mode, OwnMetric,
+    REFERENCE, Resistances, Scene, Study,
 };
 
-/// The signals that [`crate::trial_metrics`] looks at, besides those of the study's own metrics; currents
+/// The signals that [`crate::trial_metrics`] looks at, besides axes and those of the study's own metrics; currents
 /// and references are channels.
 pub const SIGNALS: [Signal; 9] = [
     Signal::Time,
@@ -20,6 +20,10 @@ pub const SIGNALS: [Signal; 9] = [
     Signal::ForceCmd,
     Signal::StateBits,
 ];
+
+/// Those that it looks at too in a study with axes.
+const AXES: [Signal; 6] =
+    [Signal::X, Signal::Y, Signal::Z, Signal::ForceX, Signal::ForceY, Signal::ForceZ];
 
 /// Everything that the metrics of a condition's trials depend on besides the trials.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -44,6 +48,9 @@ pub struct Parameters {
     pub uses_brake: bool,
     /// Resistances of the actuators' windings.
     pub resistances: Resistances,
+    /// The axes of space, if the study has several.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub axes: Option<Axes>,
     /// The study's own metrics.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub own: Vec<OwnMetric>,
@@ -58,7 +65,8 @@ impl Parameters {
     /// The signals that [`crate::trial_metrics`] looks at.
     pub fn signals(&self) -> Vec<Signal> {
         let own = self.own.iter().filter_map(|own| Signal::from_name(&own.of));
-        SIGNALS.into_iter().chain(own).collect()
+        let axes = AXES.into_iter().filter(|_| self.axes.is_some());
+        SIGNALS.into_iter().chain(axes).chain(own).collect()
     }
 
     /// The channels that it looks at, where a trial has them.
@@ -83,6 +91,7 @@ impl Parameters {
             uses_motor: mode.motor_max_v.is_some(),
             uses_brake: mode.brake_max_v.is_some(),
             resistances: study.resistances,
+            axes: study.axes.clone(),
             own: study.metrics.clone(),
         }
     }

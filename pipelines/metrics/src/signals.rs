@@ -89,6 +89,11 @@ impl<'a> Signals<'a> {
         self.columns.column(signal)
     }
 
+    /// Whether a signal was recorded.
+    pub(crate) fn has(&self, signal: Signal) -> bool {
+        self.columns.has(signal)
+    }
+
     /// A channel of the study's own.
     pub(crate) fn channel(&self, name: &str) -> Option<Values<'a>> {
         self.columns.channel(name)

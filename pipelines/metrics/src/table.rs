@@ -1,6 +1,6 @@
 //! The rows as a table: SI units, one row per trial.
 
-use crate::columns::{GROUPS, Get, PLANT_GROUPS, Spec, is_taken};
+use crate::columns::{Get, PLANT_GROUPS, Spec, described, is_taken, of_trial};
 use crate::{PlantMetrics, TrialMetrics};
 use std::collections::BTreeMap;
 use zwidth_results::{Row as _, TrialKey};
@@ -8,17 +8,22 @@ use zwidth_study::{OutsideMetric, OwnMetric, ParticipantId, SessionId, TrialMeta
 use zwidth_tables::{Column, Field, Table, TableError, Type, Values};
 
 /// One row per trial, in the order given: which trial it is, then every metric, those of the study's own
-/// last. SI units; null
-/// where a metric does not apply or the recording lacks what it needs. The columns' definitions are
+/// last. In a study with axes (`in_space`) those of axes stand before these, and those along the push say
+/// so. SI units; null where a metric does not apply or the recording lacks what it needs. The columns' definitions are
 /// at the fields of [`TrialMetrics`]'s parts and, by column, in `docs/analysis.md`.
 ///
 /// # Errors
 /// A metric that is not finite.
-pub fn table(rows: &[TrialMetrics], own: &[OwnMetric]) -> Result<Table, TableError> {
+pub fn table(
+    rows: &[TrialMetrics],
+    own: &[OwnMetric],
+    in_space: bool,
+) -> Result<Table, TableError> {
     let mut columns = keys(rows.iter().map(|row| &row.meta));
-    columns.extend(GROUPS.into_iter().flatten().map(|spec| column(spec, rows)));
+    columns.extend(of_trial(in_space).map(|spec| column(spec, rows, in_space)));
     // One whose name is taken has no column.
-    let named = own.iter().enumerate().filter(|(_, metric)| !is_taken(metric.id.as_str()));
+    let named =
+        own.iter().enumerate().filter(|(_, metric)| !is_taken(metric.id.as_str(), in_space));
     columns.extend(named.map(|(k, metric)| {
         let values = rows.iter().map(|row| row.own.get(k).copied().flatten());
         let field = Field {
@@ -33,13 +38,13 @@ pub fn table(rows: &[TrialMetrics], own: &[OwnMetric]) -> Result<Table, TableErr
 }
 
 /// One row per trial, in the order given: which trial it is, then every metric that depends on the
-/// plant.
+/// plant; those of a study with axes (`in_space`) say that they are along the push.
 ///
 /// # Errors
 /// A metric that is not finite.
-pub fn plant_table(rows: &[PlantMetrics]) -> Result<Table, TableError> {
+pub fn plant_table(rows: &[PlantMetrics], in_space: bool) -> Result<Table, TableError> {
     let mut columns = keys(rows.iter().map(|row| &row.meta));
-    columns.extend(PLANT_GROUPS.into_iter().flatten().map(|spec| column(spec, rows)));
+    columns.extend(PLANT_GROUPS.into_iter().flatten().map(|spec| column(spec, rows, in_space)));
     Table::new("metrics", "Metrics that rest on the plant, one row per trial", columns)
 }
 
@@ -121,21 +126,24 @@ fn keys<'t>(trials: impl Iterator<Item = &'t TrialMeta>) -> Vec<Column> {
     TrialKey::columns(&trials.map(TrialKey::from).collect::<Vec<_>>())
 }
 
-fn column<R>(spec: &Spec<R>, rows: &[R]) -> Column {
+fn column<R>(spec: &Spec<R>, rows: &[R], in_space: bool) -> Column {
     let Spec { name, unit, description, get, .. } = spec;
-    match get {
+    let mut column = match get {
         Get::Float(get) => Column::float(name, unit, description, rows.iter().map(get)),
         Get::Count(get) => Column::integer(name, unit, description, rows.iter().map(get)),
         Get::Flag(get) => Column::flag(name, description, rows.iter().map(get)),
         Get::Word(get) => {
             Column::text(name, description, rows.iter().map(|r| get(r).map(str::to_owned)))
         }
-    }
+    };
+    column.field.description = described(spec, in_space).into();
+    column
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::columns::SPACE_GROUPS;
     use crate::testing::{REST_RAD, at_wall, in_spring, stroke, trial};
     use crate::{plant_metrics, trial_metrics};
 
@@ -153,7 +161,7 @@ mod tests {
             ("Hz", "_hz"),
             ("N/W", "_n_per_w"),
         ];
-        let tables = [table(&[], &[]).unwrap(), plant_table(&[]).unwrap()];
+        let tables = [table(&[], &[], true).unwrap(), plant_table(&[], true).unwrap()];
         for field in tables.iter().flat_map(Table::fields).filter(|f| f.unit != "1") {
             let (_, ending) = endings.iter().find(|(unit, _)| *unit == field.unit).unwrap();
             assert!(field.name.ends_with(ending), "{}: {}", field.name, field.unit);
@@ -169,7 +177,7 @@ mod tests {
                 trial.meta.trial = number;
                 trial_metrics(&trial, &in_spring(4.0, REST_RAD)).unwrap()
             };
-            table(&numbers.map(row), &[]).unwrap()
+            table(&numbers.map(row), &[], false).unwrap()
         };
         let all = join_sessions(vec![of("P02", [3, 4]), of("P01", [10, 9])]).unwrap().unwrap();
         let keys: Vec<TrialKey> = all.to_rows().unwrap();
@@ -179,7 +187,7 @@ mod tests {
     }
 
     fn names() -> impl Iterator<Item = &'static str> {
-        let of_trial = GROUPS.into_iter().flatten().map(|spec| spec.name);
+        let of_trial = of_trial(true).map(|spec| spec.name);
         of_trial.chain(PLANT_GROUPS.into_iter().flatten().map(|spec| spec.name))
     }
 
@@ -196,8 +204,8 @@ mod tests {
         let rows: Vec<_> = trials.iter().map(|t| trial_metrics(t, &parameters).unwrap()).collect();
         let with: Vec<_> =
             trials[..2].iter().map(|t| plant_metrics(t, &parameters, None).unwrap()).collect();
-        let with = plant_table(&[with[1].clone(), with[0].clone()]).unwrap();
-        let joined = join_plant(&table(&rows, &[]).unwrap(), &with).unwrap();
+        let with = plant_table(&[with[1].clone(), with[0].clone()], false).unwrap();
+        let joined = join_plant(&table(&rows, &[], false).unwrap(), &with).unwrap();
         let least = joined.floats("closed_loop_energy_min_j").unwrap();
         let area = joined.floats("loop_area_j").unwrap();
         assert!((least[0].unwrap() / area[0].unwrap() - 1.0).abs() < 0.02, "{least:?} {area:?}");
@@ -219,7 +227,7 @@ mod tests {
             made.meta.trial = number;
             trial_metrics(&made, &parameters).unwrap()
         });
-        let metrics = table(&rows, &[]).unwrap().with_note("kept");
+        let metrics = table(&rows, &[], false).unwrap().with_note("kept");
         let key =
             |trial: u32| (rows[0].meta.participant.clone(), rows[0].meta.session.clone(), trial);
         let metric = OutsideMetric::new("grip_peak".parse().unwrap(), "N", "grip").unwrap();
@@ -230,6 +238,24 @@ mod tests {
             (joined.column("own_grip_peak_n").unwrap().field.unit.as_ref(), joined.notes()),
             ("N", &["kept".to_owned()][..])
         );
+    }
+
+    #[test]
+    fn only_a_study_with_axes_has_columns_of_axes_and_says_what_is_along_the_push() {
+        let words = |in_space: bool, name: &str| {
+            let table = table(&[], &[], in_space).unwrap();
+            table
+                .fields()
+                .find(|field| field.name == name)
+                .map(|field| field.description.to_string())
+        };
+        for spec in SPACE_GROUPS.into_iter().flatten() {
+            assert_eq!(words(false, spec.name), None);
+            assert_eq!(words(true, spec.name).as_deref(), Some(spec.description));
+        }
+        assert_eq!(words(true, "duration_s").unwrap(), "duration, from onset to end, along push");
+        assert_eq!(words(false, "duration_s").unwrap(), "duration, from onset to end");
+        assert_eq!(words(true, "recording_s").unwrap(), "length of the recording");
     }
 
     /// `docs/analysis.md` is the page on which a reader looks a column up.
@@ -246,7 +272,7 @@ mod tests {
     fn a_row_lands_in_its_columns_and_what_does_not_apply_is_null() {
         let trial = trial(&stroke(1.0, 2.0), |theta, _| 4.0 * (theta - REST_RAD));
         let row = trial_metrics(&trial, &at_wall(4.0, REST_RAD, 3.0)).unwrap();
-        let table = table(std::slice::from_ref(&row), &[]).unwrap();
+        let table = table(std::slice::from_ref(&row), &[], false).unwrap();
         assert_eq!(table.floats("stiffness_n_per_rad").unwrap(), [row.spring.stiffness_n_per_rad]);
         assert_eq!(table.flags("wall_reached").unwrap(), [Some(false)]);
         assert_eq!(table.floats("wall_dwell_s").unwrap(), [None]);

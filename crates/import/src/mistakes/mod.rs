@@ -8,6 +8,7 @@ mod cells;
 mod containers;
 mod laboratories;
 mod motion;
+mod space;
 mod studies;
 mod texts;
 mod theirs;
@@ -25,6 +26,8 @@ struct Row {
     files: Vec<(&'static str, Vec<u8>)>,
     /// Whether the first file is imported in a command before.
     is_twice: bool,
+    /// Whether the study has axes.
+    has_axes: bool,
 }
 
 /// A question beside those of the template, which is answered on a slider.
@@ -61,7 +64,13 @@ fn mapped_csv(what: &'static str, map: String, content: impl AsRef<[u8]>) -> Row
 
 /// A file read by a mapping of its own.
 fn mapped(what: &'static str, map: String, name: &'static str, content: impl AsRef<[u8]>) -> Row {
-    Row { what, map, files: vec![(name, content.as_ref().to_vec())], is_twice: false }
+    Row {
+        what,
+        map,
+        files: vec![(name, content.as_ref().to_vec())],
+        is_twice: false,
+        has_axes: false,
+    }
 }
 
 fn rows() -> Vec<Row> {
@@ -75,6 +84,7 @@ fn rows() -> Vec<Row> {
         studies::plans(),
         cells::cells_of_others(),
         motion::units(),
+        space::axes(),
         motion::answers(),
         containers::containers(),
         laboratories::laboratories(),
@@ -86,7 +96,11 @@ fn rows() -> Vec<Row> {
 
 /// What becomes of a row, and what the program says of it: the report, or every error.
 fn told(row: &Row) -> (&'static str, String, World) {
-    let world = World::with(&format!("{}{LINE}", template_once()));
+    let study = format!("{}{LINE}", template_once());
+    let world = match row.has_axes {
+        true => World::with(&(study.replacen("schema = 2", "schema = 3", 1) + space::AXES)),
+        false => World::with(&study),
+    };
     let files: Vec<PathBuf> =
         row.files.iter().map(|(name, bytes)| world.file(name, bytes)).collect();
     let rest = if row.is_twice {

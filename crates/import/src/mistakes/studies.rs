@@ -224,6 +224,7 @@ pub(super) fn plans() -> Vec<Row> {
         map: trials_map(&[one, FORCE]),
         files: NAMES.into_iter().zip(files).collect(),
         is_twice: false,
+        has_axes: false,
     };
     let active = |_| "active";
     let odd_one = |what, odd: Vec<u8>| {

@@ -17,6 +17,7 @@ pub(super) fn mappings() -> Vec<Row> {
         map: usual.clone(),
         files: vec![("a.csv", PLAIN.into()), ("b.csv", second.into())],
         is_twice,
+        has_axes: false,
     };
     vec![
         mapped_csv(
@@ -44,6 +45,7 @@ pub(super) fn mappings() -> Vec<Row> {
                 + "[name]\npattern = '(?<who>P\\d+)\\.csv$'\n",
             files: vec![("P01.csv", PLAIN.into()), ("P02.csv", PLAIN.into())],
             is_twice: true,
+            has_axes: false,
         },
     ]
 }

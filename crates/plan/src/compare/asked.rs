@@ -18,6 +18,9 @@ const OTHERS: [&str; 6] = [
     "duration_s",
 ];
 
+/// The same in a study with axes.
+const IN_SPACE: [&str; 3] = ["path_m", "completion_s", "force_magnitude_mean_n"];
+
 /// The metrics that are compared: those that trials of this study can have, the primary ones first.
 /// Empty in a study with one mode, unless groups of people or factors are compared.
 pub fn compared(data: &StudyData) -> Vec<String> {
@@ -79,7 +82,9 @@ fn requested_metrics(study: &Study) -> Vec<String> {
             let outside = zwidth_metrics::outside_metrics(study).map(|own| own.column.to_string());
             let scores = zwidth_metrics::scores(study).map(|(metric, _)| metric.to_string());
             let tasks = study.task_metrics().map(|(metric, ..)| metric.to_string());
-            let all = std::iter::once(default).chain(OTHERS.map(str::to_owned));
+            let in_space = IN_SPACE.into_iter().filter(|_| study.axes.is_some());
+            let zwidths = OTHERS.into_iter().chain(in_space).map(str::to_owned);
+            let all = std::iter::once(default).chain(zwidths);
             all.chain(own).chain(outside).chain(scores).chain(tasks).collect()
         }
     };

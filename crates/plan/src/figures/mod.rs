@@ -13,21 +13,22 @@ use crate::replay::figures as replay_figures;
 use crate::shared::conditions::{Repeats, Session, sessions};
 use crate::shared::handle::Derived;
 use crate::shared::trials::{MOST_DRAWN, Recordings, TrialLabel, files, label_trials, read_drawn};
-use crate::{average, compare, curves, freemotion, ladder, scenes, thresholds, trade};
+use crate::{average, compare, curves, freemotion, ladder, metrics, scenes, thresholds, trade};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use zwidth_characterise::Fit;
 use zwidth_draw::Figure;
 use zwidth_figures::{
-    About, Averages, CHARACTERISTIC, Caption, Characterised, FREE_MOTION, Found, LOOPS, Loaded,
-    MODES, REPEATS, with_care, with_thinned,
+    About, Averages, CHARACTERISTIC, Caption, Characterised, FORCE_MAGNITUDE, FREE_MOTION, Found,
+    LOOPS, Loaded, MODES, REPEATS, SIGNALS, SPACE, SPACE_SIGNALS, with_care, with_push,
+    with_thinned,
 };
 use zwidth_results::FreePlane;
 use zwidth_runner::{Inputs, Job, JobError};
-use zwidth_store::{Asked, StudyData, TrialEntry, check_trial};
-use zwidth_study::{Alignment, Environment, ModeId, OwnFigures};
-use zwidth_tables::Table;
+use zwidth_store::{Asked, Signal, StudyData, TrialEntry, check_trial};
+use zwidth_study::{Alignment, Axes, Environment, ModeId, OwnFigures};
+use zwidth_tables::{Measured, Table};
 
 /// Every figure that a run makes.
 pub(crate) fn of_run(data: &StudyData) -> Vec<Drawing> {
@@ -66,6 +67,15 @@ fn of_sessions(data: &StudyData, sessions: Vec<Session>) -> Vec<Drawing> {
         let mut environments: Vec<&Environment> =
             data.study.environments.iter().filter(|e| !session.of(e).is_empty()).collect();
         for environment in &environments {
+            drawings.extend(in_space(data, session, environment));
+            // In a study with axes there may be no projection on the push, and so nothing of one coordinate.
+            let is_of_one = |trial: &&TrialEntry| {
+                let signals = &trial.said.signals;
+                signals.contains(&Signal::Theta) || signals.contains(&Signal::ForceEx)
+            };
+            if data.study.axes.is_some() && !session.of(environment).iter().any(is_of_one) {
+                continue;
+            }
             let subject = session.ids_with(environment);
             let stem = Caption::new(MODES, subject.clone()).stem();
             let alignment = data.study.figures.alignment(&stem);
@@ -264,15 +274,25 @@ struct Read<'r> {
 }
 
 /// The figure with notes on the trials in it.
-fn with_notes(figure: Figure, reads: &[&Read]) -> Figure {
+fn with_notes(figure: Figure, about: &About, reads: &[&Read]) -> Figure {
+    let figure = with_push(figure, about);
+    with_findings(figure, reads)
+}
+
+/// The figure with notes on what was found in the trials in it.
+fn with_findings(figure: Figure, reads: &[&Read]) -> Figure {
     let findings: Vec<Found> = reads.iter().flat_map(|read| read.findings.clone()).collect();
     let thinned = reads.iter().map(|read| read.thinned).sum();
     with_care(with_thinned(figure, thinned, MOST_DRAWN), &findings)
 }
 
 /// Reads one environment of one session.
-fn load<'r>(recorded: &'r Recorded, files: &Files) -> Result<Read<'r>, JobError> {
-    let signals = zwidth_figures::SIGNALS.into_iter();
+fn load<'r>(
+    recorded: &'r Recorded,
+    files: &Files,
+    signals: &[Signal],
+) -> Result<Read<'r>, JobError> {
+    let signals = signals.iter().copied();
     let (drawn, problems) = read_drawn(&files.trials, &recorded.trials, signals)?;
     let thinned = drawn.iter().filter(|(trial, all)| trial.samples.len() < *all).count();
     let trials = drawn.into_iter().map(|(trial, _)| trial).collect();
@@ -330,7 +350,7 @@ fn draw_modes(recorded: &Vec<Recorded>, files: &Vec<Files>) -> Figured {
     let (scene, beside) = scenes.split_first().ok_or("there is no environment")?;
     // The others only widen the axes.
     let own: Vec<&Read> = all.iter().take(1).collect();
-    Ok((with_notes(zwidth_figures::modes(scene, beside)?, &own), problems))
+    Ok((with_notes(zwidth_figures::modes(scene, beside)?, scene.about, &own), problems))
 }
 
 /// Reads several environments of one session, and says what had to be left out.
@@ -341,7 +361,7 @@ fn load_all<'r>(
     let mut all = Vec::new();
     let mut problems = Vec::new();
     for (recorded, files) in recorded.iter().zip(files) {
-        let mut read = load(recorded, files)?;
+        let mut read = load(recorded, files, &SIGNALS)?;
         problems.append(&mut read.problems);
         all.push(read);
     }
@@ -370,13 +390,68 @@ fn repeats<'a>(
 }
 
 fn draw_repeats(recorded: &Recorded, files: &Files) -> Figured {
-    let read = load(recorded, files)?;
+    let read = load(recorded, files, &SIGNALS)?;
     let scene = read.loaded.scene();
     let problems = read.problems.clone();
     let Some(first) = scene.modes.first() else {
         return Err(format!("no trial could be read: {}", problems.join("; ")).into());
     };
-    Ok((with_notes(zwidth_figures::repeats(&scene, first), &[&read]), problems))
+    Ok((with_notes(zwidth_figures::repeats(&scene, first), &recorded.about, &[&read]), problems))
+}
+
+/// What the figures of several axes depend on besides files.
+#[derive(Serialize)]
+struct InSpace {
+    recorded: Recorded,
+    axes: Axes,
+}
+
+/// The paths in space, and the magnitude of the force, of one environment of a session; none in a study
+/// without axes.
+fn in_space(data: &StudyData, session: &Session, environment: &Environment) -> Vec<Drawing> {
+    let Some(axes) = &data.study.axes else { return Vec::new() };
+    let subject = session.ids_with(environment);
+    let trials = session.of(environment);
+    let (recorded, files) = recorded(data, session, environment, Alignment::Onset, &trials, &[]);
+    let of = |recorded: Recorded| InSpace { recorded, axes: axes.clone() };
+    let n = trials.len();
+    // What |F| is at rest is a metric: it knows when nothing moves.
+    let metrics = trials.first().map(|trial| metrics::of_session(&data.layout, &trial.meta));
+    let with_metrics = (files.clone(), metrics);
+    let paths = Drawing::new(data, SPACE, subject.clone(), of(recorded.clone()), files, draw_space);
+    let forces =
+        Drawing::new(data, FORCE_MAGNITUDE, subject, of(recorded), with_metrics, draw_force);
+    vec![paths.of(n), forces.of(n)]
+}
+
+fn draw_space(InSpace { recorded, axes }: &InSpace, files: &Files) -> Figured {
+    let read = load(recorded, files, &SPACE_SIGNALS)?;
+    let figure = zwidth_figures::space(&read.loaded.scene(), axes);
+    Ok((with_findings(figure, &[&read]), read.problems.clone()))
+}
+
+fn draw_force(
+    InSpace { recorded, .. }: &InSpace,
+    (files, metrics): &(Files, Option<PathBuf>),
+) -> Figured {
+    let read = load(recorded, files, &SPACE_SIGNALS)?;
+    let mut rest_n = BTreeMap::new();
+    if let Some(metrics) = metrics {
+        const REST: &str = "force_magnitude_rest_n";
+        let measured = Measured::read(metrics, &[REST])?;
+        let scene = read.loaded.scene();
+        let drawn: Vec<_> = scene.modes.iter().flat_map(|mode| &mode.repeats).collect();
+        for (key, value) in measured.trials().iter().zip(measured.numbers(REST)?) {
+            let is_drawn = drawn.iter().any(|repeat| {
+                let meta = &repeat.trial.meta;
+                (&meta.participant, &meta.session, meta.trial)
+                    == (&key.participant, &key.session, key.trial)
+            });
+            rest_n.extend(value.filter(|_| is_drawn).map(|value| (key.trial, value)));
+        }
+    }
+    let figure = zwidth_figures::force_magnitude(&read.loaded.scene(), &rest_n);
+    Ok((with_findings(figure, &[&read]), read.problems.clone()))
 }
 
 fn draw_loops(recorded: &Vec<Recorded>, files: &Vec<Files>) -> Figured {
@@ -384,7 +459,7 @@ fn draw_loops(recorded: &Vec<Recorded>, files: &Vec<Files>) -> Figured {
     let scenes: Vec<_> = all.iter().map(|read| read.loaded.scene()).collect();
     let reads: Vec<&Read> = all.iter().collect();
     let about = &recorded.first().ok_or("there is no environment")?.about;
-    Ok((with_notes(zwidth_figures::loops(about, &scenes)?, &reads), problems))
+    Ok((with_notes(zwidth_figures::loops(about, &scenes)?, about, &reads), problems))
 }
 
 fn characteristic(

@@ -28,7 +28,7 @@ use zwidth_results::{
 };
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, ORIGIN, Stage, strip_root};
 use zwidth_store::{Findings, Signal, StoreError, StudyData};
-use zwidth_study::{Kind, MetricId, Scene, Setup, Task};
+use zwidth_study::{Axes, Kind, MetricId, Scene, Setup, Task};
 use zwidth_tables::{About, Format, Measured, NoteKind, Table, TableError};
 
 /// Its version is raised when the page would be written differently from the same data.
@@ -452,6 +452,9 @@ fn facts(data: &StudyData, findings: &Findings) -> Summary {
         };
         limits.push(limit.to_owned());
     }
+    if let Some(axes) = &data.study.axes {
+        limits.push(along_push(axes));
+    }
     // What figures and metrics must do without, because some trial was recorded without it.
     let force = [Signal::ForceEx, Signal::TorqueEx];
     let needed: [(&str, &[Signal], &str); 3] = [
@@ -468,7 +471,9 @@ fn facts(data: &StudyData, findings: &Findings) -> Summary {
             counting.iter().filter(|t| !signals.iter().any(|s| t.said.signals.contains(s)));
         let n = without.count();
         let all = counting.len();
-        if n > 0 {
+        // Of positions and forces in several axes that nothing projects, the line above says all.
+        let is_of_axes = data.study.axes.is_some() && n == all;
+        if n > 0 && !is_of_axes {
             limits.push(format!("No {what} was recorded in {n} of {all} trials: for them {so}."));
         }
     }
@@ -487,6 +492,18 @@ fn facts(data: &StudyData, findings: &Findings) -> Summary {
         plan: recorded.plan,
         ..Summary::default()
     }
+}
+
+/// What a study with axes must do without, and which of its results are of one direction alone.
+fn along_push(axes: &Axes) -> String {
+    let [x, y, z] = axes.push;
+    format!(
+        "Positions and forces are in several axes ({}; paths behind a low-pass of {} Hz): what says \"along push\" is of \
+         their projections on push = [{x}, {y}, {z}] alone, onset, duration_s and end among it; how long a whole trial lasts \
+         is recording_s, and how long it moves in any direction completion_s. The model has one coordinate: no plant is \
+         identified, no trial is replayed, and no swing is judged.",
+        axes.frame, axes.low_pass_hz
+    )
 }
 
 /// The trials that count whose clock, angle or velocity is in doubt: a swing is recognised by these.

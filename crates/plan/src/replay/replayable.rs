@@ -26,14 +26,15 @@ pub(crate) fn replayable(data: &StudyData) -> impl Iterator<Item = &TrialEntry> 
 }
 
 /// Whether a trial has a spring or a constant force without a delay, and its recording what a run of the model needs.
-/// (The table of replays says of the others why not.)
+/// (The table of replays says of the others why not.) The model has one coordinate: of a movement in several axes, and of
+/// forces across the push, it knows nothing.
 fn is_recorded(data: &StudyData, trial: &TrialEntry) -> bool {
     let environment = data.study.environment(&trial.meta.environment);
     let is_modelled = environment.is_some_and(|e| {
         (e.scene.spring().is_some() || e.scene.constant_n().is_some()) && e.delay_s == 0.0
     });
     let recorded = [Signal::Theta, Signal::ForceEx].iter().all(|s| trial.said.signals.contains(s));
-    data.study.device.lever_m.is_some() && is_modelled && recorded
+    data.study.axes.is_none() && data.study.device.lever_m.is_some() && is_modelled && recorded
 }
 
 /// How a trial's condition was rendered in its session.

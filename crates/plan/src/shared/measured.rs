@@ -10,8 +10,9 @@ use zwidth_tables::{Column, Values};
 /// be computed.
 pub(crate) fn measured(trial: &Trial, parameters: &Parameters) -> Vec<Measured> {
     let row = zwidth_metrics::trial_metrics(trial, parameters);
-    let Some(table) = row.ok().and_then(|row| zwidth_metrics::table(&[row], &parameters.own).ok())
-    else {
+    let Some(table) = row.ok().and_then(|row| {
+        zwidth_metrics::table(&[row], &parameters.own, parameters.axes.is_some()).ok()
+    }) else {
         return Vec::new();
     };
     let mut numbers = Vec::new();

@@ -25,8 +25,19 @@ pub(crate) fn import_findings(path: &Path, file: &TrialFile) -> Vec<StoreError> 
 
 /// The signals that [`check_samples`] looks at. Of the device's clock it asks [`Columns::reach`] alone,
 /// which a trial's file says without it.
-pub const CHECKED: [Signal; 5] =
-    [Signal::Time, Signal::Theta, Signal::ThetaDot, Signal::ForceEx, Signal::TorqueEx];
+pub const CHECKED: [Signal; 11] = [
+    Signal::Time,
+    Signal::Theta,
+    Signal::ThetaDot,
+    Signal::ForceEx,
+    Signal::TorqueEx,
+    Signal::X,
+    Signal::Y,
+    Signal::Z,
+    Signal::ForceX,
+    Signal::ForceY,
+    Signal::ForceZ,
+];
 
 /// What the samples of a trial, which are whole, say against it: it counts, and is to be read with
 /// care.

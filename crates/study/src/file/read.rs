@@ -281,6 +281,23 @@ impl Check<'_> {
             let problem = format!("has the length {length} and must have 1: write [{x}, {y}, {z}]");
             self.error("axes.push", problem);
         }
+        if !Axes::LOW_PASS_HZ.contains(&axes.low_pass_hz) {
+            let problem = format!(
+                "{} must be a number from {} to {}",
+                axes.low_pass_hz,
+                Axes::LOW_PASS_HZ.start(),
+                Axes::LOW_PASS_HZ.end()
+            );
+            self.error("axes.low_pass_hz", problem);
+        }
+        let onset_m_s = self.positive("axes.onset_m_s", axes.onset_m_s);
+        if self.positive("axes.offset_m_s", axes.offset_m_s) > onset_m_s {
+            let problem = format!(
+                "{} must be at most onset_m_s, {onset_m_s}: a movement that began must end below that",
+                axes.offset_m_s
+            );
+            self.error("axes.offset_m_s", problem);
+        }
         Some(axes)
     }
 

@@ -9,6 +9,7 @@ pub(crate) mod panels;
 pub(crate) mod people;
 pub(crate) mod repeats;
 pub(crate) mod replay;
+pub(crate) mod space;
 
 pub use data::*;
 pub use loaded::*;
@@ -18,3 +19,4 @@ pub use oscillation::*;
 pub use people::*;
 pub use repeats::*;
 pub use replay::*;
+pub use space::*;

@@ -290,13 +290,36 @@ fn measures(study: &Study, recorded: &Recorded, cited: &mut Cited) -> Vec<String
     let has_wall = study.environments.iter().any(|e| e.scene.wall_rad().is_some());
     let has_spring = study.environments.iter().any(|e| e.scene.spring().is_some());
     let wall = if has_wall { "wall contact, " } else { "" };
-    let mut sentences = vec![format!(
-        "A movement began where |θ̇| first exceeded {onset} and ended where it fell below {offset} \
+    let along = match study.axes {
+        Some(_) => "θ and F are the projections of position and force on the push. ",
+        None => "",
+    };
+    // Of positions in several axes that nothing projects there is no θ.
+    let has_theta = study.axes.is_none()
+        || recorded.made_by_import.iter().any(|made| made.starts_with("theta_rad"));
+    let mut sentences = Vec::new();
+    if has_theta {
+        sentences.push(format!(
+        "{along}A movement began where |θ̇| first exceeded {onset} and ended where it fell below {offset} \
          after it had last exceeded {onset}. Compression is the way from its beginning to the first sample of \
          the largest θ, decompression the way back to the end. Smoothness is the spectral arc length \
          of |θ̇| {}.",
         cited.cite("balasubramanian")
-    )];
+        ));
+    }
+    if let Some(axes) = &study.axes {
+        sentences.push(format!(
+            "Positions in space went through a low-pass without lag (Butterworth, fourth order in both passes together, \
+             cut off at {} Hz; {}). The movement in space lasted from where its speed first exceeded {} m/s to where it \
+             fell below {} m/s after it had last exceeded that; path length is the way travelled in it, completion time \
+             its length. Forces were not filtered; the magnitude of the force at rest is its mean before and after \
+             the movement.",
+            plain(axes.low_pass_hz),
+            cited.cite("winter").trim_start_matches('(').trim_end_matches(')'),
+            plain(axes.onset_m_s),
+            plain(axes.offset_m_s)
+        ));
+    }
     if study.environments.iter().any(|e| !matches!(e.scene, Scene::None | Scene::Free)) {
         sentences.push(format!(
             "Repeats were averaged over time from the onset of movement, and over the angle with time \

@@ -1,7 +1,7 @@
 //! The papers from which the methods are taken.
 
 /// Each source: its key, how it is cited, the whole entry.
-pub(super) const SOURCES: [(&str, &str, &str); 30] = [
+pub(super) const SOURCES: [(&str, &str, &str); 31] = [
     (
         "balasubramanian",
         "Balasubramanian et al. 2015",
@@ -52,6 +52,11 @@ pub(super) const SOURCES: [(&str, &str, &str); 30] = [
     ("paule", "Paule & Mandel 1982", "Paule & Mandel 1982, J. Res. NBS 87:377"),
     ("hartung", "Hartung & Knapp 2001", "Hartung & Knapp 2001, Stat. Med. 20:3875"),
     ("wilcoxon", "Wilcoxon 1945", "Wilcoxon 1945, Biometrics Bull. 1:80"),
+    (
+        "winter",
+        "Winter 2009",
+        "Winter 2009, Biomechanics and Motor Control of Human Movement, 4th ed., Wiley",
+    ),
 ];
 
 /// The sources that a text names, to be listed below it.

@@ -35,6 +35,27 @@ fn numbers_of_the_study_stand_in_its_methods() {
 }
 
 #[test]
+fn axes_have_their_low_pass_and_their_thresholds_in_the_methods() {
+    let mut study = zwidth_testing::study();
+    assert!(!text(&study, &recorded(3)).contains("in space"));
+    study.axes = Some(zwidth_study::Axes {
+        frame: "x right".to_owned(),
+        push: [0.0, 0.0, -1.0],
+        low_pass_hz: 7.5,
+        onset_m_s: 0.03,
+        offset_m_s: 0.02,
+    });
+    let said = text(&study, &recorded(3));
+    for words in ["7.5 Hz; Winter 2009", "0.03 m/s", "0.02 m/s", "Wiley"] {
+        assert!(said.contains(words), "{words} in {said}");
+    }
+    assert!(!said.contains("Smoothness"), "there is no θ: {said}");
+    let made_by_import = ["theta_rad = (x_m, y_m, z_m) · push".to_owned()].into();
+    let projected = text(&study, &Recorded { made_by_import, ..recorded(3) });
+    assert!(projected.contains("on the push. A movement began"), "{projected}");
+}
+
+#[test]
 fn of_one_participant_nothing_is_said_of_people() {
     let study = zwidth_testing::study();
     let (one, three) = (text(&study, &recorded(1)), text(&study, &recorded(3)));

@@ -10,6 +10,7 @@ mod asked;
 mod columns;
 mod doubt;
 mod relations;
+mod space;
 #[cfg(test)]
 mod tests;
 
@@ -24,5 +25,6 @@ use std::path::Path;
 pub(crate) fn implausible(expected: &Asked, path: &Path, samples: &dyn Columns) -> Vec<StoreError> {
     let doubts =
         columns::doubts(expected, samples).into_iter().chain(relations::doubts(expected, samples));
+    let doubts = doubts.chain(space::doubts(samples));
     doubts.map(|doubt| doubt.at(path)).collect()
 }

@@ -44,6 +44,12 @@ pub(super) fn recorded(
         bail!("{} of {study}; `zwidth list {study}` shows which count", words::nothing(command));
     }
     let bar = screen.bar(count);
+    if data.study.axes.is_some() {
+        return Err(anyhow!(
+            "{study} has [axes], and the model that judges swings has one coordinate: look at the paths (figures space.…) \
+             and at path_m, and judge the device's loop on one axis in a study without [axes]"
+        ));
+    }
     let oscillations = oscillations(&data, &wanted, &|| bar.inc(1)).map_err(|e| anyhow!("{e}"))?;
     bar.finish_and_clear();
     oscillations.problems.iter().for_each(|problem| screen.warn(problem));
