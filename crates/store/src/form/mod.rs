@@ -21,6 +21,7 @@ pub(crate) mod opened;
 pub(crate) mod pages;
 pub(crate) mod parts;
 pub(crate) mod read;
+pub(crate) mod samples_table;
 pub(crate) mod seen;
 pub(crate) mod session_record;
 pub(crate) mod shown;
