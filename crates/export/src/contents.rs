@@ -4,12 +4,14 @@ use crate::ExportError;
 use crate::format::Format;
 use crate::rename::Codes;
 use crate::study_file::study_file;
-use crate::tables::{Sources, outward};
+use crate::tables::{Late, Sources, from_beginnings, outward};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::sync::Arc;
 use zwidth_results::{Column, Field, Type, Values};
-use zwidth_store::{SamplesWriter, Signal, StudyData, Trial, TrialEntry, read_trial_and_channels};
+use zwidth_store::{
+    SamplesWriter, Signal, StudyData, Trial, TrialEntry, read_trial, read_trial_and_channels,
+};
 use zwidth_study::{
     Channel, ChannelId, Kind, Known, ParticipantId, PersonValue, Status, TrialMeta, counted,
 };
@@ -50,17 +52,29 @@ pub struct ExportedTrial {
     path: Arc<Path>,
     signals: Vec<Signal>,
     channels: Vec<ChannelId>,
+    /// The time of its first sample where that is far from 0, else 0, s.
+    begin_s: f64,
 }
 
 impl ExportedTrial {
-    fn of(entry: &TrialEntry, meta: TrialMeta) -> Self {
+    fn of(entry: &TrialEntry) -> Self {
         let channels = entry.said.form.channels.iter().map(|channel| channel.id.clone());
         Self {
-            meta,
+            meta: entry.meta.clone(),
             path: entry.path.clone(),
             signals: entry.said.signals.clone(),
             channels: channels.collect(),
+            begin_s: 0.0,
         }
+    }
+
+    /// The same, counted from its first sample where that is far from 0: as an import took it over, its
+    /// time may be one of the day.
+    fn begun(self) -> Result<Self, ExportError> {
+        // Time is read anyhow.
+        let samples = read_trial(&self.path, [])?.samples;
+        let first_s = samples.get(Signal::Time).and_then(|t_s| t_s.first().copied());
+        Ok(Self { begin_s: first_s.filter(|t_s| t_s.abs() > LATE_S).unwrap_or_default(), ..self })
     }
 
     /// Its samples.
@@ -70,10 +84,9 @@ impl ExportedTrial {
     pub(crate) fn read(&self) -> Result<Trial, ExportError> {
         let signals = self.signals.iter().copied();
         let mut trial = read_trial_and_channels(&self.path, signals, &self.channels)?;
-        let t_s = trial.samples.get(Signal::Time).unwrap_or_default();
-        if let Some(begin_s) = t_s.first().copied().filter(|t| t.abs() > LATE_S) {
-            // As an import took it over, it may be a time of day.
-            let t_s = t_s.iter().map(|t| t - begin_s).collect();
+        if self.begin_s.abs() > 0.0 {
+            let t_s = trial.samples.get(Signal::Time).unwrap_or_default();
+            let t_s = t_s.iter().map(|t_s| t_s - self.begin_s).collect();
             trial.samples.set(Signal::Time, t_s);
         }
         // Of an unsealed session only the log knows the modes; and people may have other codes.
@@ -140,16 +153,24 @@ impl Contents {
         asked: &Asked,
         codes: Option<&Codes>,
     ) -> Result<Self, ExportError> {
+        let trials = data.counting().map(|entry| ExportedTrial::of(entry).begun());
+        let mut trials = trials.collect::<Result<Vec<_>, ExportError>>()?;
+        let late = trials.iter().filter(|trial| trial.begin_s.abs() > 0.0).map(|trial| {
+            let TrialMeta { participant, session, trial: number, .. } = &trial.meta;
+            let key = (participant.to_string(), session.to_string(), i64::from(*number));
+            (key, trial.begin_s)
+        });
+        let late: Late = late.collect();
         let sources = Sources::of(data);
         let mut left_out = Vec::new();
         let mut tables = Vec::new();
         let care = derived.iter().find(|own| own.table.name() == "trials");
-        let trials_table = trials(data, care.map(|own| &own.table), codes.is_some())?;
+        let trials_table = table_of_trials(data, care.map(|own| &own.table), codes.is_some())?;
         let own = [trials_table, participants(data, asked.people)?]
             .map(|table| Origin { table, origin: None });
         let others = derived.into_iter().filter(|own| own.table.name() != "trials");
         for Origin { table, origin } in own.into_iter().chain(others) {
-            let table = outward(&table, &sources)?;
+            let table = from_beginnings(&outward(&table, &sources)?, &late)?;
             let Some(codes) = codes else {
                 tables.push(Origin { table, origin });
                 continue;
@@ -160,19 +181,14 @@ impl Contents {
             left_out.extend(columns.into_iter().map(of));
             tables.push(Origin { table, origin: None });
         }
-        let mut trials: Vec<ExportedTrial> = data
-            .counting()
-            .map(|entry| {
-                let mut meta = entry.meta.clone();
-                if let Some(code) = codes.and_then(|codes| codes.of(&meta.participant)) {
-                    meta.participant = code.clone();
-                }
-                let mut trial = ExportedTrial::of(entry, meta);
-                // A device's own clock may be one of the day.
-                trial.signals.retain(|signal| codes.is_none() || *signal != Signal::DeviceTime);
-                trial
-            })
-            .collect();
+        for trial in trials.iter_mut() {
+            let Some(codes) = codes else { break };
+            if let Some(code) = codes.of(&trial.meta.participant) {
+                trial.meta.participant = code.clone();
+            }
+            // A device's own clock may be one of the day.
+            trial.signals.retain(|signal| *signal != Signal::DeviceTime);
+        }
         let key = |trial: &ExportedTrial| {
             let TrialMeta { participant, session, trial, .. } = &trial.meta;
             (participant.clone(), session.clone(), *trial)
@@ -257,7 +273,11 @@ fn is_simulated(data: &StudyData) -> bool {
 }
 
 /// Every trial that leaves: those with samples, and those that were only answered.
-fn trials(data: &StudyData, known: Option<&Table>, renamed: bool) -> Result<Table, ExportError> {
+fn table_of_trials(
+    data: &StudyData,
+    known: Option<&Table>,
+    renamed: bool,
+) -> Result<Table, ExportError> {
     struct Row<'a> {
         meta: TrialMeta,
         entry: Option<&'a TrialEntry>,
@@ -412,11 +432,11 @@ fn left_behind(data: &StudyData) -> Vec<String> {
     }
     let trials = reasons
         .into_iter()
-        .map(|(why, n)| format!("{} that do not count: {why}", counted(n, "trials")));
+        .map(|(why, n)| format!("{} of those that do not count: {why}", counted(n, "trials")));
     let mut lines: Vec<String> = trials.collect();
     if !data.answers_left_out.is_empty() {
-        lines
-            .push(format!("{} that do not count", counted(data.answers_left_out.len(), "answers")));
+        let answers = counted(data.answers_left_out.len(), "answers");
+        lines.push(format!("{answers} to such trials, or replaced by a later one"));
     }
     if !data.problems.is_empty() {
         lines.push(format!("{} that cannot be read", counted(data.problems.len(), "files")));
@@ -425,7 +445,7 @@ fn left_behind(data: &StudyData) -> Vec<String> {
         lines.push(format!("{} of actuators and sensors", counted(data.sweeps.len(), "sweeps")));
     }
     lines.push("logs of sessions: notes, reasons, who said what, and all clock times".to_owned());
-    lines.push("names of files that were imported, of ports, devices and computers".to_owned());
+    lines.push("names of files that were imported, of ports and computers".to_owned());
     lines.push(
         "the time at which a trial began, where its samples are more than a minute away from 0"
             .to_owned(),

@@ -13,8 +13,8 @@ use std::io::{self, Write};
 use zwidth_store::{Samples, Signal};
 
 const MAGIC: [u8; 8] = [0x89, b'M', b'C', b'A', b'P', b'0', b'\r', b'\n'];
-/// Bytes of messages in a chunk, about.
-const CHUNK: usize = 1 << 20;
+/// Bytes of messages in a chunk, about: a trial of some seconds has several, so that a reader can begin in its midst.
+const CHUNK: usize = 1 << 16;
 const CHANNEL: u16 = 1;
 const SCHEMA: u16 = 1;
 

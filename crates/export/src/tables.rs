@@ -94,3 +94,55 @@ pub(crate) fn outward(table: &Table, sources: &Sources) -> Result<Table, TableEr
     let columns = table.columns().iter().filter(|column| !is_inside(column)).cloned().chain(own);
     Table::new(table.name(), table.title(), columns.collect())
 }
+
+/// Trials whose times are counted from elsewhere than their beginning: participant, session and number,
+/// and the time of their first sample, s.
+pub(crate) type Late = BTreeMap<(String, String, i64), f64>;
+
+/// Columns with moments of a trial, as its samples count time.
+const MOMENTS: [&str; 4] = ["t_s", "onset_s", "reversal_s", "end_s"];
+
+/// A table with the moments of late trials counted from their first sample, as their samples are.
+///
+/// # Errors
+/// Those of a table.
+pub(crate) fn from_beginnings(table: &Table, late: &Late) -> Result<Table, TableError> {
+    let keys = (table.texts("participant"), table.texts("session"), table.integers("trial"));
+    let (Ok(people), Ok(sessions), Ok(trials)) = keys else { return Ok(table.clone()) };
+    let begin_s = |row: usize| {
+        let key = (people[row].clone()?, sessions[row].clone()?, trials[row]?);
+        late.get(&key).copied()
+    };
+    let columns = table.columns().iter().map(|column| match &column.values {
+        Values::Float(moments) if MOMENTS.contains(&column.field.name.as_ref()) => {
+            let moments = (0..).zip(moments).map(|(row, moment)| match begin_s(row) {
+                Some(begin_s) => moment.map(|moment| moment - begin_s),
+                None => *moment,
+            });
+            Column { field: column.field.clone(), values: Values::Float(moments.collect()) }
+        }
+        _ => column.clone(),
+    });
+    Table::new(table.name(), table.title(), columns.collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn moments_of_a_trial_that_begins_at_ten_o_clock_are_counted_from_its_beginning() {
+        let columns = vec![
+            Column::text("participant", "", ["P01", "P01"].map(Some)),
+            Column::text("session", "", ["S01", "S01"].map(Some)),
+            Column::integer("trial", "1", "", [Some(1), Some(2)]),
+            Column::float("onset_s", "s", "", [Some(36_000.5), Some(0.5)]),
+            Column::float("duration_s", "s", "", [Some(2.0), Some(2.0)]),
+        ];
+        let table = Table::new("metrics", "", columns).unwrap();
+        let late = Late::from([(("P01".to_owned(), "S01".to_owned(), 1), 36_000.0)]);
+        let found = from_beginnings(&table, &late).unwrap();
+        assert_eq!(found.floats("onset_s").unwrap(), [Some(0.5), Some(0.5)]);
+        assert_eq!(found.floats("duration_s").unwrap(), [Some(2.0), Some(2.0)]);
+    }
+}

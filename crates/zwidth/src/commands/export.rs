@@ -155,13 +155,13 @@ fn check_places(layout: &Layout, command: &ExportArgs) -> anyhow::Result<()> {
     }
     let to = free_place(layout, &command.to, "--to")?;
     if let Some(key) = &command.key {
-        let real = free_place(layout, key, "--key")?;
-        if real.starts_with(&to) {
+        if real_path(key).is_ok_and(|real| real.starts_with(&to)) {
             bail!(
                 "--key {} lies in the folder that goes to others: whoever gets it could tell who is who; choose another place",
                 key.display()
             );
         }
+        free_place(layout, key, "--key")?;
     }
     Ok(())
 }
@@ -270,7 +270,8 @@ fn sheets(contents: &Contents, asked: &Asked) -> anyhow::Result<Vec<Beside>> {
     let tables = contents.tables.iter();
     let tables: Vec<Table> =
         tables.map(|own| own.table.clone().with_mark(contents.is_simulated)).collect();
-    let bytes = workbook(&tables).context("cannot make tables.xlsx")?;
+    let bytes = workbook(&tables)
+        .context("cannot make tables.xlsx; leave xlsx out of --with where a table has more rows than a sheet can")?;
     let (path, about) = ("tables.xlsx".to_owned(), "the tables as a workbook".to_owned());
     Ok(vec![Beside { path, about, bytes }])
 }
