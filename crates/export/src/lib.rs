@@ -30,4 +30,4 @@ pub use error::ExportError;
 pub use folder::Written;
 pub use format::Format;
 pub use rename::Codes;
-pub use write::{Beside, planned, write};
+pub use write::{Beside, Key, planned, write};

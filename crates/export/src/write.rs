@@ -6,10 +6,12 @@ use crate::dictionary::{Entry, dictionary};
 use crate::folder::{Folder, Written};
 use crate::readme::readme;
 use crate::ro_crate::{check_licence, ro_crate};
-use crate::{Asked, ExportError, Format, Origin, bids, citation, mapping, mat, mcap, samples};
+use crate::{
+    Asked, Codes, ExportError, Format, Origin, bids, citation, mapping, mat, mcap, samples,
+};
 use std::collections::BTreeMap;
 use std::path::Path;
-use zwidth_store::{Files, NewFolder};
+use zwidth_store::{Files, NewFolder, keep_private, write_new};
 use zwidth_tables::csv;
 
 /// A file that is written elsewhere and goes with the others.
@@ -22,11 +24,42 @@ pub struct Beside {
     pub bytes: Vec<u8>,
 }
 
-/// Writes an export into the folder `to`, which is not there yet: it is complete or absent.
+/// The file that keeps which code is whose.
+pub struct Key<'a> {
+    /// Where it is written; nothing is there yet.
+    pub path: &'a Path,
+    /// What it keeps.
+    pub codes: &'a Codes,
+}
+
+/// Writes an export into the folder `to`, which is not there yet, and its key: both are complete, or
+/// absent.
 ///
 /// # Errors
 /// A recording that cannot be read; what a form cannot hold; the disk's.
 pub fn write(
+    files: &dyn Files,
+    to: &Path,
+    key: Option<&Key>,
+    contents: &Contents,
+    asked: &Asked,
+    beside: &[Beside],
+) -> Result<Vec<Written>, ExportError> {
+    let Some(Key { path, codes }) = key else {
+        return write_folder(files, to, contents, asked, beside);
+    };
+    // First: codes without their key would be nobody's for ever.
+    write_new(files, path, codes.key().as_bytes())?;
+    let private = keep_private(files, path).map_err(ExportError::from);
+    let written = private.and_then(|()| write_folder(files, to, contents, asked, beside));
+    if written.is_err() {
+        // The first error is the one to report; a key that stays is told when it is named again.
+        let _ = files.remove(path);
+    }
+    written
+}
+
+fn write_folder(
     files: &dyn Files,
     to: &Path,
     contents: &Contents,

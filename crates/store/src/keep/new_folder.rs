@@ -114,7 +114,8 @@ impl<'f> NewFolder<'f> {
         let synced = self.files.sync_folder(folder_of(&self.path));
         synced.map_err(|e| {
             let mut error = StoreError::io(&self.path, "sync the folder", &e);
-            error.what += "; it is there and whole, but a power cut may still take it";
+            error.what +=
+                "; it is there and whole, and whether it stays after a power cut is not known";
             error
         })
     }

@@ -12,12 +12,11 @@ use serde::Serialize;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
-use zwidth_export::{Asked, Beside, Codes, Contents, Format, Origin, Written, planned, write};
+use zwidth_export::{Asked, Beside, Codes, Contents, Format, Key, Origin, Written, planned, write};
 use zwidth_plan as plan;
 use zwidth_runner::{Again, Job, ORIGIN, states};
 use zwidth_store::{
-    Files as _, Layout, NewFolder, RealFiles, StudyData, findings, keep_private, read_entries,
-    read_regular, real_path, write_new,
+    Layout, NewFolder, RealFiles, StudyData, findings, read_entries, read_regular, real_path,
 };
 use zwidth_study::{StudyId, counted};
 use zwidth_tables::Table;
@@ -93,6 +92,10 @@ pub(crate) fn export(root: &Path, command: &ExportArgs, screen: &Screen) -> anyh
     let data = StudyData::load(&layout).map_err(|findings| join_findings(&findings))?;
     check_seals(&data)?;
     let findings = findings(&RealFiles, &data);
+    // What the system refused says nothing of a recording: the next time it may be there.
+    if let Some(refused) = findings.left_out.iter().find(|finding| finding.by_system) {
+        return Err(refused.clone().into());
+    }
     let jobs = plan::jobs(&data, &findings);
     let tables = plan::exported(&layout, &jobs);
     check_fresh(&layout, &jobs, &tables, screen)?;
@@ -117,9 +120,9 @@ pub(crate) fn export(root: &Path, command: &ExportArgs, screen: &Screen) -> anyh
     let written = if command.dry_run {
         planned(&contents, &asked, &beside)?
     } else {
-        write_with_key(command, codes.as_ref(), || {
-            Ok(write(&RealFiles, &command.to, &contents, &asked, &beside)?)
-        })?
+        let key = command.key.as_deref().zip(codes.as_ref());
+        let key = key.map(|(path, codes)| Key { path, codes });
+        write(&RealFiles, &command.to, key.as_ref(), &contents, &asked, &beside)?
     };
     let mut warnings: Vec<String> = findings.left_out.iter().map(ToString::to_string).collect();
     let exit = if warnings.is_empty() { Exit::Fine } else { Exit::Partly };
@@ -274,23 +277,6 @@ fn sheets(contents: &Contents, asked: &Asked) -> anyhow::Result<Vec<Beside>> {
         .context("cannot make tables.xlsx; leave xlsx out of --with where a table has more rows than a sheet can")?;
     let (path, about) = ("tables.xlsx".to_owned(), "the tables as a workbook".to_owned());
     Ok(vec![Beside { path, about, bytes }])
-}
-
-/// Writes the key, if there is one, and the export: both, or none.
-fn write_with_key(
-    command: &ExportArgs,
-    codes: Option<&Codes>,
-    write: impl FnOnce() -> anyhow::Result<Vec<Written>>,
-) -> anyhow::Result<Vec<Written>> {
-    let Some((codes, key)) = codes.zip(command.key.as_deref()) else { return write() };
-    // First: codes without their key would be nobody's for ever.
-    write_new(&RealFiles, key, codes.key().as_bytes())?;
-    let written = keep_private(&RealFiles, key).map_err(Into::into).and_then(|()| write());
-    if written.is_err() {
-        // The first error is the one to report; a key that stays says so when it is named again.
-        let _ = RealFiles.remove(key);
-    }
-    written
 }
 
 /// What people have to fill in before others get the data.
