@@ -1,6 +1,6 @@
 //! A study for others: what counts of it, in a folder that needs no zwidth to be read.
 //!
-//! [`Contents`] is what leaves; [`write`] lays it down. Each form is a file of its own that writes and
+//! [`Contents`] is what leaves; [`write()`] lays it down. Each form is a file of its own that writes and
 //! knows nothing of the others: tables as CSV and Parquet with a Data Package and an RO-Crate around
 //! them, and, if they are asked for ([`Format`]), the samples for BIDS, MCAP, MAT and CSV. Trials are
 //! read one at a time.

@@ -76,7 +76,7 @@ fn write_folder(
     }
 }
 
-/// The files that [`write`] would write.
+/// The files that [`write()`] would write.
 ///
 /// # Errors
 /// What a form cannot hold.
