@@ -11,6 +11,7 @@ mod average;
 mod characterise;
 mod compare;
 mod curves;
+mod exported;
 mod figures;
 mod freemotion;
 mod identify;
@@ -38,6 +39,7 @@ pub use compare::{
     spreads, verdicts,
 };
 pub use curves::{compared_curves, spreads_of_curve};
+pub use exported::{Exported, exported};
 pub use figures::font::font;
 pub use figures::{captions, chosen_in_vain, describe, on_demand};
 pub use ladder::ladders;

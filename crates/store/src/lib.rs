@@ -56,6 +56,7 @@ pub use form::parts::{PART_ROWS, TableParts, TableWriter, write_table};
 pub use form::read::{
     read_channels, read_entries, read_parquet, read_trial, read_trial_and_channels, read_trial_from,
 };
+pub use form::samples_table::SamplesWriter;
 pub use form::seen::Seen;
 pub use form::session_record::read_records;
 pub use form::signal::{COLUMNS, Column, Signal, Storage};
@@ -83,6 +84,7 @@ pub use keep::commit;
 pub use keep::commit::commit_events;
 pub use keep::journal::Journal;
 pub use keep::lay_down::{laid_down, lay_down, record_bytes};
+pub use keep::new_folder::NewFolder;
 pub use keep::open_session::{OpenSession, record_trial};
 
 pub use keep::outside_log::{GivenFile, give_metric, next_table, withdraw_metric};

@@ -173,6 +173,14 @@ pub(crate) enum Command {
         "  zwidth open thesis-twin --single-file thesis-twin.html"
     ))]
     Open(commands::open::OpenArgs),
+    /// What counts of a study as a folder for others: tables, samples, units, checksums, a licence
+    #[command(after_help = concat!(
+        "Examples:\n",
+        "  zwidth export thesis-twin --to data --dry-run\n",
+        "  zwidth export thesis-twin --to data --with bids,mat --licence CC-BY-4.0\n",
+        "  zwidth export thesis-twin --to data --rename --key key.csv"
+    ))]
+    Export(commands::export::ExportArgs),
     /// Make one figure of a study again, in another size or form, or list its figures
     #[command(after_help = concat!(
         "Examples:\n",

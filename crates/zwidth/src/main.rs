@@ -121,6 +121,7 @@ fn run(args: Args, screen: &screen::Screen) -> anyhow::Result<Exit> {
         Command::Compare(command) => commands::compare::compare(root, &command, screen),
         Command::Power(command) => commands::power::power(root, &command, screen),
         Command::Open(command) => commands::open::open(root, &command, screen),
+        Command::Export(command) => commands::export::export(root, &command, screen),
         Command::Figure(command) => commands::figure::figure(root, &command, screen),
         Command::Table(command) => commands::table::table(root, &command, screen),
         Command::Methods(command) => commands::methods::methods(root, &command, screen),

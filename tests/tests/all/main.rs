@@ -22,6 +22,7 @@ mod counting;
 mod curves;
 #[cfg(unix)]
 mod door;
+mod export;
 mod factors;
 mod findings;
 mod folders;

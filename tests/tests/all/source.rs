@@ -81,7 +81,7 @@ fn only_the_commands_that_may_hold_a_handle_that_writes_below_raw() {
     );
     assert_eq!(holders("Raw::new_study("), ["new", "twin"]);
     // The disk itself is handed to what only reads, to the two handles, and to the output of
-    // `simulate`, `trade`, `ladder`, `stability` and `open`, which have folders of their own.
+    // `simulate`, `trade`, `ladder`, `stability`, `open` and `export`, which have folders of their own.
     let writes = writes_without_handle();
     for path in files(&commands, "rs").iter().filter(|p| !p.ends_with("commands/output.rs")) {
         for line in code(&fs::read_to_string(path).unwrap()).lines() {

@@ -274,6 +274,25 @@ impl State {
         }
     }
 
+    /// Gives a folder another name, with what lies in it: the names below it are as safe as they were.
+    fn move_folder(&mut self, from: &Path, to: &Path) {
+        let moved = |nodes: &BTreeMap<PathBuf, Node>, is_self: bool| -> Vec<(PathBuf, Node)> {
+            let inside = nodes.iter().filter(|(path, _)| path.starts_with(from));
+            let inside = inside.filter(|(path, _)| is_self || path.as_path() != from);
+            inside.map(|(path, node)| (path.clone(), *node)).collect()
+        };
+        for (path, node) in moved(&self.live, true) {
+            self.live.remove(&path);
+            let Ok(below) = path.strip_prefix(from) else { continue };
+            self.live.insert(to.join(below).components().collect(), node);
+        }
+        // Below the old name they stay too: it is what a power cut leaves until the rename is synced.
+        for (path, node) in moved(&self.durable, false) {
+            let Ok(below) = path.strip_prefix(from) else { continue };
+            self.durable.insert(to.join(below), node);
+        }
+    }
+
     /// A name in the folder of this path has changed.
     fn rename_in(&mut self, path: &Path) {
         self.changes += 1;
@@ -477,9 +496,13 @@ impl Files for Memory {
     fn rename(&self, from: &Path, to: &Path) -> io::Result<()> {
         let mut state = self.state();
         state.step(false)?;
-        let file = Node::File(state.file(from)?);
-        state.live.remove(from);
-        state.live.insert(to.to_owned(), file);
+        if state.live.get(from) == Some(&Node::Folder) {
+            state.move_folder(from, to);
+        } else {
+            let file = Node::File(state.file(from)?);
+            state.live.remove(from);
+            state.live.insert(to.to_owned(), file);
+        }
         state.rename_in(from);
         state.rename_in(to);
         Ok(())

@@ -22,6 +22,7 @@ pub(crate) mod outside;
 pub(crate) mod pages;
 pub(crate) mod parts;
 pub(crate) mod read;
+pub(crate) mod samples_table;
 pub(crate) mod seen;
 pub(crate) mod session_record;
 pub(crate) mod shown;

@@ -174,7 +174,7 @@ pub(crate) fn stored(values: &[f64], storage: Storage) -> ArrayRef {
 }
 
 /// A study's own channel as a column; null throughout where the recording lacks it.
-fn channel_column(channel: &Channel, samples: &Samples) -> (Field, ArrayRef) {
+pub(crate) fn channel_column(channel: &Channel, samples: &Samples) -> (Field, ArrayRef) {
     let Channel { id, unit, description } = channel;
     let field = described(id.as_str(), DataType::Float64, true, unit, description);
     let array = match samples.channel(id) {

@@ -6,6 +6,7 @@ pub mod commit;
 pub(crate) mod journal;
 pub(crate) mod lay_down;
 pub(crate) mod mend_log;
+pub(crate) mod new_folder;
 pub(crate) mod open_log;
 pub(crate) mod open_session;
 pub(crate) mod outside_log;

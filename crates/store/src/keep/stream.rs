@@ -247,17 +247,17 @@ pub fn replace_by<E>(
 }
 
 /// A file that is written and hashed as it grows.
-struct Out {
+pub(super) struct Out {
     file: Box<dyn Append>,
     pending: Vec<u8>,
     hasher: blake3::Hasher,
     /// Why it could not be written, once it could not.
-    failed: Option<io::Error>,
+    pub(super) failed: Option<io::Error>,
 }
 
 impl Out {
     /// A new file; what an earlier write of this name left is removed.
-    fn begin(files: &dyn Files, path: &Path) -> io::Result<Self> {
+    pub(super) fn begin(files: &dyn Files, path: &Path) -> io::Result<Self> {
         if files.kind(path).is_some() {
             files.remove(path)?;
         }
@@ -265,7 +265,7 @@ impl Out {
         Ok(Self { file, pending: Vec::new(), hasher: blake3::Hasher::new(), failed: None })
     }
 
-    fn sync(&mut self) -> io::Result<()> {
+    pub(super) fn sync(&mut self) -> io::Result<()> {
         self.file.append_synced(&self.pending)?;
         self.hasher.update(&self.pending);
         self.pending.clear();

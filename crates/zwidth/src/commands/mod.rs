@@ -7,6 +7,7 @@ pub(crate) mod check;
 mod cluster;
 pub(crate) mod compare;
 pub(crate) mod device;
+pub(crate) mod export;
 pub(crate) mod figure;
 mod impedance;
 pub(crate) mod import;

@@ -137,6 +137,16 @@ pub(super) const CASES: &[Case] = &[
         verifies: false,
         stride: 397,
     },
+    Case {
+        name: "export",
+        prepare: with_results,
+        line: "export demo --to out --with bids,mcap,mat,samples-csv,xlsx",
+        looked_at: &["out/"],
+        recovers: false,
+        verifies: false,
+        stride: 97,
+        ..WHOLE
+    },
 ];
 
 const BLINDED: &str = "acquire demo -p P01 -s S01 --plain --auto --fast --key keys";
@@ -208,6 +218,12 @@ fn given(program: &Path, root: &Path) -> anyhow::Result<()> {
 fn simulated(program: &Path, root: &Path) -> anyhow::Result<()> {
     std::fs::create_dir_all(root)?;
     run(program, root, "twin demo --participants 1 --sessions 1 --rate 250")
+}
+
+/// A simulated study and its results.
+fn with_results(program: &Path, root: &Path) -> anyhow::Result<()> {
+    simulated(program, root)?;
+    run(program, root, "run demo --quiet")
 }
 
 /// Two people and a sweep, with a `study.toml` that was changed since.

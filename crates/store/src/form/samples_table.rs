@@ -1,0 +1,181 @@
+//! The samples of many trials as one table: a row group for each trial, with the keys of the trial
+//! beside them. Memory holds one trial.
+
+use crate::form::encode::{GROUP_ROWS, recorded};
+use crate::form::write::{all_entries, cannot_encode, channel_column, described, signal_column};
+use crate::{Samples, Signal, StoreError};
+use arrow::array::{ArrayRef, Float64Array, Int32Array, RecordBatch, StringArray};
+use arrow::datatypes::{DataType, Field, Schema, SchemaRef};
+use parquet::arrow::ArrowWriter;
+use parquet::arrow::arrow_writer::ArrowWriterOptions;
+use std::collections::BTreeMap;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use zwidth_study::{Channel, TaskLevel, TrialMeta};
+
+/// Writes the samples of trials into one Parquet file.
+pub struct SamplesWriter<W: Write + Send> {
+    path: PathBuf,
+    schema: SchemaRef,
+    signals: Vec<Signal>,
+    channels: Vec<Channel>,
+    tasks: bool,
+    writer: ArrowWriter<W>,
+}
+
+impl<W: Write + Send> SamplesWriter<W> {
+    /// Begins a file with a column for each of these signals and channels, and with what was presented
+    /// where there are `tasks`; `path` is its final place, for errors.
+    ///
+    /// # Errors
+    /// Those of `out`.
+    pub fn begin(
+        out: W,
+        signals: &[Signal],
+        channels: &[Channel],
+        tasks: bool,
+        path: &Path,
+    ) -> Result<Self, StoreError> {
+        let signals = signals.to_vec();
+        let channels = channels.to_vec();
+        let fields = key_columns(None, 0, tasks).into_iter().map(|(field, _)| field);
+        let own = sample_columns(&Samples::default(), &signals, &channels).into_iter();
+        let fields: Vec<Field> = fields.chain(own.map(|(field, _)| field)).collect();
+        let schema = Arc::new(Schema::new(fields));
+        let encoded = |e| cannot_encode(path, &e);
+        let properties = recorded(&schema, Vec::new(), Some(GROUP_ROWS)).map_err(encoded)?;
+        let options = ArrowWriterOptions::new().with_properties(properties);
+        let options = options.with_skip_arrow_metadata(true); // it is among the entries
+        let writer = ArrowWriter::try_new_with_options(out, schema.clone(), options);
+        let writer = writer.map_err(encoded)?;
+        Ok(Self { path: path.to_owned(), schema, signals, channels, tasks, writer })
+    }
+
+    /// The columns of the file: name, unit, description, type in Arrow.
+    pub fn fields(&self) -> impl Iterator<Item = (&str, &str, &str, String)> {
+        self.schema.fields().iter().map(|field| {
+            let said = |key| field.metadata().get(key).map_or("", String::as_str);
+            let kind = field.data_type().to_string();
+            (field.name().as_str(), said("unit"), said("description"), kind)
+        })
+    }
+
+    /// Adds a trial, in a row group of its own: in several where it is longer than one may be.
+    ///
+    /// # Errors
+    /// Those of `out`.
+    pub fn add(&mut self, meta: &TrialMeta, samples: &Samples) -> Result<(), StoreError> {
+        let keys = key_columns(Some(meta), samples.len(), self.tasks).into_iter();
+        let own = sample_columns(samples, &self.signals, &self.channels);
+        let arrays = keys.chain(own).map(|(_, array)| array).collect();
+        let batch = RecordBatch::try_new(self.schema.clone(), arrays)
+            .map_err(|e| StoreError::defect(&self.path, &e))?;
+        let written = self.writer.write(&batch).and_then(|()| self.writer.flush());
+        written.map_err(|e| cannot_encode(&self.path, &e))
+    }
+
+    /// Ends the file, with what its footer says.
+    ///
+    /// # Errors
+    /// Those of `out`.
+    pub fn end(mut self, footer: BTreeMap<String, String>) -> Result<(), StoreError> {
+        for entry in all_entries(&self.schema, footer) {
+            self.writer.append_key_value_metadata(entry);
+        }
+        self.writer.close().map(drop).map_err(|e| cannot_encode(&self.path, &e))
+    }
+}
+
+fn sample_columns(
+    samples: &Samples,
+    signals: &[Signal],
+    channels: &[Channel],
+) -> Vec<(Field, ArrayRef)> {
+    let signals = signals.iter().map(|signal| signal_column(signal.column(), samples));
+    signals.chain(channels.iter().map(|channel| channel_column(channel, samples))).collect()
+}
+
+/// Which trial a sample is of, the same for each of its `n` samples.
+fn key_columns(meta: Option<&TrialMeta>, n: usize, tasks: bool) -> Vec<(Field, ArrayRef)> {
+    let words = [
+        ("participant", meta.map(|m| m.participant.as_str()), "who"),
+        ("session", meta.map(|m| m.session.as_str()), "in which session"),
+        ("environment", meta.map(|m| m.environment.as_str()), "what was rendered"),
+        ("mode", meta.map(|m| m.mode.as_str()), "how it was rendered"),
+        ("source", meta.map(|m| m.source.as_str()), "where its numbers come from"),
+    ];
+    let text = |(name, value, about): (&str, Option<&str>, &str)| {
+        let array: ArrayRef = Arc::new(StringArray::from(vec![value; n]));
+        (described(name, DataType::Utf8, true, "1", about), array)
+    };
+    let whole = |name: &str, value: Option<u32>, about: &str| {
+        let value = value.and_then(|value| i32::try_from(value).ok());
+        let array: ArrayRef = Arc::new(Int32Array::from(vec![value; n]));
+        (described(name, DataType::Int32, true, "1", about), array)
+    };
+    let [participant, session, environment, mode, source] = words.map(text);
+    let trial = whole("trial", meta.map(|m| m.trial), "its number in the session");
+    let repeat = whole("repeat", meta.map(|m| m.repeat), "of its condition");
+    let mut columns = vec![participant, session, trial, repeat, environment, mode, source];
+    if tasks {
+        let presented = meta.and_then(|meta| meta.presented.as_ref());
+        let interval = presented.map(|own| own.interval.into());
+        let level = presented.and_then(|own| own.level).map(TaskLevel::value);
+        columns.push(text((
+            "task",
+            presented.map(|own| own.task.as_str()),
+            "the task of the presentation; null outside of tasks",
+        )));
+        columns.push(whole("interval", interval, "which interval of a presentation, from 1"));
+        let about = "what was presented, in the unit of what the task varies";
+        let array: ArrayRef = Arc::new(Float64Array::from(vec![level; n]));
+        columns.push((described("level", DataType::Float64, true, "1", about), array));
+    }
+    columns
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::form::read::tests::{sample_trial, written};
+    use arrow::array::AsArray;
+    use arrow::datatypes::{Float32Type, Float64Type, Int32Type};
+    use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+
+    #[test]
+    fn each_trial_is_a_row_group_with_its_keys_and_what_it_lacks_is_null() {
+        let (_folder, _, path) = written();
+        let whole = crate::read_trial(&path, Signal::all()).unwrap();
+        let mut without = sample_trial();
+        without.meta.trial = 18;
+        let t = without.samples.get(Signal::Time).unwrap().to_vec();
+        without.samples = Samples::default();
+        without.samples.set(Signal::Time, t);
+        let mut bytes = Vec::new();
+        let signals = [Signal::Time, Signal::Theta, Signal::VoltageMotor];
+        let mut writer =
+            SamplesWriter::begin(&mut bytes, &signals, &[], false, Path::new("x")).unwrap();
+        let fields: Vec<String> = writer.fields().map(|(name, ..)| name.to_owned()).collect();
+        writer.add(&whole.meta, &whole.samples).unwrap();
+        writer.add(&without.meta, &without.samples).unwrap();
+        writer.end(BTreeMap::from([("source".to_owned(), "twin".to_owned())])).unwrap();
+        let keys = "participant session trial repeat environment mode source";
+        assert_eq!(fields.join(" "), format!("{keys} t_s theta_rad voltage_motor_v"));
+        let file = ParquetRecordBatchReaderBuilder::try_new(bytes::Bytes::from(bytes)).unwrap();
+        let groups = file.metadata().row_groups().iter();
+        assert_eq!(groups.map(|group| group.num_rows()).collect::<Vec<_>>(), [200, 200]);
+        let rows: Vec<RecordBatch> =
+            file.with_batch_size(200).build().unwrap().map(Result::unwrap).collect();
+        let numbers = |batch: &RecordBatch, name: &str| {
+            batch.column_by_name(name).unwrap().as_primitive::<Float64Type>().values().to_vec()
+        };
+        assert_eq!(numbers(&rows[0], "theta_rad"), whole.samples.get(Signal::Theta).unwrap());
+        let volts = rows[0].column_by_name("voltage_motor_v").unwrap();
+        let volts = volts.as_primitive::<Float32Type>().values().iter().map(|v| f64::from(*v));
+        assert!(volts.eq(whole.samples.get(Signal::VoltageMotor).unwrap().iter().copied()));
+        assert_eq!(rows[1].column_by_name("theta_rad").unwrap().null_count(), 200);
+        let trials = rows[1].column_by_name("trial").unwrap();
+        assert_eq!(trials.as_primitive::<Int32Type>().value(0), 18);
+    }
+}
