@@ -163,7 +163,9 @@ def uneven(zwidth, root):
     curve = np.column_stack([0.08 * np.cos(speed * t), 0.05 * np.sin(2 * speed * t), 0.03 * np.sin(speed * t)])
     places = np.round(curve + chance.normal(0, 1e-4, curve.shape), 7)
     forces = np.round(np.column_stack([np.cos(t), 0.5 * np.sin(t), 1 + 0.2 * t]) + chance.normal(0, 0.05, curve.shape), 6)
-    np.savetxt(root / "uneven.csv", np.column_stack([t, places, forces]), fmt="%.9g", delimiter=",", header="t,x,y,z,fx,fy,fz", comments="")
+    names = "t,x,y,z,fx,fy,fz"
+    table = np.column_stack([t, places, forces])
+    np.savetxt(root / "uneven.csv", table, fmt="%.9g", delimiter=",", header=names, comments="")
     run(zwidth, "--root", root, "new", "uneven", "--imported")
     file = root / "raw/uneven/study.toml"
     text = file.read_text(encoding="utf-8").replace("schema = 2", "schema = 3").replace("# lever_m = 0.05", "lever_m = 0.1")
@@ -176,7 +178,8 @@ def uneven(zwidth, root):
     mapping += '[[column]]\nto = "theta_rad"\nderive = "along push"\norigin = [0.0, 0.0, 0.02]\n'
     mapping += '[[column]]\nto = "force_ex_n"\nderive = "along push"\n'
     (root / "uneven.toml").write_text(mapping, encoding="utf-8")
-    run(zwidth, "--root", root, "import", "uneven", "--map", root / "uneven.toml", root / "uneven.csv", codes=DONE_OR_WITH_CARE)
+    mapped = ["--map", root / "uneven.toml", root / "uneven.csv"]
+    run(zwidth, "--root", root, "import", "uneven", *mapped, codes=DONE_OR_WITH_CARE)
     run(zwidth, "--root", root, "run", "uneven", "--quiet", codes=DONE_OR_WITH_CARE)
     (row,) = pq.read_table(root / "derived/uneven/metrics.parquet").to_pylist()
     expect = in_space(t, places, forces)

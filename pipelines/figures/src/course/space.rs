@@ -245,8 +245,8 @@ pub fn force_magnitude(scene: &EnvironmentData, rest_n: &BTreeMap<u32, f64>) -> 
     Figure {
         title: Some(title(scene, "magnitude of the force")),
         description: format!(
-            "{}, environment {}: magnitude of the force in all recorded axes against time, a panel for each mode, every \
-             repeat; the dashed line is its mean at rest, before and after the movement in space.",
+            "{}, environment {}: magnitude of the force in all recorded axes against time, a panel for \
+             each mode, every repeat; the dashed line is its mean at rest, before and after the movement in space.",
             scene.who, scene.environment.label,
         ),
         panels: panels.collect(),
