@@ -43,6 +43,7 @@ mod record;
 mod records;
 mod results;
 mod run;
+mod script;
 mod shard;
 mod state;
 mod survey;
@@ -59,6 +60,9 @@ pub use record::Record;
 pub use records::Records;
 pub use results::Results;
 pub use run::{Done, JobEnd, Options, Report, run, wanted};
+pub use script::{
+    ENVIRONMENT, HeldSignals, MOST_PRINTED, Script, ScriptError, Scripts, last_printed, run_script,
+};
 pub use shard::{MOST_SHARDS, Shard};
 pub use state::{Again, State, states};
 pub use survey::{Share, Survey, survey};

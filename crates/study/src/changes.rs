@@ -45,13 +45,14 @@ impl std::fmt::Display for StudyChange {
 }
 
 /// The lists of a study, whose elements have ids.
-const LISTS: [&str; 9] = [
+const LISTS: [&str; 10] = [
     "environments",
     "modes",
     "questions",
     "channels",
     "people",
     "metrics",
+    "stage",
     "scores",
     "tasks",
     "factors",
@@ -152,7 +153,7 @@ fn affects(key: &str) -> Affects {
         | ["analysis", ..]
         | ["compare", ..]
         | ["perception", ..]
-        | ["people" | "metrics" | "scores" | "factors", ..]
+        | ["people" | "metrics" | "stage" | "scores" | "factors", ..]
         | ["replay", ..]
         | ["figures" | "scenes", ..] => Affects::Nothing,
         ["environments" | "modes", _, "label" | "factors", ..]

@@ -27,6 +27,7 @@ mod locate;
 mod model;
 pub mod order;
 mod own_metric;
+mod own_stage;
 mod people;
 mod perception;
 mod printable;
@@ -64,7 +65,7 @@ pub use figures::{Alignment, Figures, OwnFigures};
 pub use form::{CURRENT_BRAKE, CURRENT_MOTOR, Channel, REFERENCE, Schema, TrialForm};
 pub use id::{
     ActuatorId, ChannelId, EnvironmentId, ExperimenterId, FactorId, IdError, LevelId, MetricId,
-    ModeId, ParticipantId, PersonColumnId, QuestionId, SceneFigureId, SessionId, StudyId,
+    ModeId, ParticipantId, PersonColumnId, QuestionId, SceneFigureId, SessionId, StageId, StudyId,
 };
 pub use label::{contrast_label, curve_label, in_a_sentence, ratio_label};
 pub use law::{ActuatorKind, ModeLaw};
@@ -75,6 +76,7 @@ pub use model::{
     Question, Resistances, Study,
 };
 pub use own_metric::{OwnMetric, Statistic, TrialPart};
+pub use own_stage::{GivenFigure, GivenMetric, OwnStage, StageFormat};
 pub use people::{Known, People, PeopleForm, Person, PersonColumn, PersonValue};
 pub use perception::{Measured, MeasuredJnd, Perception, VibrationCurve, is_felt};
 pub use printable::{printable, printable_lines};

@@ -2,8 +2,8 @@
 
 use crate::{
     ActuatorKind, AnswerScale, Axes, Channel, Compare, Control, EnvironmentId, Factor, Figures,
-    Levels, ModeId, ModeLaw, OwnMetric, Perception, PersonColumn, QuestionId, ReplayModel, Scene,
-    SceneFigure, Schema, Score, StudyId, Task, TaskLevel,
+    Levels, ModeId, ModeLaw, OwnMetric, OwnStage, Perception, PersonColumn, QuestionId,
+    ReplayModel, Scene, SceneFigure, Schema, Score, StudyId, Task, TaskLevel,
 };
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -53,6 +53,8 @@ pub struct Study {
     pub people: Vec<PersonColumn>,
     /// The study's own metrics, in the order of the file.
     pub metrics: Vec<OwnMetric>,
+    /// The study's own stages, in the order of the file.
+    pub stages: Vec<OwnStage>,
     /// Scores of several answers, in the order of the file.
     pub scores: Vec<Score>,
     /// What can be felt, measured by answers.
