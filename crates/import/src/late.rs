@@ -2,69 +2,31 @@
 //! answer and fixed column names, without a mapping file.
 
 use super::guess_read::{Looked, look};
-use super::identity::{id, number, written};
+use super::identity::{id, written};
 use super::mapping::CellForm;
+use super::named_trial::{Header, NamedTrial, TrialColumns, parsed};
 use super::recording::Recording;
-use super::table::Cell;
 use std::collections::BTreeMap;
 use std::path::Path;
 use zwidth_store::{FirstErrors, StoreError};
-use zwidth_study::{AnswerValue, EnvironmentId, ModeId, ParticipantId, QuestionId, SessionId};
+use zwidth_study::{AnswerValue, QuestionId};
 
 /// The remedy for a wrong row.
 const MEND: &str = "mend the row, or remove it; nothing was written";
-
-/// The trial of its session that a row means.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum TrialMeant {
-    /// The trial of this number.
-    Number(u32),
-    /// This repeat of a condition.
-    Repeat {
-        /// The condition's environment.
-        environment: EnvironmentId,
-        /// The condition's mode.
-        mode: ModeId,
-        /// The repeat, from 1.
-        repeat: u32,
-    },
-}
-
-/// What a row says about a trial that it names by number, in the columns beside the number. It must
-/// be true, because otherwise it is not known which of them is right.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Claims {
-    /// The id of its environment, or the label.
-    pub environment: Option<String>,
-    /// The id of its mode, or the label.
-    pub mode: Option<String>,
-    /// Its repeat.
-    pub repeat: Option<u32>,
-}
+/// The remedy for a column that is missing.
+const NAMES: &str = "name the columns participant, session, trial (or environment, mode and repeat), question and answer in \
+                     its first line";
 
 /// One row.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct LateAnswer {
-    /// Whose answer.
-    pub participant: ParticipantId,
-    /// In which session; `None` where the table has no such column.
-    pub session: Option<SessionId>,
     /// After which trial.
-    pub trial: TrialMeant,
-    /// Claims of the row about the trial, besides its number.
-    pub claims: Claims,
+    pub of: NamedTrial,
     /// To which question; `None` where the table has no such column.
     pub question: Option<QuestionId>,
     /// The answer.
     pub value: AnswerValue,
     row: usize,
-}
-
-impl LateAnswer {
-    /// Whether the trial's number is all that says which one is meant.
-    pub fn is_number_alone(&self) -> bool {
-        matches!(self.trial, TrialMeant::Number(_)) && self.claims == Claims::default()
-    }
 }
 
 /// A table of answers, read.
@@ -122,133 +84,41 @@ impl LateAnswers {
 
 /// The places of the columns.
 struct Columns {
-    participant: usize,
-    session: Option<usize>,
     trial: TrialColumns,
     question: Option<usize>,
     answer: usize,
 }
 
-enum TrialColumns {
-    Number { trial: usize, environment: Option<usize>, mode: Option<usize>, repeat: Option<usize> },
-    Repeat { environment: usize, mode: usize, repeat: usize },
-}
-
 impl Columns {
-    /// Names are the same in any case.
     fn of(recording: &Recording) -> Result<Self, StoreError> {
-        let names = recording.table.names.iter().flatten();
-        let names: Vec<String> = names.map(|name| name.trim().to_lowercase()).collect();
-        let find = |name: &str| names.iter().position(|other| other == name);
-        let needed = |name: &str| {
-            find(name).ok_or_else(|| {
-                let what = format!(
-                    "there is no column '{name}'; the table has {}",
-                    if names.is_empty() { "no header".to_owned() } else { names.join(", ") }
-                );
-                let remedy = "name the columns participant, session, trial (or environment, mode and repeat), \
-                              question and answer in its first line";
-                recording.error(what, remedy)
-            })
-        };
-        let trial = match (find("trial"), find("environment")) {
-            (None, Some(environment)) => TrialColumns::Repeat {
-                environment,
-                mode: needed("mode")?,
-                repeat: needed("repeat")?,
-            },
-            _ => TrialColumns::Number {
-                trial: needed("trial")?,
-                environment: find("environment"),
-                mode: find("mode"),
-                repeat: find("repeat"),
-            },
-        };
+        let header = Header::of(recording, NAMES);
         Ok(Self {
-            participant: needed("participant")?,
-            session: find("session"),
-            trial,
-            question: find("question"),
-            answer: needed("answer")?,
+            trial: TrialColumns::of(&header)?,
+            question: header.find("question"),
+            answer: header.needed("answer")?,
         })
     }
 
     fn row(&self, recording: &Recording, row: usize) -> Result<LateAnswer, StoreError> {
-        let (trial, claims) = match self.trial {
-            TrialColumns::Number { trial, environment, mode, repeat } => {
-                // A cell that is empty claims nothing.
-                let [environment, mode, repeat] = [environment, mode, repeat].map(|column| {
-                    column
-                        .filter(|column| recording.table.columns[*column].cell(row) != Cell::Empty)
-                });
-                let claims = Claims {
-                    environment: environment.map(|at| text(recording, at, row)).transpose()?,
-                    mode: mode.map(|at| text(recording, at, row)).transpose()?,
-                    repeat: repeat
-                        .map(|at| parsed(recording, at, row, |text| number("repeat", text)))
-                        .transpose()?,
-                };
-                let trial = parsed(recording, trial, row, |text| number("trial", text))?;
-                (TrialMeant::Number(trial), claims)
-            }
-            TrialColumns::Repeat { environment, mode, repeat } => {
-                let trial = TrialMeant::Repeat {
-                    environment: parsed(recording, environment, row, id)?,
-                    mode: parsed(recording, mode, row, id)?,
-                    repeat: parsed(recording, repeat, row, |text| number("repeat", text))?,
-                };
-                (trial, Claims::default())
-            }
-        };
-        let code = text(recording, self.participant, row)?;
-        let session = self.session.map(|at| parsed(recording, at, row, id)).transpose();
-        let question = self.question.map(|at| parsed(recording, at, row, id)).transpose();
+        let of = self.trial.row(recording, row, MEND)?;
+        let question = self.question.map(|at| parsed(recording, at, row, MEND, id)).transpose();
         let decimal_comma =
             recording.has_decimal_comma(&recording.table.columns[self.answer].cell(row));
-        let value = parsed(recording, self.answer, row, |text| {
+        let value = parsed(recording, self.answer, row, MEND, |text| {
             // Which numbers its scale has is not known here.
             written(text, decimal_comma)
                 .ok_or_else(|| format!("the answer '{text}' must be a number"))
         })?;
-        Ok(LateAnswer {
-            participant: id(&code).map_err(|why| at(recording, self.participant, row, &why))?,
-            session: session?,
-            trial,
-            claims,
-            question: question?,
-            value,
-            row,
-        })
+        Ok(LateAnswer { of, question: question?, value, row })
     }
-}
-
-/// The text of a cell, which must not be empty.
-fn text(recording: &Recording, column: usize, row: usize) -> Result<String, StoreError> {
-    let text = recording.table.columns[column].cell(row).to_string().trim().to_owned();
-    if text.is_empty() {
-        return Err(at(recording, column, row, "the cell is empty"));
-    }
-    Ok(text)
-}
-
-/// Parses the text of a cell.
-fn parsed<T>(
-    recording: &Recording,
-    column: usize,
-    row: usize,
-    parse: impl FnOnce(&str) -> Result<T, String>,
-) -> Result<T, StoreError> {
-    parse(&text(recording, column, row)?).map_err(|why| at(recording, column, row, &why))
-}
-
-fn at(recording: &Recording, column: usize, row: usize, what: &str) -> StoreError {
-    recording.cell_error(column, row, what, MEND)
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::named_trial::{Claims, TrialMeant};
     use super::super::world::World;
     use super::*;
+    use zwidth_study::SessionId;
 
     fn read(text: &str) -> Result<LateAnswers, FirstErrors> {
         LateAnswers::read(&World::new().file("ratings.csv", text))
@@ -269,9 +139,9 @@ mod tests {
         let found =
             rows("Answer;remark;Participant;TRIAL;session\n4;ok;P01;7;S02\n-1.0;;P02;8;S01\n");
         let [first, second] = &found.rows[..] else { panic!("{:?}", found.rows) };
-        assert_eq!((first.participant.as_str(), first.value), ("P01", 4.into()));
-        assert_eq!(first.session.as_ref().map(SessionId::as_str), Some("S02"));
-        assert_eq!((&first.trial, &first.question), (&TrialMeant::Number(7), &None));
+        assert_eq!((first.of.participant.as_str(), first.value), ("P01", 4.into()));
+        assert_eq!(first.of.session.as_ref().map(SessionId::as_str), Some("S02"));
+        assert_eq!((&first.of.trial, &first.question), (&TrialMeant::Number(7), &None));
         assert_eq!((second.value, found.place(second)), ((-1).into(), "line 3".to_owned()));
     }
 
@@ -295,7 +165,7 @@ mod tests {
             mode: Some(mode.to_owned()),
             repeat,
         };
-        let found: Vec<Claims> = found.rows.iter().map(|row| row.claims.clone()).collect();
+        let found: Vec<Claims> = found.rows.iter().map(|row| row.of.claims.clone()).collect();
         assert_eq!(found, [claims("active", None, Some(2)), claims("Soft", Some("spring"), None)]);
         let error = told("participant,trial,repeat,answer\nP01,7,x,4\n");
         assert!(error.contains("column repeat, row 1: repeat 'x' must be"), "{error}");
@@ -318,7 +188,7 @@ mod tests {
         let environment = "spring".parse().unwrap();
         let mode = "active".parse().unwrap();
         let meant = TrialMeant::Repeat { environment, mode, repeat: 2 };
-        assert_eq!(found.rows[0].trial, meant);
+        assert_eq!(found.rows[0].of.trial, meant);
         assert_eq!(found.rows[0].question.as_ref().map(QuestionId::as_str), Some("q1"));
     }
 

@@ -41,6 +41,7 @@ mod jsonl;
 mod judgement;
 #[cfg(test)]
 mod killed;
+mod known_trials;
 mod label;
 mod labelled;
 mod labview;
@@ -54,10 +55,12 @@ mod matlab;
 mod mend;
 #[cfg(test)]
 mod mistakes;
+mod named_trial;
 mod npy;
 mod once;
 mod order;
 mod outline;
+mod outside;
 mod parquet;
 mod people;
 mod plain;
@@ -91,8 +94,11 @@ mod zip;
 
 pub use context::{Step, bytes_of};
 pub use guess::{Guess, guess};
-pub use late::{Claims, LateAnswer, LateAnswers, TrialMeant};
+pub use known_trials::{KnownTrial, Labels, SessionTrials, StudyTrials};
+pub use late::{LateAnswer, LateAnswers};
 pub use mapping::Mapping;
+pub use named_trial::{Claims, NamedTrial, TrialMeant};
+pub use outside::outside_values;
 pub use report::{ColumnDropped, FileReport, Report, RowsDropped, Unplanned};
 pub use trajectory::{Trajectory, texts, trajectory};
 

@@ -17,6 +17,7 @@ mod identify;
 mod ladder;
 mod likert;
 mod metrics;
+mod outside;
 mod page;
 mod people;
 mod rehearsed;

@@ -3,6 +3,7 @@
 //! each session, because `identify` depends on every trial. The study's table has both kinds.
 
 use crate::identify::{known_plant, plant_with_spread};
+use crate::outside::{Joined, joined};
 use crate::shared::conditions::{Repeats, is_any, repeats};
 use crate::shared::handle::Derived;
 use crate::shared::making::{derived, join_sessions, read_shared, read_tables, write_tables};
@@ -11,7 +12,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use zwidth_metrics::{Parameters, TrialMetrics, own_metrics};
-use zwidth_results::{TrialEvent, TrialRemark};
+use zwidth_results::{OutsideValue, TrialEvent, TrialRemark};
 use zwidth_runner::{Job, JobError, Made, Making, Stage, strip_root};
 use zwidth_store::{Asked, Layout, OpenTrial, Signal, StoreError, StudyData};
 use zwidth_study::{Condition, MetricId, TrialMeta};
@@ -111,16 +112,19 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
     }
     let [metrics, conditions] = study_files(&data.layout);
     let whole = vec![metrics.clone()];
+    let (outside, tables): (Vec<Joined>, Vec<_>) = joined(data).into_iter().unzip();
+    let mut own: Vec<MetricId> = own_metrics(&data.study).map(|own| own.id.clone()).collect();
+    own.extend(outside.iter().map(|outside| outside.metric.column.clone()));
     jobs.push(Job::new(
         STAGE,
         "metrics of the study",
-        (),
-        sessions,
+        // Nothing in a study without them, as it was before there were any.
+        Some(outside).filter(|outside| !outside.is_empty()),
+        (sessions, tables),
         whole,
-        |(), sessions, making| Ok(join_sessions(sessions, join_tables, making)),
+        join_study,
     ));
     let name = "metrics by condition";
-    let own: Vec<MetricId> = own_metrics(&data.study).map(|own| own.id.clone()).collect();
     let parameters = ByCondition { conditions: data.study.conditions(), own };
     let outputs = vec![conditions];
     jobs.push(Job::new(
@@ -247,6 +251,21 @@ fn make_session(
     let events = rows.iter().flat_map(|row| row.events.iter().map(|event| event.of(&row.meta)));
     let tables = [metrics, Table::of_rows(&events.collect::<Vec<_>>())?, Table::of_rows(&remarks)?];
     Ok(Made { care, ..write_tables(&tables, making, problems)? })
+}
+
+/// The tables of all sessions as one, with the metrics of other programs as further columns.
+fn join_study(
+    outside: &Option<Vec<Joined>>,
+    (sessions, tables): &(Vec<Vec<PathBuf>>, Vec<Derived<OutsideValue>>),
+    making: &Making,
+) -> Result<Made, JobError> {
+    let outside = outside.iter().flatten().zip(tables).map(|(joined, table)| joined.column(table));
+    let outside = outside.collect::<Result<Vec<_>, _>>()?;
+    let join = move |tables: &[PathBuf]| match outside.as_slice() {
+        [] => join_tables(tables),
+        outside => Ok(zwidth_metrics::join_outside(&join_tables(tables)?, outside)?),
+    };
+    Ok(join_sessions(sessions, join, making))
 }
 
 /// The two tables of a session as one.

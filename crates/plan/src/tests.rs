@@ -27,6 +27,7 @@ pub(crate) fn data() -> StudyData {
         study,
         people: zwidth_study::People::default(),
         sweeps: Vec::new(),
+        outside: Vec::new(),
         sessions: Vec::new(),
         problems: Vec::new(),
         warnings: Vec::new(),

@@ -1,5 +1,6 @@
 //! Which trial a row is about, what happened in it, and the remarks on it.
 
+use crate::column::UNIT_OF_ROW;
 use crate::note::NoteKind;
 use crate::row::{of_condition, of_trial, rows};
 use crate::sentence::Sentence;
@@ -60,6 +61,18 @@ rows! {
         event: EventKind,
         /// when, as the trial's samples count time
         t_s: f64 = "s",
+    }
+
+    /// A value of a metric that another program computed.
+    OutsideValue = "values", "Values from outside of zwidth, one row per trial" {
+        /// who
+        participant: ParticipantId,
+        /// in which session
+        session: SessionId,
+        /// its number in the session
+        trial: u32,
+        /// the value, in the unit of the metric; null where there is none
+        value: Option<f64> = UNIT_OF_ROW,
     }
 
     /// A trial that has no metrics, or whose metrics are to be read with care.

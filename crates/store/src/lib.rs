@@ -51,6 +51,7 @@ pub use form::footer::{TrialFooter, read_footer};
 pub use form::frame::Protocol;
 pub use form::json::{MOST_KEYS, from_json};
 pub use form::measure::{decoded_rows, encoded_column};
+pub use form::outside::{OutsideRow, outside_bytes};
 pub use form::parts::{PART_ROWS, TableParts, TableWriter, write_table};
 pub use form::read::{
     read_channels, read_entries, read_parquet, read_trial, read_trial_and_channels, read_trial_from,
@@ -65,6 +66,7 @@ pub use judge::alike::{check_session_ids, check_study_id};
 pub use judge::lately::Lately;
 pub use judge::one_form::check_form;
 pub use judge::open::OpenTrial;
+pub use judge::outside::OutsideEntry;
 pub use judge::people::{ChangedGroup, PersonChanges, read_people};
 pub use judge::plausible::{Asked, Plateau, plateau};
 pub use judge::samples::{CHECKED, check_samples};
@@ -83,6 +85,7 @@ pub use keep::journal::Journal;
 pub use keep::lay_down::{laid_down, lay_down, record_bytes};
 pub use keep::open_session::{OpenSession, record_trial};
 
+pub use keep::outside_log::{GivenFile, give_metric, withdraw_metric};
 pub use keep::recover::recover;
 pub use keep::recovered::{Done, Recovered};
 pub use keep::stream::{Staged, TrialWriter, replace_by};

@@ -1,10 +1,14 @@
 //! Events: what happened to a session after, or besides, its samples. They are append-only.
 
 use crate::words::words;
-use crate::{ActuatorId, AnswerValue, LevelId, ModeId, PersonColumnId, QuestionId, TaskLevel};
+use crate::{
+    ActuatorId, AnswerValue, Better, LevelId, MetricId, ModeId, PersonColumnId, QuestionId,
+    TaskLevel,
+};
 use serde::{Deserialize, Serialize};
 
-/// One line of `sessions/<participant>_<session>.events.jsonl`, or of `sweeps.events.jsonl`.
+/// One line of `sessions/<participant>_<session>.events.jsonl`, of `sweeps.events.jsonl`, or of
+/// `own.events.jsonl`.
 ///
 /// Files under `trials/` never change; whatever comes later is an event, joined to the trials by
 /// the store when it reads.
@@ -24,6 +28,35 @@ pub enum Event {
         sweep: u32,
         /// BLAKE3 of the whole file, hexadecimal.
         blake3: String,
+    },
+    /// A table of values of a metric was given that another program computed.
+    MetricGiven {
+        /// The metric, without prefix and unit.
+        metric: MetricId,
+        /// The number of its table, from 1; the last one counts.
+        table: u32,
+        /// Its unit.
+        unit: String,
+        /// What people call it.
+        label: String,
+        /// Which values are better.
+        better: Better,
+        /// Who computed it, where that was said.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        program: Option<String>,
+        /// The name of the file that was given, without its folder.
+        file: String,
+        /// BLAKE3 of the file that was given, hexadecimal.
+        file_blake3: String,
+        /// BLAKE3 of the table as it is kept, hexadecimal. The table names the hash of each recording.
+        blake3: String,
+    },
+    /// No table of a metric that was given counts, up to here.
+    MetricWithdrawn {
+        /// The metric, without prefix and unit.
+        metric: MetricId,
+        /// Why, in words.
+        reason: String,
     },
     /// A trial's file was finished.
     Recorded {
@@ -160,6 +193,8 @@ impl Event {
             // Listed, so that whoever adds an event decides here.
             Self::LaidDown { .. }
             | Self::SweepRecorded { .. }
+            | Self::MetricGiven { .. }
+            | Self::MetricWithdrawn { .. }
             | Self::Unsealed { .. }
             | Self::StudyAccepted { .. }
             | Self::PersonAccepted { .. } => None,

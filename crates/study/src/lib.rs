@@ -26,6 +26,7 @@ mod level_contrast;
 mod locate;
 mod model;
 pub mod order;
+mod outside;
 mod own_metric;
 mod own_stage;
 mod people;
@@ -75,6 +76,7 @@ pub use model::{
     Analysis, Condition, Coordinate, Design, Device, Environment, Masses, Mode, OrderScheme,
     Question, Resistances, Study,
 };
+pub use outside::{OutsideMetric, is_unit, unit_in_names};
 pub use own_metric::{OwnMetric, Statistic, TrialPart};
 pub use own_stage::{GivenFigure, GivenMetric, OwnStage, StageFormat};
 pub use people::{Known, People, PeopleForm, Person, PersonColumn, PersonValue};

@@ -2,8 +2,8 @@
 
 use crate::{
     ActuatorKind, AnswerScale, Axes, Channel, Compare, Control, EnvironmentId, Factor, Figures,
-    Levels, ModeId, ModeLaw, OwnMetric, OwnStage, Perception, PersonColumn, QuestionId,
-    ReplayModel, Scene, SceneFigure, Schema, Score, StudyId, Task, TaskLevel,
+    Levels, ModeId, ModeLaw, OutsideMetric, OwnMetric, OwnStage, Perception, PersonColumn,
+    QuestionId, ReplayModel, Scene, SceneFigure, Schema, Score, StudyId, Task, TaskLevel,
 };
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -63,9 +63,22 @@ pub struct Study {
     pub axes: Option<Axes>,
     /// What modes and environments have in common, in the order of the file.
     pub factors: Vec<Factor>,
+    /// Metrics that other programs computed, of which tables beside the recordings hold the values. No `study.toml` has
+    /// them: they come with the study's data.
+    pub from_tables: Vec<OutsideMetric>,
 }
 
 impl Study {
+    /// Every metric whose values come from outside of zwidth.
+    pub fn outside(&self) -> impl Iterator<Item = &OutsideMetric> {
+        self.from_tables.iter()
+    }
+
+    /// The metric from outside whose column has that name.
+    pub fn outside_metric(&self, column: &str) -> Option<&OutsideMetric> {
+        self.outside().find(|own| own.column.as_str() == column)
+    }
+
     /// The environment of that id.
     pub fn environment(&self, id: &EnvironmentId) -> Option<&Environment> {
         self.environments.iter().find(|e| e.id == *id)

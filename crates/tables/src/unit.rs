@@ -1,6 +1,6 @@
 //! Units as texts: their suffix in a column's name, and their form on a screen.
 
-use zwidth_study::Coordinate;
+use zwidth_study::{Coordinate, unit_in_names};
 
 /// Millimetres in a metre, and any other thousandth in a unit.
 const MILLI: f64 = 1000.0;
@@ -54,7 +54,7 @@ pub(crate) fn suffixes(unit: &str) -> Vec<String> {
     }
     let mut suffixes: Vec<String> = Vec::new();
     for (solidus, dot) in [("_per_", "_"), ("_per_", ""), ("_", "_"), ("_", "")] {
-        suffixes.push(format!("_{}", slug(unit, solidus, dot)));
+        suffixes.push(format!("_{}", unit_in_names(unit, solidus, dot)));
     }
     // Newton metres are one word in every compound.
     let metres: Vec<String> = suffixes.iter().map(|s| s.replace("_n_m", "_nm")).collect();
@@ -68,25 +68,6 @@ pub(crate) fn suffixes(unit: &str) -> Vec<String> {
 /// The suffix is empty if the name has no unit.
 pub fn split_unit<'a>(name: &'a str, unit: &str) -> (&'a str, &'a str) {
     name.split_at(stem(name, unit).0.len())
-}
-
-fn slug(unit: &str, solidus: &str, dot: &str) -> String {
-    let mut slug = String::new();
-    for letter in unit.chars() {
-        match letter {
-            '/' => slug.push_str(solidus),
-            '·' => slug.push_str(dot),
-            ' ' => {}
-            '²' => slug.push('2'),
-            '³' => slug.push('3'),
-            '°' => slug.push_str("deg"),
-            'µ' | 'μ' => slug.push('u'),
-            'Ω' => slug.push_str("ohm"),
-            '%' => slug.push_str("percent"),
-            other => slug.extend(other.to_lowercase()),
-        }
-    }
-    slug
 }
 
 /// `name` without the suffix of `unit`, and that suffix's place in [`suffixes`]; the whole name

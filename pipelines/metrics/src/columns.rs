@@ -5,8 +5,8 @@ use zwidth_numerics::spectrum::BandPower;
 use zwidth_results::{ConditionTrials, RecordedStability, Row as _, TrialKey};
 use zwidth_store::Signal;
 use zwidth_study::{
-    Better, CURRENT_BRAKE, CURRENT_MOTOR, MetricId, OwnMetric, REFERENCE, Scene, Score, Study,
-    TrialPart,
+    Better, CURRENT_BRAKE, CURRENT_MOTOR, MetricId, OutsideMetric, OwnMetric, REFERENCE, Scene,
+    Score, Study, TrialPart,
 };
 
 /// Version of the algorithms here: a change of any number they give, or a further metric, raises it.
@@ -96,6 +96,15 @@ pub fn taken(study: &Study) -> impl Iterator<Item = &MetricId> {
     study.metrics.iter().map(|own| &own.id).filter(|id| is_taken(id.as_str()))
 }
 
+/// The metrics that other programs computed, but for those whose columns the study has by a rule of its own.
+pub fn outside(study: &Study) -> impl Iterator<Item = &OutsideMetric> {
+    study.outside().filter(|outside| own_of(study, outside.column.as_str()).is_none())
+}
+
+fn outside_of<'a>(study: &'a Study, metric: &str) -> Option<&'a OutsideMetric> {
+    outside(study).find(|outside| outside.column.as_str() == metric)
+}
+
 /// Whether tables of metrics have a column of that name anyhow.
 pub(crate) fn is_taken(name: &str) -> bool {
     let of_trial = GROUPS.into_iter().flatten().map(|spec| spec.name);
@@ -121,10 +130,11 @@ pub fn is_number(study: &Study, metric: &str) -> bool {
     names(study).any(|name| name == metric)
 }
 
-/// The names of all metrics that can be compared: zwidth's in the order of the table, the study's own, scores, and what
-/// tasks tell.
+/// The names of all metrics that can be compared: zwidth's in the order of the table, the study's own, those of other
+/// programs, scores, and what tasks tell.
 pub fn names(study: &Study) -> impl Iterator<Item = String> {
     let of_trials = numbers().map(|(name, _)| name).chain(own(study).map(|own| own.id.as_str()));
+    let of_trials = of_trials.chain(outside(study).map(|outside| outside.column.as_str()));
     let of_answers = scores(study).map(|(metric, _)| metric);
     let of_answers = of_answers.chain(study.task_metrics().map(|(metric, ..)| metric));
     of_trials.map(str::to_owned).chain(of_answers.map(|metric| metric.to_string()))
@@ -144,6 +154,9 @@ pub fn is_of_plant(metric: &str) -> bool {
 pub fn in_words(study: &Study, metric: &str) -> Option<String> {
     if let Some(own) = own_of(study, metric) {
         return Some(format!("{}: {}", own.label, own.rule()));
+    }
+    if let Some(outside) = outside_of(study, metric) {
+        return Some(outside.in_words());
     }
     if let Some(score) = score_of(study, metric) {
         return Some(score.in_words());
@@ -200,6 +213,9 @@ const HIGHER_IS_BETTER: [&str; 7] = [
 pub fn better(study: &Study, metric: &str) -> Better {
     if let Some(own) = own_of(study, metric) {
         return own.better;
+    }
+    if let Some(outside) = outside_of(study, metric) {
+        return outside.better;
     }
     if let Some(score) = score_of(study, metric) {
         return score.better();
@@ -267,6 +283,10 @@ pub fn is_possible(study: &Study, metric: &str, scene: &Scene, signals: &[Signal
             }
         };
         return is_recorded && has_part;
+    }
+    // Which trials it is of, the program that computes it decides.
+    if OutsideMetric::is_named(metric) {
+        return true;
     }
     if is_in(ACTUATORS, metric) {
         scene.spring().is_some() && has(&[Signal::Theta, Signal::ForceEx])

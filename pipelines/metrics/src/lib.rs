@@ -60,7 +60,8 @@ pub use actuator::ActuatorDiscrepancy;
 pub use by_mode::by_mode;
 pub use columns::{
     VERSION, better, commanded, in_words, is_felt, is_number, is_of_answers, is_of_plant,
-    is_possible, names, needs_lever, own as own_metrics, score_of, scores, taken,
+    is_possible, names, needs_lever, outside as outside_metrics, own as own_metrics, score_of,
+    scores, taken,
 };
 pub use compliance::Compliance;
 pub use conditions::{ConditionsError, by_condition, summarised};
@@ -77,7 +78,7 @@ pub use plant::{PLANT_SIGNALS, PlantMetrics, plant_metrics};
 pub use spring::{Saturation, SpringRendering};
 pub use stability::Stability;
 pub use step::StepResponse;
-pub use table::{join_plant, join_sessions, plant_table, table};
+pub use table::{OutsideColumn, join_outside, join_plant, join_sessions, plant_table, table};
 pub use wall::WallContact;
 
 use signals::Signals;

@@ -4,7 +4,7 @@ use crate::columns::{GROUPS, Get, PLANT_GROUPS, Spec, is_taken};
 use crate::{PlantMetrics, TrialMetrics};
 use std::collections::BTreeMap;
 use zwidth_results::{Row as _, TrialKey};
-use zwidth_study::{OwnMetric, TrialMeta};
+use zwidth_study::{OutsideMetric, OwnMetric, ParticipantId, SessionId, TrialMeta};
 use zwidth_tables::{Column, Field, Table, TableError, Type, Values};
 
 /// One row per trial, in the order given: which trial it is, then every metric, those of the study's own
@@ -61,6 +61,40 @@ pub fn join_plant(metrics: &Table, plant: &Table) -> Result<Table, TableError> {
         let column = plant.column(spec.name)?;
         let values = column.values.of_rows(rows.iter().copied());
         columns.push(Column { field: column.field.clone(), values });
+    }
+    let joined = Table::new(metrics.name(), metrics.title(), columns)?;
+    let notes = metrics.notes_by_kind();
+    Ok(notes.fold(joined, |table, (kind, note)| table.with_note_of(kind, note)))
+}
+
+/// A metric that another program computed, and its value after each trial that has one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OutsideColumn {
+    /// The metric.
+    pub metric: OutsideMetric,
+    /// Its values by participant, session and trial.
+    pub values: BTreeMap<(ParticipantId, SessionId, u32), f64>,
+}
+
+/// The table of metrics with those of other programs behind them; null for a trial without a value. A value of a trial
+/// that the table does not have is left out.
+///
+/// # Errors
+/// A table that is not of this stage; a column that it has already.
+pub fn join_outside(metrics: &Table, outside: &[OutsideColumn]) -> Result<Table, TableError> {
+    let trials: Vec<TrialKey> = metrics.to_rows()?;
+    let names: Vec<_> =
+        trials.into_iter().map(|key| (key.participant, key.session, key.trial)).collect();
+    let mut columns = metrics.columns().to_vec();
+    for OutsideColumn { metric, values } in outside {
+        let field = Field {
+            name: metric.column.to_string().into(),
+            unit: metric.unit.clone().into(),
+            description: metric.label.clone().into(),
+            kind: Type::Float,
+        };
+        let values = names.iter().map(|name| values.get(name).copied()).collect();
+        columns.push(Column { field, values: Values::Float(values) });
     }
     let joined = Table::new(metrics.name(), metrics.title(), columns)?;
     let notes = metrics.notes_by_kind();

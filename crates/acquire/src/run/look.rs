@@ -120,6 +120,10 @@ pub(super) fn event(event: &Event) -> String {
         Event::SweepRecorded { actuator, sweep, .. } => {
             format!("sweep {sweep} of {actuator} recorded")
         }
+        Event::MetricGiven { metric, table, .. } => {
+            format!("table {table} of the metric {metric} given")
+        }
+        Event::MetricWithdrawn { metric, .. } => format!("the metric {metric} withdrawn"),
         Event::Recorded { trial, .. } => format!("trial {trial} recorded"),
         Event::Answer { trial, value, .. } => format!("trial {trial}: answered {value}"),
         Event::Level { trial, level } => {

@@ -2,7 +2,9 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use zwidth_store::{Signal, StudyData};
-use zwidth_study::{Bound, Curve, Effect, Environment, Families, MetricId, ParticipantId, Study};
+use zwidth_study::{
+    Bound, Curve, Effect, Environment, Families, MetricId, OutsideMetric, ParticipantId, Study,
+};
 
 /// The metrics that a study compares, where it does not say which, besides the primary one and the
 /// one that is primary by default.
@@ -52,6 +54,9 @@ fn is_possible(data: &StudyData, metric: &str) -> bool {
     if data.study.device.lever_m.is_none() && zwidth_metrics::needs_lever(metric) {
         return false;
     }
+    if OutsideMetric::is_named(metric) && !zwidth_metrics::is_number(&data.study, metric) {
+        return false;
+    }
     data.counting().any(|trial| {
         let environment = data.study.environment(&trial.meta.environment);
         environment.is_some_and(|e| {
@@ -68,10 +73,11 @@ fn requested_metrics(study: &Study) -> Vec<String> {
         None => {
             let default = MetricId::primary().to_string();
             let own = zwidth_metrics::own_metrics(study).map(|own| own.id.to_string());
+            let outside = zwidth_metrics::outside_metrics(study).map(|own| own.column.to_string());
             let scores = zwidth_metrics::scores(study).map(|(metric, _)| metric.to_string());
             let tasks = study.task_metrics().map(|(metric, ..)| metric.to_string());
             let all = std::iter::once(default).chain(OTHERS.map(str::to_owned));
-            all.chain(own).chain(scores).chain(tasks).collect()
+            all.chain(own).chain(outside).chain(scores).chain(tasks).collect()
         }
     };
     let mut requested: Vec<String> =
@@ -201,6 +207,13 @@ pub fn asked_in_vain(study: &Study) -> Vec<String> {
     let mut are_unknown = false;
     for metric in requested_metrics(study) {
         if zwidth_metrics::is_number(study, &metric) {
+            continue;
+        }
+        if OutsideMetric::is_named(&metric) {
+            remarks.push(format!(
+                "[compare] of study.toml: no values of '{metric}' are there; give a table of them with `zwidth metric`; it is \
+                 left out"
+            ));
             continue;
         }
         // A slide shows millimetres on its figures, but its metrics are named in radians like all.

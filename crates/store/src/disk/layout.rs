@@ -1,7 +1,7 @@
 //! Where everything is under the root (`docs/data.md`, "Layout").
 
 use std::path::{Path, PathBuf};
-use zwidth_study::{ActuatorId, ParticipantId, PeopleForm, SessionId, StudyId};
+use zwidth_study::{ActuatorId, MetricId, ParticipantId, PeopleForm, SessionId, StudyId};
 
 /// The three data folders under one root, for one study.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -98,6 +98,21 @@ impl Layout {
     /// The log of the study's sweeps.
     pub fn sweep_events(&self) -> PathBuf {
         self.raw().join("sweeps.events.jsonl")
+    }
+
+    /// The folder of tables of metrics that other programs computed.
+    pub fn own(&self) -> PathBuf {
+        self.raw().join("own")
+    }
+
+    /// One table of such a metric.
+    pub fn own_table(&self, metric: &MetricId, table: u32) -> PathBuf {
+        self.own().join(format!("{metric}.{table:04}.parquet"))
+    }
+
+    /// The log of those tables.
+    pub fn own_events(&self) -> PathBuf {
+        self.raw().join("own.events.jsonl")
     }
 
     /// One session's event log.

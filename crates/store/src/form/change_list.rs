@@ -62,10 +62,15 @@ pub(crate) enum Stand {
 pub(crate) fn below(layout: &Layout, listed: &str) -> Option<PathBuf> {
     let mut parts = Path::new(listed).components();
     let top = parts.next()?;
-    let ours = ["trials", "sweeps", "sessions"].iter().any(|name| top.as_os_str() == *name);
+    let ours = ["trials", "sweeps", "sessions", "own"].iter().any(|name| top.as_os_str() == *name);
     let path = layout.raw().join(listed);
     let is_below = ours && parts.all(|part| matches!(part, Component::Normal(_)));
-    (is_below || path == layout.sweep_events()).then_some(path)
+    (is_below || is_log_beside(layout, &path)).then_some(path)
+}
+
+/// Whether a path is that of a log that lies beside the sessions: of sweeps, or of metrics from outside.
+fn is_log_beside(layout: &Layout, path: &Path) -> bool {
+    path == layout.sweep_events() || path == layout.own_events()
 }
 
 pub(crate) fn unknown(layout: &Layout, listed: &str) -> StoreError {
@@ -109,7 +114,7 @@ impl List {
 impl Longer {
     pub(crate) fn place(&self, layout: &Layout) -> Result<PathBuf, StoreError> {
         let path = below(layout, &self.path).filter(|path| {
-            *path == layout.sweep_events()
+            is_log_beside(layout, path)
                 || path.parent() == Some(layout.sessions().as_path())
                     && path.to_string_lossy().ends_with(".events.jsonl")
         });

@@ -218,6 +218,15 @@ pub(crate) fn read_events_to(
     path: &Path,
     most: Option<usize>,
 ) -> Result<Vec<Event>, StoreError> {
+    Ok(read_lines_to(files, path, most)?.into_iter().map(|line| line.event).collect())
+}
+
+/// The same with the time of each, and who had it written.
+pub(crate) fn read_lines_to(
+    files: &dyn Files,
+    path: &Path,
+    most: Option<usize>,
+) -> Result<Vec<Line>, StoreError> {
     let mut bytes = match files.kind(path) {
         Some(_) => files.read(path, MOST_LOG).map_err(|e| StoreError::io(path, "read", &e))?,
         None => Vec::new(),
@@ -225,10 +234,9 @@ pub(crate) fn read_events_to(
     bytes.truncate(most.unwrap_or(bytes.len()));
     let text = as_text(path, bytes)?;
     let lines = lines_of(path, &text)?;
-    let (digests, events): (Vec<_>, Vec<_>) =
-        lines.into_iter().map(|l| (l.blake3, l.event)).unzip();
+    let digests: Vec<String> = lines.iter().map(|line| line.blake3.clone()).collect();
     check_head(files, path, &digests)?;
-    Ok(events)
+    Ok(lines)
 }
 
 pub(crate) fn lines_of(path: &Path, text: &str) -> Result<Vec<Line>, StoreError> {

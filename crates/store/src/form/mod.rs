@@ -18,6 +18,7 @@ pub(crate) mod journaled;
 pub(crate) mod json;
 pub(crate) mod measure;
 pub(crate) mod opened;
+pub(crate) mod outside;
 pub(crate) mod pages;
 pub(crate) mod parts;
 pub(crate) mod read;

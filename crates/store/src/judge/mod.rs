@@ -9,6 +9,7 @@ pub(crate) mod lately;
 pub(crate) mod logged_sweeps;
 pub(crate) mod one_form;
 pub(crate) mod open;
+pub(crate) mod outside;
 pub(crate) mod people;
 pub(crate) mod plausible;
 pub(crate) mod samples;

@@ -206,7 +206,9 @@ fn join_one(trial: &mut TrialEntry, events: &[Event]) -> Option<String> {
             | Event::StudyAccepted { .. }
             | Event::PersonAccepted { .. }
             | Event::LaidDown { .. }
-            | Event::SweepRecorded { .. } => {}
+            | Event::SweepRecorded { .. }
+            | Event::MetricGiven { .. }
+            | Event::MetricWithdrawn { .. } => {}
         }
     }
     recorded

@@ -11,6 +11,7 @@ use crate::judge::fit::unfit;
 use crate::judge::laid::study_warning;
 use crate::judge::logged_sweeps::logged_sweeps;
 use crate::judge::one_form::other_forms;
+use crate::judge::outside::{OutsideEntry, OutsideTables, outside_tables};
 use crate::judge::people::{group_warning, read_people};
 use crate::judge::sessions::{join, keep, read_sessions, why_sealed};
 use crate::{Entry, Files, Layout, RealFiles, Seen, StoreError, hex_blake3};
@@ -65,6 +66,8 @@ pub struct StudyData {
     pub trials: Vec<TrialEntry>,
     /// Every sweep, by actuator and number.
     pub sweeps: Vec<SweepEntry>,
+    /// Every table of a metric that another program computed, in the order in which they were given.
+    pub outside: Vec<OutsideEntry>,
     /// Every session.
     pub sessions: Vec<SessionLog>,
     /// The files that could not be read and were left out.
@@ -130,7 +133,7 @@ impl StudyData {
         let (sessions, unreadable) = read_sessions(files, layout, &mut problems);
         problems.extend(join(files, layout, &mut trials, &sessions, &unreadable));
         // Only now: without a study.toml that can be read, the other findings are told too.
-        let (study, study_blake3) = match study {
+        let (mut study, study_blake3) = match study {
             Ok(read) => read,
             Err(findings) => return Err([findings, problems].concat()),
         };
@@ -146,7 +149,14 @@ impl StudyData {
         let forms = other_forms(layout, &study, &trials);
         let regrouped =
             sessions.iter().filter_map(|log| group_warning(layout, log, &people, &study));
-        let warnings = changed.chain(regrouped).chain(beside).chain(forms).collect();
+        let warnings: Vec<StoreError> =
+            changed.chain(regrouped).chain(beside).chain(forms).collect();
+        let OutsideTables { entries: outside, problems: unsure, warnings: outdated } =
+            outside_tables(files, layout, &trials);
+        problems.extend(unsure);
+        let counting = outside.iter().filter(|entry| entry.counts());
+        study.from_tables = counting.map(|entry| entry.metric.clone()).collect();
+        let warnings = [warnings, outdated].concat();
         let layout = layout.clone();
         let data = Self {
             layout,
@@ -154,6 +164,7 @@ impl StudyData {
             people,
             trials,
             sweeps,
+            outside,
             sessions,
             problems,
             warnings,

@@ -339,7 +339,7 @@ fn strays(files: &dyn Files, layout: &Layout) -> Findings {
     let mut findings = Findings::default();
     let (others, unfinished) = rayon::join(
         || {
-            let trees = [layout.trials(), layout.sweeps()].into_iter();
+            let trees = [layout.trials(), layout.sweeps(), layout.own()].into_iter();
             let paths = trees.flat_map(|tree| files_below(files, &tree).unwrap_or_default());
             let others = paths.filter(|path| path.extension().is_none_or(|e| e != "parquet"));
             others.collect::<Vec<_>>()

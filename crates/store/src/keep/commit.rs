@@ -245,7 +245,7 @@ impl NewFile {
         if disk.kind(&path).is_none() {
             return Ok(false);
         }
-        if blake3_of(disk, &path)? != self.blake3 || !is_imported(disk, &path) {
+        if blake3_of(disk, &path)? != self.blake3 || !is_a_changes_own(disk, layout, &path) {
             let what = "a change that was cut short lists it, but did not write it as it is now";
             let list = layout.unfinished();
             let remedy = format!("look at it; if it is to stay, remove {}", list.display());
@@ -278,9 +278,12 @@ impl TakenBack {
     }
 }
 
-/// Whether a file belongs to an imported session, or is an imported sweep. No other is a change's
-/// to remove.
-fn is_imported(disk: &dyn Files, path: &Path) -> bool {
+/// Whether a file belongs to an imported session, or is an imported sweep or a table of a metric from outside. No other
+/// is a change's to remove.
+fn is_a_changes_own(disk: &dyn Files, layout: &Layout, path: &Path) -> bool {
+    if path.parent() == Some(layout.own().as_path()) {
+        return true;
+    }
     if path.extension().is_some_and(|e| e == "parquet") {
         let source = match read_footer_from(disk, path) {
             Ok(trial) => Some(trial.meta.source),

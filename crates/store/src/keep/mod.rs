@@ -8,6 +8,7 @@ pub(crate) mod lay_down;
 pub(crate) mod mend_log;
 pub(crate) mod open_log;
 pub(crate) mod open_session;
+pub(crate) mod outside_log;
 pub(crate) mod record;
 pub(crate) mod recover;
 pub(crate) mod recovered;

@@ -31,7 +31,8 @@ pub fn recover(
     let mut results = settle(files, layout);
     // Logs before journals: a trial is called recorded in a log that is whole.
     let mut logs = find_named(files, &layout.sessions(), ".events.jsonl");
-    logs.extend(Some(layout.sweep_events()).filter(|path| files.kind(path) == Some(Entry::File)));
+    let beside = [layout.sweep_events(), layout.own_events()];
+    logs.extend(beside.into_iter().filter(|path| files.kind(path) == Some(Entry::File)));
     for path in logs {
         let mended = mend_log(files, &path).transpose();
         results.extend(mended.map(|done| done.map(|done| Recovered { path: path.clone(), done })));

@@ -254,6 +254,7 @@ impl Check<'_> {
             tasks,
             axes: self.axes(file.axes),
             factors: file.factors,
+            from_tables: Vec::new(),
             analysis,
             compare,
             perception: self.perception(file.perception),

@@ -5,16 +5,15 @@ use crate::commands::recover::{lock, now, put_in_order_and_tell};
 use crate::commands::{join_findings, session, study, sum_up};
 use crate::exit::Exit;
 use crate::screen::Screen;
-use anyhow::{Context as _, bail};
+use anyhow::Context as _;
 use std::collections::{BTreeMap, btree_map::Entry};
 use std::path::{Path, PathBuf};
-use zwidth_import::{Claims, LateAnswer, LateAnswers, TrialMeant};
+use zwidth_import::{Labels, LateAnswer, LateAnswers};
 use zwidth_store::{
     Entered, FirstErrors, Raw, RealFiles, SessionLog, StudyData, TrialEntry, commit_events,
 };
 use zwidth_study::{
-    AnswerValue, Event, ExperimenterId, ParticipantId, QuestionId, SessionId, Study, StudyId,
-    counted,
+    AnswerValue, Event, ExperimenterId, ParticipantId, QuestionId, SessionId, StudyId, counted,
 };
 
 #[derive(Debug, clap::Args)]
@@ -129,10 +128,12 @@ fn check<'a>(
     let mut checked = Checked::default();
     let mut errors = FirstErrors::default();
     let mut seen: BTreeMap<(&Path, u32, QuestionId), &LateAnswer> = BTreeMap::new();
+    let labels = Labels::of(&data.study);
     let mut sessions = Sessions { data, entries: data.by_session(), numbered: BTreeMap::new() };
     for row in &answers.rows {
-        let resolved =
-            sessions.get(command, row).and_then(|session| resolve(data, session, command, row));
+        let resolved = sessions
+            .get(command, row)
+            .and_then(|session| resolve(data, &labels, session, command, row));
         let Resolved { log, trial, answer, is_checked } = match resolved {
             Ok(resolved) => resolved,
             Err(error) => {
@@ -180,13 +181,13 @@ impl<'a> Sessions<'a> {
         command: &AnswerArgs,
         row: &LateAnswer,
     ) -> anyhow::Result<&NumberedSession<'a>> {
-        let id = row.session.as_ref().or(command.session.as_ref());
+        let id = row.of.session.as_ref().or(command.session.as_ref());
         let id = id.context("the table has no column 'session': add it, or name one with -s")?;
         let Self { data, entries, numbered } = self;
-        match numbered.entry((row.participant.clone(), id.clone())) {
+        match numbered.entry((row.of.participant.clone(), id.clone())) {
             Entry::Occupied(session) => Ok(session.into_mut()),
             Entry::Vacant(place) => {
-                let log = session(data, &row.participant, id)?;
+                let log = session(data, &row.of.participant, id)?;
                 let entries = entries.get(&(&log.record.participant, &log.record.session));
                 Ok(place.insert(NumberedSession::new(log, entries.map_or(&[], Vec::as_slice))))
             }
@@ -205,83 +206,16 @@ struct Resolved<'a> {
 
 fn resolve<'a>(
     data: &'a StudyData,
+    labels: &Labels,
     session: &NumberedSession<'a>,
     command: &AnswerArgs,
     row: &LateAnswer,
 ) -> anyhow::Result<Resolved<'a>> {
-    let trial = number(session, &row.trial)?;
-    if session.log.record.counted_from_zero && row.is_number_alone() {
-        bail!(
-            "the recordings of this session count trials from 0, and the study from 1: say which trial is meant in \
-             columns environment, mode and repeat, beside its number or in its place"
-        );
-    }
-    let is_checked = check_claims(&data.study, session, trial, &row.claims)?;
+    let trials = &session.trials;
+    let trial = trials.number(&row.of).map_err(anyhow::Error::msg)?;
+    let is_checked =
+        trials.check_claims(labels, trial, &row.of.claims).map_err(anyhow::Error::msg)?;
     let question = row.question.as_ref().or(command.question.as_ref());
     let answer = session.answer(data, trial, question, row.value)?;
     Ok(Resolved { log: session.log, trial, answer, is_checked })
-}
-
-/// The number of the trial meant: of a condition's repeat, the one that no other took the place of.
-fn number(session: &NumberedSession, meant: &TrialMeant) -> anyhow::Result<u32> {
-    let (environment, mode, repeat) = match meant {
-        TrialMeant::Number(trial) => return Ok(*trial),
-        TrialMeant::Repeat { environment, mode, repeat } => (environment, mode, *repeat),
-    };
-    if session.log.is_sealed() {
-        bail!("the session's modes are sealed: name its trials by number, in a column 'trial'");
-    }
-    match session.repeats(environment, mode, repeat)[..] {
-        [only] => Ok(only),
-        [] => bail!("the session has no trial of {environment}, {mode}, repeat {repeat}"),
-        _ => bail!(
-            "the session has several trials of {environment}, {mode}, repeat {repeat}: name the one by number, in a \
-             column 'trial'"
-        ),
-    }
-}
-
-/// Whether what a row says of a trial besides its number is so. Of a sealed session mode and repeat
-/// are not known, and whether a row is right about them must not come out: then `false`, whatever
-/// it says.
-fn check_claims(
-    study: &Study,
-    session: &NumberedSession,
-    trial: u32,
-    claims: &Claims,
-) -> anyhow::Result<bool> {
-    let Claims { environment, mode, repeat } = claims;
-    let planned = session.planned(trial)?;
-    let is_sealed = session.log.is_sealed();
-    let mut wrong = Vec::new();
-    if let Some(claim) = environment {
-        let label = study.environment(&planned.environment).map(|e| e.label.as_str());
-        if !is_called(claim, planned.environment.as_str(), label) {
-            wrong.push(format!("environment {claim}"));
-        }
-    }
-    if let Some(claim) = mode.as_ref().filter(|_| !is_sealed) {
-        let label = study.mode(&planned.mode).map(|mode| mode.label.as_str());
-        if !is_called(claim, planned.mode.as_str(), label) {
-            wrong.push(format!("mode {claim}"));
-        }
-    }
-    if let Some(claim) = repeat.filter(|claim| !is_sealed && *claim != planned.repeat) {
-        wrong.push(format!("repeat {claim}"));
-    }
-    if wrong.is_empty() {
-        return Ok(!is_sealed || (mode.is_none() && repeat.is_none()));
-    }
-    let actual = match is_sealed {
-        true => format!("is of {}", planned.environment),
-        false => {
-            format!("is of {}, {}, repeat {}", planned.environment, planned.mode, planned.repeat)
-        }
-    };
-    bail!("the table says {}, but trial {trial} {actual}", wrong.join(", "))
-}
-
-/// Whether a table's word is an id, or its label for people, in any case.
-fn is_called(word: &str, id: &str, label: Option<&str>) -> bool {
-    word.eq_ignore_ascii_case(id) || label.is_some_and(|label| word.eq_ignore_ascii_case(label))
 }

@@ -2,10 +2,9 @@
 
 use anyhow::{Context as _, bail};
 use std::collections::{BTreeMap, BTreeSet};
+use zwidth_import::{KnownTrial, SessionTrials};
 use zwidth_store::{SessionLog, StudyData, TrialEntry};
-use zwidth_study::{
-    AnswerValue, EnvironmentId, Event, Kind, ModeId, PlannedTrial, QuestionId, Score, SessionRecord,
-};
+use zwidth_study::{AnswerValue, Event, Kind, QuestionId, Score, SessionRecord};
 
 /// An answer that may be added.
 pub(super) struct NewAnswer {
@@ -20,9 +19,7 @@ pub(super) struct NewAnswer {
 /// A session, looked up by the numbers of its trials.
 pub(super) struct NumberedSession<'a> {
     pub(super) log: &'a SessionLog,
-    planned: BTreeMap<u32, &'a PlannedTrial>,
-    /// Trials of the experiment by their condition and repeat.
-    repeats: BTreeMap<(&'a EnvironmentId, &'a ModeId, u32), Vec<u32>>,
+    pub(super) trials: SessionTrials,
     /// Files that can be read.
     entries: BTreeMap<u32, &'a TrialEntry>,
     recorded: BTreeSet<u32>,
@@ -35,15 +32,11 @@ impl<'a> NumberedSession<'a> {
     pub(super) fn new(log: &'a SessionLog, entries: &[&'a TrialEntry]) -> Self {
         let mut session = Self {
             log,
-            planned: log.trials.iter().map(|t| (t.trial, t)).collect(),
-            repeats: BTreeMap::new(),
+            trials: SessionTrials::of(log, entries),
             entries: entries.iter().map(|entry| (entry.meta.trial, *entry)).collect(),
             recorded: BTreeSet::new(),
             answers: BTreeMap::new(),
         };
-        for t in log.trials.iter().filter(|t| t.kind == Kind::Trial) {
-            session.repeats.entry((&t.environment, &t.mode, t.repeat)).or_default().push(t.trial);
-        }
         for event in &log.events {
             match event {
                 Event::Recorded { trial, .. } => _ = session.recorded.insert(*trial),
@@ -66,14 +59,8 @@ impl<'a> NumberedSession<'a> {
     }
 
     /// A trial that the session has.
-    pub(super) fn planned(&self, trial: u32) -> anyhow::Result<&'a PlannedTrial> {
-        self.planned.get(&trial).copied().with_context(|| {
-            format!(
-                "the session has no trial {trial}: they are {} to {}",
-                self.planned.keys().next().unwrap_or(&0),
-                self.planned.keys().next_back().unwrap_or(&0)
-            )
-        })
+    pub(super) fn planned(&self, trial: u32) -> anyhow::Result<&KnownTrial> {
+        self.trials.trial(trial).map_err(anyhow::Error::msg)
     }
 
     /// A trial that was recorded, or answered without samples; its file, if it can be read.
@@ -86,21 +73,6 @@ impl<'a> NumberedSession<'a> {
             bail!("trial {trial} is still to be done");
         }
         Ok(entry)
-    }
-
-    /// The trials of a condition's repeat that no other took the place of.
-    pub(super) fn repeats(
-        &self,
-        environment: &EnvironmentId,
-        mode: &ModeId,
-        repeat: u32,
-    ) -> Vec<u32> {
-        let trials = self.repeats.get(&(environment, mode, repeat)).into_iter().flatten().copied();
-        trials
-            .filter(|trial| {
-                self.entries.get(trial).is_none_or(|entry| entry.superseded_by.is_none())
-            })
-            .collect()
     }
 
     /// The answer to a question after a trial: the named one, else the only one that belongs there.
@@ -140,14 +112,14 @@ impl<'a> NumberedSession<'a> {
             let is_own = |event: &Event| matches!(event, Event::Superseded { trial: own, .. } if *own == trial);
             self.log.events.iter().any(is_own)
         };
-        let is_asked = |planned: &PlannedTrial| {
+        let is_asked = |number: u32, planned: &KnownTrial| {
             let environment = data.study.environment(&planned.environment);
             planned.kind == Kind::Trial
-                && !superseded(planned.trial)
+                && !superseded(number)
                 && environment.is_some_and(|e| data.study.weighed_in(e).any(|own| own == score))
         };
-        let asked = self.planned.values().filter(|planned| is_asked(planned));
-        let asked: Vec<u32> = asked.map(|planned| planned.trial).collect();
+        let asked = self.trials.all().filter(|(number, planned)| is_asked(*number, planned));
+        let asked: Vec<u32> = asked.map(|(number, _)| number).collect();
         let of_pairs = asked.iter().rfind(|trial| has(**trial)).or(asked.last());
         match of_pairs {
             Some(own) if *own != trial => bail!(
