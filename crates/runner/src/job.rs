@@ -280,11 +280,15 @@ impl Job {
         self.outputs.first()?.file_stem()?.to_str()
     }
 
-    /// Whether a person who says `name` means this job: its stage, its name, or the file stem of an
-    /// output.
+    /// Whether a person who says `name` means this job: its stage, its name, with or without its
+    /// stage's, or the file stem of an output.
     pub fn is_called(&self, name: &str) -> bool {
         let mut stems = self.outputs.iter().filter_map(|output| output.file_stem());
-        self.stage.name == name || self.name == name || stems.any(|stem| stem == name)
+        let own = self.name.strip_prefix(self.stage.name).map(str::trim_start);
+        self.stage.name == name
+            || self.name == name
+            || own == Some(name)
+            || stems.any(|stem| stem == name)
     }
 }
 

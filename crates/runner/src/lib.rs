@@ -48,6 +48,7 @@ mod shard;
 mod state;
 mod survey;
 mod trace;
+mod twice;
 
 pub use change::{Change, Field, FileChange, How};
 pub use elsewhere::{Sent, due, lay_down};
@@ -67,3 +68,4 @@ pub use shard::{MOST_SHARDS, Shard};
 pub use state::{Again, State, states};
 pub use survey::{Share, Survey, survey};
 pub use trace::{Source, Step, Trace, trace};
+pub use twice::{Unlike, made_twice};

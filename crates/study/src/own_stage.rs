@@ -97,6 +97,11 @@ impl OwnStage {
         words.collect::<Vec<_>>().join(" ")
     }
 
+    /// Who it is, in words: `stage grip of the study: python3 grip.py`.
+    pub fn in_words(&self) -> String {
+        format!("stage {} of the study: {}", self.id, self.command_line())
+    }
+
     /// Whether it gets this input.
     pub fn gets(&self, input: &str) -> bool {
         self.inputs.iter().any(|own| own.as_str() == input)

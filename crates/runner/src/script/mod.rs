@@ -99,6 +99,12 @@ pub fn run_script(script: &Script, signals: &HeldSignals) -> Result<(), ScriptEr
     };
     let printed = OpenOptions::new().create(true).append(true).open(script.printed);
     let printed = printed.map_err(not_started)?;
+    // A path of several parts is one of the program's own files; where the system would begin it is not
+    // the same everywhere. A name is looked up on the path.
+    let program = match Path::new(program).components().count() {
+        0 | 1 => program.into(),
+        _ => script.folder.join(program),
+    };
     let mut command = Command::new(program);
     command.args(arguments).current_dir(script.folder).env_clear().envs(ENVIRONMENT);
     for name in ["PATH", "HOME"] {

@@ -79,6 +79,22 @@ fn how_a_program_ended_is_told_with_what_it_printed() {
 }
 
 #[test]
+fn a_relative_program_is_one_of_the_folder_and_not_of_where_zwidth_works() {
+    use std::os::unix::fs::PermissionsExt as _;
+    let folder = tempfile::tempdir().unwrap();
+    let work = folder.path().join("work");
+    fs::create_dir(&work).unwrap();
+    fs::write(work.join("run.sh"), "#!/bin/sh\necho of the folder\n").unwrap();
+    fs::set_permissions(work.join("run.sh"), fs::Permissions::from_mode(0o700)).unwrap();
+    let printed_file = folder.path().join("printed");
+    let command = ["./run.sh".to_owned()];
+    let timeout = Duration::from_secs(60);
+    let script = Script { command: &command, folder: &work, printed: &printed_file, timeout };
+    assert_eq!(run_script(&script, &HeldSignals::hold().unwrap()), Ok(()));
+    assert_eq!(printed(&folder), "of the folder\n");
+}
+
+#[test]
 fn only_the_last_that_was_printed_is_shown_and_too_much_ends_the_program() {
     let (result, folder) = run("head -c 70000 /dev/zero | tr '\\0' a; echo; echo end", 60);
     assert_eq!(result, Ok(()));

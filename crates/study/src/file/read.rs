@@ -198,7 +198,7 @@ impl Check<'_> {
         let analysis = self.analysis(&file.analysis, coordinate);
         let people = self.people(file.people);
         self.own_metrics(&file.metrics, &file.channels);
-        self.stages(&file.stage);
+        let from_stages = self.stages(&file.stage);
         self.factors(&file.factors, &file.modes, &file.environments);
         let compare = self.compare(
             file.compare,
@@ -255,6 +255,7 @@ impl Check<'_> {
             axes: self.axes(file.axes),
             factors: file.factors,
             from_tables: Vec::new(),
+            from_stages,
             analysis,
             compare,
             perception: self.perception(file.perception),

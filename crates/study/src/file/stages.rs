@@ -1,7 +1,7 @@
 //! The checks of `[[stage]]` of a `study.toml`.
 
 use super::check::Check;
-use crate::{GivenFigure, GivenMetric, OwnStage};
+use crate::{GivenFigure, GivenMetric, OutsideMetric, OwnStage, StageId, is_unit};
 use std::collections::BTreeSet;
 use std::path::{Component, Path};
 
@@ -17,10 +17,11 @@ const MOST_FIGURES: usize = 20;
 const LONGEST_S: u32 = 86_400;
 
 impl Check<'_> {
-    pub(super) fn stages(&mut self, stages: &[OwnStage]) {
+    /// Checks the stages, and gives the metrics that they give.
+    pub(super) fn stages(&mut self, stages: &[OwnStage]) -> Vec<(StageId, OutsideMetric)> {
         self.unique("stage", stages.iter().map(|stage| stage.id.as_str()));
         self.at_most("stage", stages.len(), MOST_STAGES);
-        let mut given = BTreeSet::new();
+        let mut given: Vec<(StageId, OutsideMetric)> = Vec::new();
         for (i, stage) in stages.iter().enumerate() {
             let at = format!("stage[{i}]");
             if OwnStage::INPUTS.contains(&stage.id.as_str()) {
@@ -42,15 +43,18 @@ impl Check<'_> {
             }
             self.at_most(&format!("{at}.gives"), stage.gives.len(), MOST_GIVEN);
             for (k, metric) in stage.gives.iter().enumerate() {
-                self.given_metric(&format!("{at}.gives[{k}]"), metric);
-                if !given.insert(metric.id.as_str()) {
+                let at = format!("{at}.gives[{k}]");
+                let Some(metric) = self.given_metric(&at, metric, stage) else { continue };
+                if given.iter().any(|(_, other)| other.column == metric.column) {
                     let problem =
                         format!("'{}' is given twice; a metric has one source", metric.id);
-                    self.error(&format!("{at}.gives[{k}].id"), problem);
+                    self.error(&format!("{at}.id"), problem);
                 }
+                given.push((stage.id.clone(), metric));
             }
             self.given_figures(&at, &stage.figures);
         }
+        given
     }
 
     fn at_most(&mut self, key: &str, n: usize, most: usize) {
@@ -137,20 +141,36 @@ impl Check<'_> {
         }
     }
 
-    fn given_metric(&mut self, at: &str, metric: &GivenMetric) {
-        for (name, text) in [("label", &metric.label), ("unit", &metric.unit)] {
-            let key = format!("{at}.{name}");
-            self.line(&key, text);
-            if text.trim().is_empty() {
-                self.error(&key, "is empty; the unit of a pure number is \"1\"");
-            }
-        }
-        if ["participant", "session", "trial", "environment", "mode", "repeat"]
+    /// The metric that a stage gives, if it can be one.
+    fn given_metric(
+        &mut self,
+        at: &str,
+        metric: &GivenMetric,
+        stage: &OwnStage,
+    ) -> Option<OutsideMetric> {
+        self.line(&format!("{at}.label"), &metric.label);
+        if ["participant", "session", "trial", "environment", "mode", "repeat", "source"]
             .contains(&metric.id.as_str())
         {
             let problem =
                 format!("'{}' says which trial a row is of; choose another id", metric.id);
             self.error(&format!("{at}.id"), problem);
+        }
+        match OutsideMetric::new(metric.id.clone(), &metric.unit, &metric.label) {
+            Ok(own) => Some(OutsideMetric {
+                better: metric.better,
+                program: Some(stage.in_words()),
+                ..own
+            }),
+            Err(problem) => {
+                let key = match (is_unit(&metric.unit), metric.label.trim().is_empty()) {
+                    (false, _) => "unit",
+                    (true, true) => "label",
+                    (true, false) => "id",
+                };
+                self.error(&format!("{at}.{key}"), problem);
+                None
+            }
         }
     }
 
@@ -254,7 +274,9 @@ mod tests {
             ("\"samples\", ", "\"grip\", ", "stage[0].inputs", "needs 'grip' itself"),
             ("gives = [", "timeout_s = 0\ngives = [", "stage[0].timeout_s", "from 1 to 86400"),
             ("gives = [", "timeout = 1\ngives = [", "timeout", "unknown field"),
-            ("unit = \"N\"", "unit = \" \"", "stage[0].gives[0].unit", "is empty"),
+            ("unit = \"N\"", "unit = \"newton\"", "stage[0].gives[0].unit", "not a unit"),
+            ("largest grip", " ", "stage[0].gives[0].label", "one line of text"),
+            ("id = \"grip_peak\"", "id = \"own_grip\"", "stage[0].gives[0].id", "leave it out"),
             ("id = \"grip_peak\"", "id = \"trial\"", "stage[0].gives[0].id", "another id"),
             ("id = \"grip_peak\"", "id = \"Grip\"", "gives", "lower case"),
         ] {
