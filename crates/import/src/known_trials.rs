@@ -148,10 +148,10 @@ impl SessionTrials {
                 wrong.push(format!("environment {claim}"));
             }
         }
-        if let Some(claim) = mode.as_ref().filter(|_| !self.is_sealed) {
-            if !is_called(claim, trial.mode.as_str(), labels.modes.get(&trial.mode)) {
-                wrong.push(format!("mode {claim}"));
-            }
+        if let Some(claim) = mode.as_ref().filter(|_| !self.is_sealed)
+            && !is_called(claim, trial.mode.as_str(), labels.modes.get(&trial.mode))
+        {
+            wrong.push(format!("mode {claim}"));
         }
         if let Some(claim) = repeat.filter(|claim| !self.is_sealed && *claim != trial.repeat) {
             wrong.push(format!("repeat {claim}"));

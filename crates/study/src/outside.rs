@@ -137,9 +137,7 @@ pub fn is_unit(text: &str) -> bool {
         let prefixed = |prefix: &&str| {
             part.strip_prefix(*prefix).is_some_and(|unit| WITH_PREFIX.contains(&unit))
         };
-        PLAIN.contains(&part)
-            || WITH_PREFIX.contains(&part)
-            || PREFIXES.iter().any(|prefix| prefixed(&prefix))
+        PLAIN.contains(&part) || WITH_PREFIX.contains(&part) || PREFIXES.iter().any(prefixed)
     };
     let is_product = |text: &str| text.split('·').all(is_one);
     match text.split_once('/') {
