@@ -271,7 +271,11 @@ fn figures_of_a_stage_are_kept_as_they_are_and_shown_as_images() {
     let script =
         format!("{TABLE}printf '%s' '{svg}' > out/figures/grip.svg\ntouch out/figures/more.png\n");
     let world = World::new(&script);
-    world.edit("gives = [{ id = \"grip_peak\"", "figures = [{ file = \"grip.svg\", caption = \"Grip & all.\" }]\ngives = [{ id = \"grip_peak\"");
+    let figures = "figures = [{ file = \"grip.svg\", caption = \"Grip & all.\" }]";
+    world.edit(
+        "gives = [{ id = \"grip_peak\"",
+        &format!("{figures}\ngives = [{{ id = \"grip_peak\""),
+    );
     let run = world.run("run demo --allow-scripts").exits(3);
     run.says(&["read with care: the stage grip left out/figures/more.png"]);
     let reports = world.study.layout().reports();
@@ -339,7 +343,8 @@ fn a_stage_reads_another_one_and_waits_for_it() {
     // The one that reads stands first.
     edit(&toml, STAGE, &format!("{second}{STAGE}"));
     let script = "test -s in/samples.csv || exit 4\ntest -s in/answers.csv || exit 5\n\
-                  tr -d '\\r' < in/grip.csv | awk -F, -v OFS=, 'NR==1 {for (i=1;i<=NF;i++) at[$i]=i; print \"participant,session,trial,value\"} \
+                  tr -d '\\r' < in/grip.csv | awk -F, -v OFS=, 'NR==1 {for (i=1;i<=NF;i++) at[$i]=i; \
+                  print \"participant,session,trial,value\"} \
                   NR>1 {print $1, $2, $3, 2*$at[\"grip_peak\"]}' > out/table.csv\n";
     fs::write(world.study.layout().analysis().join("twofold.sh"), script).unwrap();
     world.run("run demo --allow-scripts").exits(0);

@@ -41,8 +41,8 @@ pub(super) fn take(
         let path = folder.join(&figure.file);
         let bytes = read_regular(&path, MOST_BYTES).map_err(|error| {
             format!(
-                "out/figures/{} cannot be taken ({error}); let the program write it as a file of at most 20 MB, or take it \
-                 out of figures in study.toml",
+                "out/figures/{} cannot be taken ({error}); let the program write it as a file of at most 20 MB, or \
+                 take it out of figures in study.toml",
                 figure.file
             )
         })?;
@@ -112,7 +112,8 @@ mod tests {
     fn a_figure_is_what_its_ending_says_by_its_first_bytes() {
         let is = |name: &str, bytes: &[u8]| is_what_it_says(Path::new(name), bytes);
         assert!(is("a.png", b"\x89PNG\r\n\x1a\nrest") && is("a.pdf", b"%PDF-1.7\n"));
-        let svg = "\u{feff}<?xml version=\"1.0\"?>\n<!DOCTYPE svg PUBLIC \"x\" \"y\">\n<!-- a > b -->\n<svg width=\"1\"/>";
+        let svg = "\u{feff}<?xml version=\"1.0\"?>\n<!DOCTYPE svg PUBLIC \"x\" \"y\">\n<!-- a > b -->\n\
+                   <svg width=\"1\"/>";
         assert!(is("a.svg", svg.as_bytes()) && is("a.svg", b"<svg>"));
         for (name, bytes) in [
             ("a.png", &b"%PDF-1.7"[..]),

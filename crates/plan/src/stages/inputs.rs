@@ -135,8 +135,9 @@ fn samples(
     files: &StageFiles,
 ) -> Result<Table, zwidth_tables::TableError> {
     let rows = read.samples.len();
-    let keys = vec![trial.key(); rows];
-    let mut columns = TrialKey::columns(&keys);
+    // Of a million samples the key is the same: its columns are made of one.
+    let mut columns = TrialKey::columns(&[trial.key()]);
+    columns.iter_mut().for_each(|column| repeat(&mut column.values, rows));
     // What a trial lacks is null in its rows: every part of the table has the same columns.
     let values = |values: Option<&[f64]>| match values {
         Some(values) => Values::Float(values.iter().map(|value| Some(*value)).collect()),
@@ -162,6 +163,16 @@ fn samples(
         columns.push(Column { field, values: values(read.samples.channel(&channel.id)) });
     }
     Table::new("samples", "Samples of the trials that count", columns)
+}
+
+/// As many times the first value.
+fn repeat(values: &mut Values, rows: usize) {
+    match values {
+        Values::Float(all) => all.resize(rows, all.first().copied().flatten()),
+        Values::Integer(all) => all.resize(rows, all.first().copied().flatten()),
+        Values::Text(all) => all.resize(rows, all.first().cloned().flatten()),
+        Values::Flag(all) => all.resize(rows, all.first().copied().flatten()),
+    }
 }
 
 /// The table of another stage: a row for each trial, a column for each metric.
