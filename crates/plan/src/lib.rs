@@ -28,6 +28,7 @@ mod report;
 mod responses;
 mod scenes;
 mod shared;
+mod stages;
 mod tables;
 #[cfg(test)]
 mod tests;
@@ -50,6 +51,7 @@ pub use rehearsed::{OtherSetups, Rehearsal, TwinOf, rehearsal, rehearsed, rehear
 pub use replay::oscillations::{Oscillations, oscillations};
 pub use report::built_in;
 pub use responses::{Responses, responses};
+pub use stages::{ReadScript, read_script};
 pub use tables::printed::Printed;
 pub use tables::{printed as printed_tables, write as write_table};
 pub use thresholds::perception;
@@ -65,9 +67,11 @@ use zwidth_store::{Findings, StudyData};
 type OfData = (&'static str, fn(&StudyData) -> Vec<Job>);
 
 /// Each stage stands after those whose results it reads.
-const OF_DATA: [OfData; 18] = [
+const OF_DATA: [OfData; 19] = [
     ("characterise", characterise::jobs),
     ("identify", identify::jobs),
+    // Their metrics become columns of the next one's table; what they read comes from it, too.
+    ("stage", stages::jobs),
     // Some of them rest on the identified plant.
     ("metrics", metrics::jobs),
     ("average", average::jobs),
@@ -87,8 +91,9 @@ const OF_DATA: [OfData; 18] = [
     ("simulate", scenes::jobs),
 ];
 
-/// Stages that share their name with a figure or a file of the page.
-const NAMESAKES: [&str; 2] = ["likert", "replay"];
+/// Stages that share their name with a figure or a file of the page, and the stage of the study's own
+/// programs, which reads what later ones make.
+const AMONG_ALL: [&str; 3] = ["likert", "replay", "stage"];
 
 /// The jobs needed for `--only STAGE`: those of the stage, of the stages before it and of the tables.
 /// In a large study they are planned in a fraction of the time that all jobs need. `None` if the stage
@@ -96,7 +101,7 @@ const NAMESAKES: [&str; 2] = ["likert", "replay"];
 pub fn jobs_of_stage(data: &StudyData, stage: &str) -> Option<Vec<Job>> {
     let last = OF_DATA.iter().rposition(|(name, _)| *name == stage)?;
     // `--only` goes by the names of files too: those jobs are found among all alone.
-    if NAMESAKES.contains(&stage) {
+    if AMONG_ALL.contains(&stage) {
         return None;
     }
     let mut jobs = jobs_of_stages(data, &OF_DATA[..=last]);
@@ -137,9 +142,10 @@ pub fn jobs(data: &StudyData, findings: &Findings) -> Vec<Job> {
 }
 
 /// The stages, in the order in which a person thinks of them.
-pub const STAGES: [&str; 18] = [
+pub const STAGES: [&str; 19] = [
     "characterise",
     "metrics",
+    "stage",
     "average",
     "freemotion",
     "ladder",

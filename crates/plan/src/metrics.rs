@@ -59,6 +59,17 @@ pub(crate) fn study_files(layout: &Layout) -> [PathBuf; 2] {
     ["metrics.parquet", "conditions.parquet"].map(|name| derived(layout, name))
 }
 
+/// The tables of metrics of each session, without and with the plant: [`join_tables`] makes one of both.
+pub(crate) fn of_sessions(data: &StudyData) -> Vec<Vec<PathBuf>> {
+    let repeats = repeats(data);
+    let sessions = by_session(&repeats).map(|session| {
+        let key = session_key(first_trial(session));
+        let of = |end: &str| derived(&data.layout, format!("metrics/{key}{end}.parquet"));
+        vec![of(""), of(".plant")]
+    });
+    sessions.collect()
+}
+
 /// What the metrics of a condition depend on besides its trials.
 #[derive(Serialize)]
 struct ConditionParameters {
@@ -120,7 +131,7 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
     let (outside, tables): (Vec<Joined>, Vec<_>) = joined(data).into_iter().unzip();
     let mut own: Vec<MetricId> = own_metrics(&data.study).map(|own| own.id.clone()).collect();
     own.extend(outside.iter().map(|outside| outside.metric.column.clone()));
-    jobs.push(Job::new(
+    let of_study = Job::new(
         STAGE,
         "metrics of the study",
         // Nothing in a study without them, as it was before there were any.
@@ -128,7 +139,10 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
         (sessions, tables),
         whole,
         join_study,
-    ));
+    );
+    // Whatever becomes of a stage of the study's own, all else is made.
+    let may_fail = !data.study.stages.is_empty();
+    jobs.push(if may_fail { of_study.tolerant() } else { of_study });
     let name = "metrics by condition";
     let parameters = ByCondition { conditions: data.study.conditions(), own };
     let outputs = vec![conditions];
@@ -280,7 +294,7 @@ fn join_study(
 }
 
 /// The two tables of a session as one.
-fn join_tables(tables: &[PathBuf]) -> Result<Table, JobError> {
+pub(crate) fn join_tables(tables: &[PathBuf]) -> Result<Table, JobError> {
     let [plain, plant]: [Table; 2] =
         read_tables(tables)?.try_into().map_err(|_| "a session has two tables")?;
     let plain = zwidth_metrics::join_sessions(vec![plain])?.ok_or("there is no trial")?;

@@ -2,6 +2,7 @@
 //! such values come in, wherever they lie: those that were given beside the recordings, and those that jobs make.
 
 use crate::shared::handle::Derived;
+use crate::shared::own_stages::{given, values};
 use serde::Serialize;
 use std::collections::BTreeSet;
 use zwidth_metrics::OutsideColumn;
@@ -17,6 +18,9 @@ pub(crate) struct Joined {
     /// Trials whose recordings are others now than those that the values are of.
     #[serde(skip_serializing_if = "BTreeSet::is_empty")]
     outdated: BTreeSet<(ParticipantId, SessionId, u32)>,
+    /// Whether a stage of the study's own gives it, whose table is missing as long as it fails.
+    #[serde(skip)]
+    is_of_stage: bool,
 }
 
 impl Joined {
@@ -25,8 +29,11 @@ impl Joined {
         &self,
         table: &Derived<OutsideValue>,
     ) -> Result<OutsideColumn, TableError> {
-        let named = table
-            .read()?
+        let rows = match self.is_of_stage {
+            true => table.read_if_made()?.unwrap_or_default(),
+            false => table.read()?,
+        };
+        let named = rows
             .into_iter()
             .filter_map(|row| Some(((row.participant, row.session, row.trial), row.value?)));
         let values = named.filter(|(trial, _)| !self.outdated.contains(trial));
@@ -38,11 +45,18 @@ impl Joined {
 pub(crate) fn joined(data: &StudyData) -> Vec<(Joined, Derived<OutsideValue>)> {
     let mut joined = Vec::new();
     for metric in zwidth_metrics::outside_metrics(&data.study) {
+        if let Some((stage, own)) = given(data, metric) {
+            let table = values(&data.layout, stage, own);
+            let (metric, outdated) = (metric.clone(), BTreeSet::new());
+            joined.push((Joined { metric, outdated, is_of_stage: true }, table));
+            continue;
+        }
         let mut given = data.outside.iter().filter(|own| own.counts());
         if let Some(own) = given.find(|own| own.metric == *metric) {
             let outdated = own.outdated.iter().cloned().collect();
             let table = Derived::at(own.path.clone());
-            joined.push((Joined { metric: metric.clone(), outdated }, table));
+            let metric = metric.clone();
+            joined.push((Joined { metric, outdated, is_of_stage: false }, table));
         }
     }
     joined

@@ -11,7 +11,7 @@
 //! | [`ConditionTrials`], the first columns of `conditions` | participant, session, environment, mode | `metrics` | printed tables |
 //! | [`TrialEvent`] | participant, session, trial, place | `metrics` | page |
 //! | [`TrialRemark`] | file, place | `metrics` | summary, page, `trials` |
-//! | [`OutsideValue`] | participant, session, trial | `zwidth metric`, a table for each metric | `metrics` |
+//! | [`OutsideValue`] | participant, session, trial | `zwidth metric` and `stage`, a table for each metric | `metrics` |
 //! | [`CountedTrial`] | participant, session, trial | `trials` | other programs |
 //! | [`AveragePoint`], read as [`AveragedTime`] too, with columns for each signal | participant, session, environment, mode, time | `average` | figures, page |
 //! | [`LoopPoint`], read as [`LoopAngle`] too, with columns for each load | participant, session, environment, mode, branch, angle | `average` | `average`, figures |

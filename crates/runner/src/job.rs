@@ -1,8 +1,8 @@
 //! A job: what it needs, what it makes, and the function that makes it.
 
-use crate::Provenance;
 use crate::hashes::show_path;
 use crate::provenance::input_key;
+use crate::{Provenance, Scripts};
 use serde::Serialize;
 use std::error::Error;
 use std::io::Write;
@@ -125,6 +125,8 @@ pub struct Making<'m> {
     pub root: &'m Path,
     /// Trials that other jobs of the run read last.
     pub trials: &'m Lately,
+    /// Which programs of the study's own may be started.
+    pub scripts: &'m Scripts,
 }
 
 impl Making<'_> {
@@ -278,11 +280,15 @@ impl Job {
         self.outputs.first()?.file_stem()?.to_str()
     }
 
-    /// Whether a person who says `name` means this job: its stage, its name, or the file stem of an
-    /// output.
+    /// Whether a person who says `name` means this job: its stage, its name, with or without its
+    /// stage's, or the file stem of an output.
     pub fn is_called(&self, name: &str) -> bool {
         let mut stems = self.outputs.iter().filter_map(|output| output.file_stem());
-        self.stage.name == name || self.name == name || stems.any(|stem| stem == name)
+        let own = self.name.strip_prefix(self.stage.name).map(str::trim_start);
+        self.stage.name == name
+            || self.name == name
+            || own == Some(name)
+            || stems.any(|stem| stem == name)
     }
 }
 
@@ -312,8 +318,9 @@ mod tests {
     fn parameters_that_cannot_be_written_are_the_jobs_failure_and_no_key() {
         let map: std::collections::BTreeMap<(u8, u8), u8> = [((1, 2), 3)].into();
         let job = job(map);
-        let (from, root) = (Provenance::new(), Path::new(""));
-        let making = Making { from: &from, outputs: &[], root, trials: &Lately::default() };
+        let (from, root, scripts) = (Provenance::new(), Path::new(""), Scripts::None);
+        let trials = &Lately::default();
+        let making = Making { from: &from, outputs: &[], root, trials, scripts: &scripts };
         let error = job.make(&making).err().unwrap();
         assert!(error.to_string().contains("its parameters cannot be written"), "{error}");
     }

@@ -43,10 +43,12 @@ mod record;
 mod records;
 mod results;
 mod run;
+mod script;
 mod shard;
 mod state;
 mod survey;
 mod trace;
+mod twice;
 
 pub use change::{Change, Field, FileChange, How};
 pub use elsewhere::{Sent, due, lay_down};
@@ -59,7 +61,11 @@ pub use record::Record;
 pub use records::Records;
 pub use results::Results;
 pub use run::{Done, JobEnd, Options, Report, run, wanted};
+pub use script::{
+    ENVIRONMENT, HeldSignals, MOST_PRINTED, Script, ScriptError, Scripts, last_printed, run_script,
+};
 pub use shard::{MOST_SHARDS, Shard};
 pub use state::{Again, State, states};
 pub use survey::{Share, Survey, survey};
 pub use trace::{Source, Step, Trace, trace};
+pub use twice::{Unlike, made_twice};

@@ -45,13 +45,14 @@ impl std::fmt::Display for StudyChange {
 }
 
 /// The lists of a study, whose elements have ids.
-const LISTS: [&str; 9] = [
+const LISTS: [&str; 10] = [
     "environments",
     "modes",
     "questions",
     "channels",
     "people",
     "metrics",
+    "stage",
     "scores",
     "tasks",
     "factors",
@@ -154,7 +155,7 @@ fn affects(key: &str) -> Affects {
         | ["analysis", ..]
         | ["compare", ..]
         | ["perception", ..]
-        | ["people" | "metrics" | "scores" | "factors", ..]
+        | ["people" | "metrics" | "stage" | "scores" | "factors", ..]
         | ["axes", "low_pass_hz" | "onset_m_s" | "offset_m_s"]
         | ["replay", ..]
         | ["figures" | "scenes", ..] => Affects::Nothing,

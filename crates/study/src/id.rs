@@ -188,6 +188,8 @@ ids! {
     MetricId = "metric", unless refused_as_metric;
     /// An actuator or sensor that was characterised, such as `motor`.
     ActuatorId = "actuator", unless refused;
+    /// A stage of a study's own, such as `grip`, or what it reads: `samples`.
+    StageId = "stage", unless refused_as_name;
     /// A figure of scenes, such as `figure_8`.
     SceneFigureId = "figure of scenes", unless refused;
 }

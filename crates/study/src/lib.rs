@@ -28,6 +28,7 @@ mod model;
 pub mod order;
 mod outside;
 mod own_metric;
+mod own_stage;
 mod people;
 mod perception;
 mod printable;
@@ -65,7 +66,7 @@ pub use figures::{Alignment, Figures, OwnFigures};
 pub use form::{CURRENT_BRAKE, CURRENT_MOTOR, Channel, REFERENCE, Schema, TrialForm};
 pub use id::{
     ActuatorId, ChannelId, EnvironmentId, ExperimenterId, FactorId, IdError, LevelId, MetricId,
-    ModeId, ParticipantId, PersonColumnId, QuestionId, SceneFigureId, SessionId, StudyId,
+    ModeId, ParticipantId, PersonColumnId, QuestionId, SceneFigureId, SessionId, StageId, StudyId,
 };
 pub use label::{contrast_label, curve_label, in_a_sentence, ratio_label};
 pub use law::{ActuatorKind, ModeLaw};
@@ -77,6 +78,7 @@ pub use model::{
 };
 pub use outside::{OutsideMetric, is_unit, unit_in_names};
 pub use own_metric::{OwnMetric, Statistic, TrialPart};
+pub use own_stage::{GivenFigure, GivenMetric, OwnStage, StageFormat};
 pub use people::{Known, People, PeopleForm, Person, PersonColumn, PersonValue};
 pub use perception::{Measured, MeasuredJnd, Perception, VibrationCurve, is_felt};
 pub use printable::{printable, printable_lines};

@@ -2,8 +2,8 @@
 
 use crate::{
     ActuatorKind, AnswerScale, Axes, Channel, Compare, Control, EnvironmentId, Factor, Figures,
-    Levels, ModeId, ModeLaw, OutsideMetric, OwnMetric, Perception, PersonColumn, QuestionId,
-    ReplayModel, Scene, SceneFigure, Schema, Score, StudyId, Task, TaskLevel,
+    Levels, ModeId, ModeLaw, OutsideMetric, OwnMetric, OwnStage, Perception, PersonColumn,
+    QuestionId, ReplayModel, Scene, SceneFigure, Schema, Score, StageId, StudyId, Task, TaskLevel,
 };
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -53,6 +53,8 @@ pub struct Study {
     pub people: Vec<PersonColumn>,
     /// The study's own metrics, in the order of the file.
     pub metrics: Vec<OwnMetric>,
+    /// The study's own stages, in the order of the file.
+    pub stages: Vec<OwnStage>,
     /// Scores of several answers, in the order of the file.
     pub scores: Vec<Score>,
     /// What can be felt, measured by answers.
@@ -64,12 +66,24 @@ pub struct Study {
     /// Metrics that other programs computed, of which tables beside the recordings hold the values. No `study.toml` has
     /// them: they come with the study's data.
     pub from_tables: Vec<OutsideMetric>,
+    /// Metrics that the study's own stages give, each with the stage's id; they follow from `stages`.
+    pub from_stages: Vec<(StageId, OutsideMetric)>,
 }
 
 impl Study {
-    /// Every metric whose values come from outside of zwidth.
+    /// Every metric whose values come from outside of zwidth. A table of a metric that a stage gives has no
+    /// effect: of two sources of one column nobody could say which it is.
     pub fn outside(&self) -> impl Iterator<Item = &OutsideMetric> {
-        self.from_tables.iter()
+        let of_stages = self.from_stages.iter().map(|(_, metric)| metric);
+        let is_alone = |own: &&OutsideMetric| {
+            self.from_stages.iter().all(|(_, metric)| metric.column != own.column)
+        };
+        of_stages.chain(self.from_tables.iter().filter(is_alone))
+    }
+
+    /// The metrics that a stage of the study's own gives, in its order.
+    pub fn of_stage<'a>(&'a self, id: &'a StageId) -> impl Iterator<Item = &'a OutsideMetric> {
+        self.from_stages.iter().filter(move |(stage, _)| stage == id).map(|(_, metric)| metric)
     }
 
     /// The metric from outside whose column has that name.

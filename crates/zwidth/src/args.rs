@@ -42,6 +42,9 @@ pub(crate) enum Command {
         "  zwidth run thesis-twin --cluster node1:50050"
     ))]
     Run(commands::run::RunArgs),
+    /// Let the study's own stages run here: says what they run, and keeps it in mind until it changes
+    #[command(after_help = "Example:\n  zwidth allow mystudy")]
+    Allow(commands::allow::AllowArgs),
     /// Which shards of a study have made their share (`run --shard`), and what is missing
     #[command(after_help = "Example:\n  zwidth shards thesis-twin --missing")]
     Shards(commands::shards::ShardsArgs),

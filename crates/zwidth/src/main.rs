@@ -93,6 +93,7 @@ fn run(args: Args, screen: &screen::Screen) -> anyhow::Result<Exit> {
     let root = if args.root == Path::new(".") { Path::new("") } else { &args.root };
     match args.command {
         Command::Run(command) => commands::run::run(root, &command, screen),
+        Command::Allow(command) => commands::allow::allow(root, &command, screen),
         Command::Shards(command) => commands::shards::shards(root, &command, screen),
         Command::Merge(command) => commands::shards::merge(root, &command, screen),
         Command::New { study, imported } => commands::new::new(root, study, imported, screen),

@@ -64,7 +64,7 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use zwidth_results::Sentence;
 use zwidth_study::{Source, counted};
-use zwidth_tables::escape_markdown as escape;
+use zwidth_tables::{SYNTHETIC, escape_markdown as escape};
 
 /// Version of the tables' form: raised when a table would be another from the same data.
 pub const VERSION: u32 = 16;
@@ -111,6 +111,9 @@ pub struct Summary {
     pub runs: Vec<Made>,
     /// The figures, with the one to look at first in front.
     pub figures: Vec<Made>,
+    /// The figures that stages of the study's own drew.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub own_figures: Vec<OwnFigure>,
     /// Sessions whose own figures are made on demand alone.
     pub undrawn: usize,
     /// The tables, likewise.
@@ -125,6 +128,33 @@ pub struct Summary {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub plan: Vec<String>,
 }
+
+/// A figure that a stage of the study's own drew, kept as the stage left it.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct OwnFigure {
+    /// Its file, from the summary's folder on, with `/`; the file that says where it comes from is
+    /// called the same, with `.json` behind it.
+    pub path: String,
+    /// What it shows, as study.toml says.
+    pub caption: String,
+    /// Who drew it: `stage grip of the study: python3 grip.py`.
+    pub made_by: String,
+    /// Whether simulated data go into it.
+    pub simulated: bool,
+}
+
+impl OwnFigure {
+    /// Its caption: what it shows, who drew it, and whether it shows simulated data.
+    pub fn in_words(&self) -> String {
+        let caption = self.caption.trim_end_matches('.');
+        let mark = if self.simulated { SYNTHETIC } else { "" };
+        let by = &self.made_by;
+        format!("{caption}. Not drawn by zwidth, but by the {by}. {mark}").trim_end().to_owned()
+    }
+}
+
+/// What the part is called that shows them.
+const OWN_FIGURES: &str = "Figures of the study’s own stages";
 
 /// A figure or a table that was made, or a sentence that one of them shows.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -205,6 +235,12 @@ pub fn summary_markdown(summary: &Summary) -> String {
         (PLAN, bullets(&summary.plan, |sentence| escape(sentence))),
         (RUNS, bullets(&summary.runs, tell)),
         ("Figures", Some(joined([Some(figures), on_demand(summary.undrawn)]))),
+        (
+            OWN_FIGURES,
+            bullets(&summary.own_figures, |figure| {
+                format!("[{}]({})", escape(&figure.in_words()), figure.path)
+            }),
+        ),
         ("Tables", Some(listed(&summary.tables, "No table was made."))),
         ("Left out", bullets(&summary.left_out, remark).or(Some(nothing(summary).to_owned()))),
         ("Read with care", bullets(&summary.care, remark)),

@@ -53,6 +53,8 @@ mod shards;
 mod shipped;
 mod small;
 mod source;
+#[cfg(unix)]
+mod stages;
 mod story;
 mod survey;
 #[cfg(unix)]

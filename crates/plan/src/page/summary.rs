@@ -5,6 +5,7 @@ use crate::curves::OfCurves;
 use crate::figures::drawing::Drawing;
 use crate::page::methods::recorded;
 use crate::shared::handle::Derived;
+use crate::shared::own_stages::shown;
 use crate::shared::trials::name;
 use crate::{
     average, compare, curves, freemotion, ladder, likert, metrics, report, tables, thresholds,
@@ -75,6 +76,8 @@ pub(crate) struct Files {
     /// The remarks on the trials of each session.
     remarks: Vec<Derived<TrialRemark>>,
     figures: Vec<PathBuf>,
+    /// Those of the study's own stages.
+    own_figures: Vec<PathBuf>,
     tables: Vec<PathBuf>,
     pub(crate) metrics: Option<PathBuf>,
     tally: Option<Derived<AnswerTally>>,
@@ -96,6 +99,7 @@ pub(crate) struct Files {
 impl Inputs for Files {
     fn files(&self) -> Vec<PathBuf> {
         let mut files = [self.noted.as_slice(), &self.figures, &self.tables].concat();
+        files.extend(self.own_figures.files());
         files.extend([self.remarks.files(), self.metrics.files(), self.tally.files()].concat());
         if let Some(curves) = &self.curves {
             files.extend([curves.tests.path(), curves.runs.path()].map(ToOwned::to_owned));
@@ -149,6 +153,10 @@ pub(crate) fn inputs(data: &StudyData, findings: &Findings, figures: &[Drawing])
         noted: [average::at_onset(data), freemotion::tables(data)].concat(),
         remarks: metrics::remarks(data),
         figures: figures.iter().map(Drawing::picture).collect(),
+        own_figures: shown(data)
+            .iter()
+            .map(|figure| data.layout.reports().join(&figure.path))
+            .collect(),
         tables: tables::files(data),
         metrics: metrics::of_study(data),
         tally: likert::tally(data),
@@ -217,6 +225,9 @@ pub(crate) fn gather(page: &Page, files: &Files, making: &Making) -> Result<Gath
         let kind = caption.kind.shows.to_owned();
         summary.figures.push(Listed { kind, ..Listed::new(path, caption.text()) });
     }
+    summary.own_figures.retain(|figure| folder.join(&figure.path).exists());
+    let own_figures = files.own_figures.iter().filter(|file| !file.exists());
+    missing.extend(own_figures.map(|file| could_not_be_made(file)));
     let (existing, no_tables): (Vec<_>, Vec<_>) = files.tables.iter().partition(|f| f.exists());
     let tables = existing.par_iter().map(|file| {
         let About { title, rows, notes, .. } = Table::about(file)?;
@@ -484,6 +495,7 @@ fn facts(data: &StudyData, findings: &Findings) -> Summary {
         sessions: recorded.sessions,
         trials: recorded.trials,
         sweeps: recorded.sweeps,
+        own_figures: shown(data),
         undrawn: crate::figures::without_own(data),
         sources: recorded.sources,
         left_out: left_out(data, findings),

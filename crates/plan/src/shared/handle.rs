@@ -140,7 +140,7 @@ mod tests {
     use super::*;
     use std::fs;
     use zwidth_results::{MetricNote, NoteKind, OrderTest};
-    use zwidth_runner::{Output, Provenance};
+    use zwidth_runner::{Output, Provenance, Scripts};
     use zwidth_store::Lately;
 
     fn note(metric: &str) -> MetricNote {
@@ -159,8 +159,13 @@ mod tests {
         let orders = Derived::<OrderTest>::within(folder.path());
         let (from, trials) = (Provenance::new(), Lately::default());
         let outputs = [orders.path().to_owned(), notes.path().to_owned()];
-        let making =
-            Making { from: &from, outputs: &outputs, root: folder.path(), trials: &trials };
+        let making = Making {
+            from: &from,
+            outputs: &outputs,
+            root: folder.path(),
+            trials: &trials,
+            scripts: &Scripts::None,
+        };
         let noted = |metrics: &[&str]| -> Table {
             let notes: Vec<_> = metrics.iter().map(|metric| note(metric)).collect();
             Table::of_rows(&notes).unwrap()

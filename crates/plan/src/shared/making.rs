@@ -103,7 +103,7 @@ pub(crate) fn derived(layout: &Layout, name: impl AsRef<Path>) -> PathBuf {
 mod tests {
     use super::*;
     use std::fs;
-    use zwidth_runner::Provenance;
+    use zwidth_runner::{Provenance, Scripts};
     use zwidth_store::Lately;
     use zwidth_tables::Column;
 
@@ -121,8 +121,13 @@ mod tests {
         };
         let sessions: Vec<_> = (0..3 * SESSIONS_AT_ONCE).map(session).collect();
         let (from, outputs) = (Provenance::new(), [folder.path().join("all")]);
-        let making =
-            Making { from: &from, outputs: &outputs, root: folder.path(), trials: &trials };
+        let making = Making {
+            from: &from,
+            outputs: &outputs,
+            root: folder.path(),
+            trials: &trials,
+            scripts: &Scripts::None,
+        };
         let written = |sessions: &[Vec<PathBuf>]| {
             let made =
                 join_sessions(sessions, |tables| Ok(Table::from_parquet(&tables[0])?), &making);
@@ -151,7 +156,13 @@ mod tests {
                 .map(|hash| ("input plant.parquet".to_owned(), hash.to_owned()))
                 .into_iter()
                 .collect();
-            let making = Making { from: &from, outputs: &[], root, trials: &trials };
+            let making = Making {
+                from: &from,
+                outputs: &[],
+                root,
+                trials: &trials,
+                scripts: &Scripts::None,
+            };
             read_shared(&file, &making)
         };
         let write = |title: &str| {

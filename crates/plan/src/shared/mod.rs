@@ -4,4 +4,5 @@ pub(crate) mod conditions;
 pub(crate) mod handle;
 pub(crate) mod making;
 pub(crate) mod measured;
+pub(crate) mod own_stages;
 pub(crate) mod trials;

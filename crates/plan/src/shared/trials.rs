@@ -16,8 +16,8 @@ use zwidth_study::{ChannelId, ModeId, TrialMeta};
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(crate) struct TrialLabel {
     pub(crate) trial: u32,
-    mode: ModeId,
-    repeat: u32,
+    pub(crate) mode: ModeId,
+    pub(crate) repeat: u32,
 }
 
 /// A stage's parameters, and the labels of the trials that it gets.

@@ -472,7 +472,13 @@ impl<'j> Run<'j> {
             true => Provenance::new(),
             false => provenance(&job.name, &record),
         };
-        let making = Making { from: &from, outputs: &job.outputs, root, trials: &self.trials };
+        let making = Making {
+            from: &from,
+            outputs: &job.outputs,
+            root,
+            trials: &self.trials,
+            scripts: &self.options.scripts,
+        };
         let (Made { mut problems, mut care, .. }, hashes) = match make(job, &making, self.results)?
         {
             Ok(result) => result,

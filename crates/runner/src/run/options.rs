@@ -5,7 +5,7 @@ use crate::hashes::{Hashes, HashesRead};
 use crate::manifest::Manifest;
 use crate::plan::with_needs;
 use crate::shard::{ready, up_to_date};
-use crate::{Job, Records, Results, Shard};
+use crate::{Job, Records, Results, Scripts, Shard};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 use zwidth_store::{Seen, StoreError};
@@ -29,6 +29,8 @@ pub struct Options {
     pub seen: Arc<Seen>,
     /// Outputs say nothing of their making: their bytes are their content alone.
     pub without_origin: bool,
+    /// Which programs of the study's own may be started.
+    pub scripts: Scripts,
 }
 
 /// Which jobs a run checks, and makes if they need it.

@@ -41,6 +41,11 @@ impl Layout {
         self.root.join("reports").join(self.study.as_str())
     }
 
+    /// `analysis/<study>`: programs of the study's own, which zwidth only reads.
+    pub fn analysis(&self) -> PathBuf {
+        self.root.join("analysis").join(self.study.as_str())
+    }
+
     /// The study's `study.toml`.
     pub fn study_toml(&self) -> PathBuf {
         self.raw().join("study.toml")

@@ -14,6 +14,7 @@ mod read;
 mod scenes;
 mod scores;
 mod shape;
+mod stages;
 mod tasks;
 mod units;
 mod write;

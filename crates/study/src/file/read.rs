@@ -198,6 +198,7 @@ impl Check<'_> {
         let analysis = self.analysis(&file.analysis, coordinate);
         let people = self.people(file.people);
         self.own_metrics(&file.metrics, &file.channels);
+        let from_stages = self.stages(&file.stage);
         self.factors(&file.factors, &file.modes, &file.environments);
         let compare = self.compare(
             file.compare,
@@ -248,11 +249,13 @@ impl Check<'_> {
             channels: file.channels,
             people,
             metrics: file.metrics,
+            stages: file.stage,
             scores: file.scores,
             tasks,
             axes: self.axes(file.axes),
             factors: file.factors,
             from_tables: Vec::new(),
+            from_stages,
             analysis,
             compare,
             perception: self.perception(file.perception),

@@ -11,7 +11,7 @@ use crate::{
     StudyId,
 };
 use crate::{
-    Channel, Control, Curve, EffectSize, Factor, FactorId, Families, OwnMetric, Primary,
+    Channel, Control, Curve, EffectSize, Factor, FactorId, Families, OwnMetric, OwnStage, Primary,
     ReplayModel, SceneFigure, Term, Trend, VelocityFilter,
 };
 use serde::de::{self, SeqAccess, Visitor};
@@ -61,6 +61,8 @@ pub(super) struct File {
     pub(super) people: Vec<PersonColumnTable>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(super) metrics: Vec<OwnMetric>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(super) stage: Vec<OwnStage>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(super) scores: Vec<Score>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]

@@ -69,6 +69,7 @@ impl From<&Study> for File {
             channels: s.channels.clone(),
             people: s.people.iter().map(PersonColumnTable::of).collect(),
             metrics: s.metrics.clone(),
+            stage: s.stages.clone(),
             scores: s.scores.clone(),
             tasks: s.tasks.iter().map(TaskTable::of).collect(),
             axes: s.axes.clone(),

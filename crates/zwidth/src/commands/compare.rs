@@ -1,6 +1,7 @@
 //! `zwidth compare`: modes, participants, sessions or repeats of a study compared. Missing results
 //! of the stage `compare` are made first.
 
+use super::consent::scripts;
 use super::hashes_read;
 use super::near::did_you_mean;
 use super::run::run_with_bars;
@@ -273,7 +274,12 @@ pub(super) fn make(data: &StudyData, screen: &Screen) -> anyhow::Result<Exit> {
     let jobs = plan::jobs(data, &findings);
     let only = Some("compare".to_owned());
     // The study's files were hashed when they were loaded: not a second time.
-    let options = Options { only, known: hashes_read(data), ..Options::default() };
+    let options = Options {
+        only,
+        known: hashes_read(data),
+        scripts: scripts(&data.layout)?,
+        ..Options::default()
+    };
     let results = Results::new(&data.layout, &Unsynced);
     let done = run_with_bars(&jobs, &results, &options, screen)?;
     let mut exit = Exit::Fine;

@@ -110,16 +110,21 @@ pub(super) fn keys(keys: &Keys, blinded: bool) -> anyhow::Result<PathBuf> {
     if let Some(folder) = &keys.folder {
         return Ok(folder.clone());
     }
-    let state = variable("XDG_STATE_HOME")
-        .or_else(|| Some(variable("HOME")?.join(".local").join("state")))
-        .or_else(|| variable("LOCALAPPDATA"));
-    match state {
-        Some(state) => Ok(state.join("zwidth")),
+    match state_folder() {
+        Some(folder) => Ok(folder),
         None if !blinded => Ok(PathBuf::new()),
         None => bail!(
             "there is no state folder for this user; name a folder for the seals with --key DIR"
         ),
     }
+}
+
+/// `zwidth/` in the user's state folder (XDG), if this user has one.
+pub(super) fn state_folder() -> Option<PathBuf> {
+    let state = variable("XDG_STATE_HOME")
+        .or_else(|| Some(variable("HOME")?.join(".local").join("state")))
+        .or_else(|| variable("LOCALAPPDATA"));
+    Some(state?.join("zwidth"))
 }
 
 /// The folder that an environment variable names.

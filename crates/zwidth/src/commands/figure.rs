@@ -1,5 +1,6 @@
 //! `zwidth figure`: one figure of a study again, in another size or form, in a folder of its own.
 
+use super::consent::scripts;
 use super::load;
 use super::locate::REMADE;
 use super::near::did_you_mean;
@@ -151,7 +152,11 @@ fn make(data: &StudyData, name: &str) -> anyhow::Result<Option<String>> {
     }
     let of_figure = jobs.iter().find(|job| job.name == format!("figure {name}"));
     let job = of_figure.ok_or_else(|| anyhow!(no_figure(data.layout.study(), name, [])))?;
-    let options = Options { only: Some(job.name.clone()), ..Options::default() };
+    let options = Options {
+        only: Some(job.name.clone()),
+        scripts: scripts(&data.layout)?,
+        ..Options::default()
+    };
     let results = Results::new(&data.layout, &Unsynced);
     let done = run_jobs(&jobs, &results, &options, &|_: &Report| {})?;
     for report in done.reports {

@@ -2,10 +2,12 @@
 
 pub(crate) mod acquire;
 mod alike;
+pub(crate) mod allow;
 pub(crate) mod characterise;
 pub(crate) mod check;
 mod cluster;
 pub(crate) mod compare;
+mod consent;
 pub(crate) mod device;
 pub(crate) mod export;
 pub(crate) mod figure;
@@ -34,6 +36,7 @@ pub(crate) mod stability;
 pub(crate) mod table;
 pub(crate) mod trace;
 pub(crate) mod trade;
+mod twice;
 pub(crate) mod twin;
 pub(crate) mod unseal;
 pub(crate) mod verify;

@@ -3,7 +3,9 @@
 
 use super::alike::once;
 use super::cluster::run_on;
+use super::consent::scripts;
 use super::near::did_you_mean;
+use super::twice::compare_twice;
 use super::{hashes_read, join_findings, nameless, studies};
 use crate::exit::Exit;
 use crate::screen::Screen;
@@ -15,7 +17,7 @@ use std::time::Instant;
 use zwidth_acquire::Unsynced;
 use zwidth_plan as plan;
 use zwidth_runner::{
-    Done, Job, JobEnd, Options, Report, Results, Shard, run as run_jobs, waiting, wanted,
+    Done, Job, JobEnd, Options, Report, Results, Scripts, Shard, run as run_jobs, waiting, wanted,
 };
 use zwidth_store::{Findings, Layout, RealFiles, Seen, StoreError, StudyData, findings};
 use zwidth_study::StudyId;
@@ -41,6 +43,12 @@ pub(crate) struct RunArgs {
     /// [default: the same folder as here]
     #[arg(long, value_name = "DIR|s3://BUCKET/PREFIX", requires = "cluster")]
     pub(crate) raw: Option<String>,
+    /// Let the study's own stages run, for this run alone; `zwidth allow` remembers it
+    #[arg(long)]
+    pub(crate) allow_scripts: bool,
+    /// Make this stage, figure or table once more, and say whether the same bytes come out
+    #[arg(long, value_name = "STAGE|FIGURE|TABLE", conflicts_with_all = ["shard", "cluster", "dry_run", "without_origin"])]
+    pub(crate) twice: Option<String>,
     /// Say what would be made, and why; make nothing
     #[arg(long)]
     pub(crate) dry_run: bool,
@@ -122,7 +130,9 @@ fn one(layout: &Layout, command: &RunArgs, screen: &Screen) -> anyhow::Result<Ou
     let data = StudyData::load_seen(&seen, layout).map_err(|findings| join_findings(&findings))?;
     let findings = findings(&RealFiles, &data);
     let jobs = needed_jobs(&data, &findings, command);
-    check_only(&jobs, layout.study(), command)?;
+    for (option, name) in [("--only", &command.only), ("--twice", &command.twice)] {
+        check_called(&jobs, layout.study(), option, name.as_deref())?;
+    }
     let options = Options {
         fresh: command.fresh,
         dry_run: command.dry_run,
@@ -132,6 +142,10 @@ fn one(layout: &Layout, command: &RunArgs, screen: &Screen) -> anyhow::Result<Ou
         known: hashes_read(&data),
         seen: Arc::new(seen),
         without_origin: command.without_origin,
+        scripts: match command.allow_scripts {
+            true => Scripts::All,
+            false => scripts(layout)?,
+        },
     };
     let of_plan: Vec<StoreError> = plan::plan_finding(layout).into_iter().collect();
     let left_out: Vec<String> =
@@ -152,6 +166,10 @@ fn one(layout: &Layout, command: &RunArgs, screen: &Screen) -> anyhow::Result<Ou
         ));
     }
     let Done { reports, remarks } = run_with_bars(&jobs, &results, &options, screen)?;
+    let unlike = match &command.twice {
+        Some(name) => compare_twice(&jobs, name, layout, &results, &options.scripts, screen)?,
+        None => Vec::new(),
+    };
     let with_care = words(&findings.with_care).chain(words(&of_plan)).chain(words(&remarks));
     let problems = reports.iter().flat_map(|r| r.problems.iter().cloned());
     let care = reports.iter().flat_map(|r| r.care.iter().cloned());
@@ -169,7 +187,7 @@ fn one(layout: &Layout, command: &RunArgs, screen: &Screen) -> anyhow::Result<Ou
         up_to_date: reports.iter().filter(|r| r.verdict == JobEnd::UpToDate).count(),
         failed: failed.collect(),
         left_out: sorted(left_out.into_iter().chain(problems)),
-        read_with_care: sorted(with_care.chain(care)),
+        read_with_care: sorted(with_care.chain(care).chain(unlike)),
         seconds: start.elapsed().as_secs_f64(),
     };
     if !screen.json {
@@ -215,17 +233,22 @@ fn needed_jobs(data: &StudyData, findings: &Findings, command: &RunArgs) -> Vec<
     jobs
 }
 
-/// `--only` must name something that exists.
-fn check_only(jobs: &[Job], study: &StudyId, command: &RunArgs) -> anyhow::Result<()> {
-    let Some(only) = &command.only else { return Ok(()) };
+/// `--only` and `--twice` must name something that exists.
+fn check_called(
+    jobs: &[Job],
+    study: &StudyId,
+    option: &str,
+    name: Option<&str>,
+) -> anyhow::Result<()> {
+    let Some(only) = name else { return Ok(()) };
     if jobs.iter().any(|job| job.is_called(only)) {
         return Ok(());
     }
     let mut stages = plan::STAGES.to_vec();
     stages.retain(|stage| jobs.iter().any(|job| job.stage.name == *stage));
-    if plan::STAGES.contains(&only.as_str()) {
+    if plan::STAGES.contains(&only) {
         anyhow::bail!(
-            "--only {only}: this study has nothing for that stage to make; those that have are {}",
+            "{option} {only}: this study has nothing for that stage to make; those that have are {}",
             stages.join(", ")
         );
     }
@@ -233,7 +256,7 @@ fn check_only(jobs: &[Job], study: &StudyId, command: &RunArgs) -> anyhow::Resul
     let stems = jobs.iter().filter(has_stem).filter_map(Job::stem);
     let names = stages.iter().copied().chain(stems);
     anyhow::bail!(
-        "--only {only}: there is no such stage, figure or table{} (stages: {}; `zwidth figure {study}` lists the \
+        "{option} {only}: there is no such stage, figure or table{} (stages: {}; `zwidth figure {study}` lists the \
          figures, `zwidth table {study}` the tables)",
         did_you_mean(only, names),
         stages.join(", "),

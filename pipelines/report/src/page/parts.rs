@@ -50,6 +50,7 @@ pub(super) fn all(page: &Page) -> Vec<Part> {
         }),
         part("runs", crate::RUNS, !summary.runs.is_empty(), runs),
         part("figures", "Figures", !summary.figures.is_empty(), figures),
+        part("own-figures", crate::OWN_FIGURES, !summary.own_figures.is_empty(), own_figures),
         part("tables", "Tables", !summary.tables.is_empty(), tables),
         part("provenance", "Where this comes from", true, provenance),
     ];
@@ -291,6 +292,25 @@ fn figures(page: &Page) -> Markup {
             details {
                 summary { (person) " " span.count { (own.len()) } }
                 (grouped(&own))
+            }
+        }
+    }
+}
+
+/// Figures that zwidth did not draw: as images alone, because an SVG within the page could bring a
+/// script along.
+fn own_figures(page: &Page) -> Markup {
+    html! {
+        @for figure in &page.summary.own_figures {
+            figure {
+                @if !figure.path.ends_with(".pdf") {
+                    a href=(figure.path) { img src=(figure.path) alt=(figure.caption) loading="lazy"; }
+                }
+                figcaption {
+                    (figure.in_words()) " "
+                    a href=(figure.path) { "The file" } " "
+                    a href={ (figure.path) ".json" } { "Where it comes from" }
+                }
             }
         }
     }

@@ -23,6 +23,14 @@ pub(super) const DATA: &str = "<script id=\"study-data\" type=\"application/json
 /// How a trial names the script that holds its samples.
 const KEY: &str = "\"data\":\"";
 
+/// The kind of a picture that a stage of the study's own drew.
+fn of_own_stage(path: &str) -> Option<&'static str> {
+    let is_own = path.starts_with("stages/");
+    let kinds = [(".svg", "svg+xml"), (".png", "png")];
+    let kind = kinds.into_iter().find(|(ending, _)| path.ends_with(ending));
+    kind.filter(|_| is_own).map(|(_, kind)| kind)
+}
+
 /// The page including everything that it shows: `read` gives the files beside it, by their paths
 /// from its folder on. Links to tables and other forms of a figure stay links.
 ///
@@ -51,6 +59,13 @@ pub fn single_file(
     let mut is_first = true;
     while let Some((before, rest)) = shown.split_once(SOURCE) {
         let (path, after) = rest.split_once('"').unwrap_or((rest, ""));
+        // One that a stage of the study's own drew stays an image: its bytes are not the page's.
+        if let Some(kind) = of_own_stage(path) {
+            let picture = STANDARD.encode(read(path)?);
+            one += &format!("{before}{SOURCE}data:image/{kind};base64,{picture}\"");
+            shown = after;
+            continue;
+        }
         if !path.starts_with("figures/") || !path.ends_with(".svg") {
             return Err(io::Error::other(format!(
                 "it shows '{path}', which is no figure of the study; make it again with `zwidth run STUDY`"
