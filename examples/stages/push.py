@@ -7,6 +7,7 @@ It needs pandas, pyarrow and matplotlib, and lies as analysis/<study>/push.py be
     command = ["python3", "push.py"]
     files = ["push.py"]
     inputs = ["samples"]
+    columns = ["t_s", "force_ex_n"]
     gives = [
         { id = "push_peak", unit = "N", label = "largest push" },
         { id = "push_rate", unit = "N/s", label = "fastest growth of the push" },

@@ -10,7 +10,8 @@ use std::path::Path;
 use std::sync::Arc;
 use zwidth_results::{Column, Field, Type, Values};
 use zwidth_store::{
-    SamplesWriter, Signal, StudyData, Trial, TrialEntry, read_trial, read_trial_and_channels,
+    Lasting, SamplesWriter, Signal, StudyData, Trial, TrialEntry, read_trial,
+    read_trial_and_channels,
 };
 use zwidth_study::{
     Channel, ChannelId, Kind, Known, ParticipantId, PersonValue, Status, TrialMeta, counted,
@@ -97,6 +98,12 @@ impl ExportedTrial {
     pub(crate) fn stem(&self) -> String {
         let TrialMeta { participant, session, trial, .. } = &self.meta;
         format!("participant={participant}/session={session}/trial-{trial:03}")
+    }
+
+    /// The same with all that `zwidth import` has to know of the trial.
+    pub(crate) fn told(&self) -> String {
+        let TrialMeta { environment, mode, repeat, .. } = &self.meta;
+        format!("{}_environment={environment}_mode={mode}_repeat={repeat}", self.stem())
     }
 }
 
@@ -229,8 +236,14 @@ impl Contents {
     pub(crate) fn sample_columns(&self) -> Result<Vec<Described>, ExportError> {
         let nowhere = std::io::sink();
         let path = Path::new("samples.parquet");
-        let writer =
-            SamplesWriter::begin(nowhere, &self.signals, &self.channels, self.tasks, path)?;
+        let writer = SamplesWriter::begin(
+            nowhere,
+            &self.signals,
+            &self.channels,
+            self.tasks,
+            Lasting::Kept,
+            path,
+        )?;
         let columns = writer.fields().map(|(name, unit, about, kind)| Described {
             name: name.to_owned(),
             kind: match kind.as_str() {

@@ -8,6 +8,8 @@ use crate::{ExportError, Format};
 pub(crate) const TABLE: &str = "import/samples.toml";
 /// A mapping for the MAT files of trials.
 pub(crate) const MAT: &str = "import/mat.toml";
+/// The same for MCAP.
+pub(crate) const MCAP: &str = "import/mcap.toml";
 
 /// What a mapping begins with.
 fn head(contents: &Contents, files: &str) -> String {
@@ -69,17 +71,22 @@ pub(crate) fn mappings(
         + &format!("[trial]\n{by_column}\n")
         + &columns(contents, |name| Ok(name.to_owned()))?;
     let mut all = vec![(TABLE, table)];
-    if formats.contains(&Format::Mat) {
+    let by_name = labels.map(|label| format!("{label} = {{ name = \"{label}\" }}\n")).concat();
+    let by_trial = |folder: &str, name: &dyn Fn(&str) -> Result<String, ExportError>| {
         let id = "[A-Za-z0-9_-]+";
         let pattern = format!(
             "participant=(?<participant>{id})/session=(?<session>{id})/trial-(?<trial>\\d+)_environment=(?<environment>{id})_\
-             mode=(?<mode>{id})_repeat=(?<repeat>\\d+)\\.mat$"
+             mode=(?<mode>{id})_repeat=(?<repeat>\\d+)\\.{folder}$"
         );
-        let by_name = labels.map(|label| format!("{label} = {{ name = \"{label}\" }}\n")).concat();
-        let text = head(contents, "mat/*/*/*.mat")
-            + &format!("[name]\npattern = '{pattern}'\n\n[trial]\n{by_name}\n")
-            + &columns(contents, mat::name)?;
-        all.push((MAT, text));
+        let files = format!("{folder}/*/*/*.{folder}");
+        let named = format!("[name]\npattern = '{pattern}'\n\n[trial]\n{by_name}\n");
+        Ok::<_, ExportError>(head(contents, &files) + &named + &columns(contents, name)?)
+    };
+    if formats.contains(&Format::Mat) {
+        all.push((MAT, by_trial("mat", &mat::name)?));
+    }
+    if formats.contains(&Format::Mcap) {
+        all.push((MCAP, by_trial("mcap", &|name| Ok(name.to_owned()))?));
     }
     Ok(all)
 }

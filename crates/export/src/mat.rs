@@ -39,10 +39,14 @@ const LONG_FIELD: usize = 64;
 
 pub(crate) fn write(folder: &mut Folder, contents: &Contents) -> Result<(), ExportError> {
     for trial in &contents.trials {
-        folder.write(&path(trial), "samples of a trial, as a MAT file", |out| {
-            let samples = trial.read()?.samples;
-            Ok(out.write_all(&trial_file(trial, &samples, contents)?)?)
-        })?;
+        folder.write(
+            &format!("mat/{}.mat", trial.told()),
+            "samples of a trial, as a MAT file",
+            |out| {
+                let samples = trial.read()?.samples;
+                Ok(out.write_all(&trial_file(trial, &samples, contents)?)?)
+            },
+        )?;
     }
     folder.write("mat/tables.mat", "the tables, as a MAT file", |out| {
         out.write_all(&header())?;
@@ -52,16 +56,6 @@ pub(crate) fn write(folder: &mut Folder, contents: &Contents) -> Result<(), Expo
         }
         Ok(())
     })
-}
-
-/// The file of a trial. Its name has all that `zwidth import` has to know of the trial.
-fn path(trial: &ExportedTrial) -> String {
-    let meta = &trial.meta;
-    let stem = trial.stem();
-    format!(
-        "mat/{stem}_environment={}_mode={}_repeat={}.mat",
-        meta.environment, meta.mode, meta.repeat
-    )
 }
 
 /// A vector for each column, and two structures: their units, and what trial it is.

@@ -41,7 +41,7 @@ pub(crate) fn write(
     software: &str,
 ) -> Result<(), ExportError> {
     for trial in &contents.trials {
-        let path = format!("mcap/{}.mcap", trial.stem());
+        let path = format!("mcap/{}.mcap", trial.told());
         folder.write(&path, "samples of a trial, as MCAP", |out| {
             let samples = trial.read()?.samples;
             let mut file = Stream { out, length: 0, hasher: crc32fast::Hasher::new() };

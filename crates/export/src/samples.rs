@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::io::Write;
 use std::path::Path;
-use zwidth_store::{Samples, SamplesWriter, StoreError, Trial};
+use zwidth_store::{Lasting, Samples, SamplesWriter, StoreError, Trial};
 use zwidth_study::{TaskLevel, TrialMeta};
 use zwidth_tables::SYNTHETIC;
 
@@ -24,7 +24,8 @@ pub(crate) fn write_parquet(
     folder.write(PARQUET, "samples of all trials, a row group for each trial", |out| {
         let path = Path::new(PARQUET);
         let (signals, channels) = (&contents.signals, &contents.channels);
-        let mut file = SamplesWriter::begin(out, signals, channels, contents.tasks, path)?;
+        let mut file =
+            SamplesWriter::begin(out, signals, channels, contents.tasks, Lasting::Kept, path)?;
         for trial in &contents.trials {
             let Trial { meta, samples, .. } = trial.read()?;
             file.add(&meta, &samples)?;

@@ -77,6 +77,13 @@ const COLUMNS: [&str; 23] = [
 pub(crate) const COLUMNS_OF_THREE: [&str; 9] =
     ["interval", "level", "task", "x_m", "y_m", "z_m", "force_x_n", "force_y_n", "force_z_n"];
 
+/// Whether trial files have a column of samples of that name.
+pub(crate) fn is_of_samples(name: &str) -> bool {
+    let (_of_presentations, in_space) = COLUMNS_OF_THREE.split_at(3);
+    let in_all = COLUMNS.iter().take_while(|column| **column != "flags");
+    in_all.chain(in_space).any(|column| *column == name) || name == "state_bits"
+}
+
 /// Why a text cannot be the name of a metric.
 fn refused_as_metric(text: &str) -> Option<&'static str> {
     let is_plain = text.bytes().all(|b| b.is_ascii_lowercase() || b.is_ascii_digit() || b == b'_')

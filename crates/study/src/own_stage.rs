@@ -18,6 +18,9 @@ pub struct OwnStage {
     pub files: Vec<String>,
     /// What it gets: `samples`, `metrics`, `answers`, or the table of another stage, by its id.
     pub inputs: Vec<StageId>,
+    /// The columns of samples that it gets; all, where none is named.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub columns: Vec<String>,
     /// In which format it gets them.
     #[serde(default = "parquet", skip_serializing_if = "is_parquet")]
     pub format: StageFormat,
@@ -100,6 +103,11 @@ impl OwnStage {
     /// Who it is, in words: `stage grip of the study: python3 grip.py`.
     pub fn in_words(&self) -> String {
         format!("stage {} of the study: {}", self.id, self.command_line())
+    }
+
+    /// Whether it gets this column of samples.
+    pub fn takes(&self, column: &str) -> bool {
+        self.columns.is_empty() || self.columns.iter().any(|own| own == column)
     }
 
     /// Whether it gets this input.

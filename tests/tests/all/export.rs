@@ -65,10 +65,10 @@ fn bits(root: &Path) -> Bits {
 }
 
 #[test]
-fn samples_come_back_to_the_last_bit_from_parquet_csv_and_mat() {
+fn samples_come_back_to_the_last_bit_from_parquet_csv_mat_and_mcap() {
     let study = study();
     let (_folder, out) = outside();
-    export(study.root(), &out, &["--with", "samples-csv,mat"]).exits(0);
+    export(study.root(), &out, &["--with", "samples-csv,mat,mcap"]).exits(0);
     let recorded = bits(study.root());
     assert_eq!(recorded.len(), 8, "of nine one is excluded");
     let mats = files(&out.join("mat"), "mat");
@@ -78,6 +78,7 @@ fn samples_come_back_to_the_last_bit_from_parquet_csv_and_mat() {
         ("samples.toml", vec![out.join("samples.parquet")]),
         ("samples.toml", vec![out.join("samples.csv")]),
         ("mat.toml", mats),
+        ("mcap.toml", files(&out.join("mcap"), "mcap")),
     ] {
         let back = tempfile::tempdir().unwrap();
         fs::create_dir_all(back.path().join("raw/demo")).unwrap();

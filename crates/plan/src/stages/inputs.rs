@@ -11,8 +11,8 @@ use std::fs::File;
 use std::io::{BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 use zwidth_results::{GivenAnswer, OutsideValue, Row as _, TrialKey};
-use zwidth_runner::{Inputs, JobError, Making, Provenance};
-use zwidth_store::{Signal, Trial, read_trial_and_channels};
+use zwidth_runner::{Inputs, JobError, Provenance};
+use zwidth_store::{Lasting, SamplesWriter, Signal, Trial, read_trial_and_channels};
 use zwidth_study::{Channel, ChannelId, OwnStage, StageFormat};
 use zwidth_tables::{Column, Field, Table, Type, Values, write_csv};
 
@@ -54,14 +54,13 @@ pub(super) fn write(
     parameters: &Parameters,
     files: &StageFiles,
     folder: &Path,
-    making: &Making,
 ) -> Result<Vec<String>, JobError> {
     let mut problems = Vec::new();
     if let Some(trials) = &files.trials {
         let channels: Vec<ChannelId> = files.channels.iter().map(|own| own.id.clone()).collect();
         let read = |(file, trial): (&std::sync::Arc<Path>, &StageTrial)| {
             let read = read_trial_and_channels(file, files.signals.iter().copied(), &channels);
-            read.map(|read| samples(trial, &read, files))
+            read.map(|read| Trial { meta: trial.labelled(read.meta), ..read })
         };
         let mut unread = Vec::new();
         let parts = trials
@@ -69,15 +68,21 @@ pub(super) fn write(
             .zip(parameters.trials.chunks(TRIALS_AT_ONCE))
             .flat_map(|(files, trials)| files.par_iter().zip(trials).map(read).collect::<Vec<_>>());
         let parts = parts.filter_map(|part| match part {
-            Ok(table) => Some(table.map_err(JobError::from)),
+            Ok(read) => Some(Ok(read)),
             // The disk's fault is no finding about a trial.
-            Err(error) if error.by_system => Some(Err(error.into())),
+            Err(error) if error.by_system => Some(Err(JobError::from(error))),
             Err(error) => {
                 unread.push(error.to_string());
                 None
             }
         });
-        write_table("samples", parameters.format, folder, parts)?;
+        match parameters.format {
+            StageFormat::Parquet => write_samples(parts, files, folder)?,
+            StageFormat::Csv => {
+                let tables = parts.map(|part| Ok(table_of(&part?, files)?));
+                write_table("samples", parameters.format, folder, tables)?;
+            }
+        }
         problems.extend(unread);
     }
     if let Some(sessions) = &files.metrics {
@@ -93,8 +98,25 @@ pub(super) fn write(
         let table = of_stage(&parameters.trials, stage, tables);
         write_table(stage.id.as_str(), parameters.format, folder, std::iter::once(table))?;
     }
-    let _ = making;
     Ok(problems)
+}
+
+/// Writes samples as Parquet, a row group for each trial. The program reads them once, so nothing is packed.
+fn write_samples(
+    parts: impl Iterator<Item = Result<Trial, JobError>>,
+    files: &StageFiles,
+    folder: &Path,
+) -> Result<(), JobError> {
+    let path = folder.join("samples.parquet");
+    let out = BufWriter::new(File::create(&path)?);
+    let signals: Vec<Signal> = files.signals.iter().copied().collect();
+    let mut table =
+        SamplesWriter::begin(out, &signals, &files.channels, false, Lasting::Once, &path)?;
+    for part in parts {
+        let Trial { meta, samples, .. } = part?;
+        table.add(&meta, &samples)?;
+    }
+    Ok(table.end(BTreeMap::new())?)
 }
 
 /// Writes a table that is given in parts; in Parquet each part is a row group.
@@ -129,14 +151,11 @@ fn write_table(
 }
 
 /// The samples of a trial, each with the trial's key.
-fn samples(
-    trial: &StageTrial,
-    read: &Trial,
-    files: &StageFiles,
-) -> Result<Table, zwidth_tables::TableError> {
-    let rows = read.samples.len();
+fn table_of(trial: &Trial, files: &StageFiles) -> Result<Table, zwidth_tables::TableError> {
+    let Trial { meta, samples, .. } = trial;
+    let rows = samples.len();
     // Of a million samples the key is the same: its columns are made of one.
-    let mut columns = TrialKey::columns(&[trial.key()]);
+    let mut columns = TrialKey::columns(&[TrialKey::from(meta)]);
     columns.iter_mut().for_each(|column| repeat(&mut column.values, rows));
     // What a trial lacks is null in its rows: every part of the table has the same columns.
     let values = |values: Option<&[f64]>| match values {
@@ -151,7 +170,7 @@ fn samples(
             description: of.description.into(),
             kind: Type::Float,
         };
-        columns.push(Column { field, values: values(read.samples.get(signal)) });
+        columns.push(Column { field, values: values(samples.get(signal)) });
     }
     for channel in &files.channels {
         let field = Field {
@@ -160,7 +179,7 @@ fn samples(
             description: channel.description.clone().into(),
             kind: Type::Float,
         };
-        columns.push(Column { field, values: values(read.samples.channel(&channel.id)) });
+        columns.push(Column { field, values: values(samples.channel(&channel.id)) });
     }
     Table::new("samples", "Samples of the trials that count", columns)
 }

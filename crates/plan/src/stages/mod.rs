@@ -63,6 +63,7 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
         let parameters = Parameters {
             command: stage.command.clone(),
             inputs: stage.inputs.clone(),
+            columns: stage.columns.clone(),
             format: stage.format,
             gives: stage.gives.clone(),
             figures: stage.figures.clone(),
@@ -76,11 +77,12 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
         let tables = |other: &OwnStage| {
             other.gives.iter().map(|metric| values(layout, other, metric)).collect::<Vec<_>>()
         };
+        let channels = data.study.channels.iter().filter(|own| stage.takes(own.id.as_str()));
         let inputs = StageFiles {
             own: own_files(layout, stage),
             trials: stage.gets("samples").then(|| trials.iter().map(|t| t.path.clone()).collect()),
-            signals: recorded.clone(),
-            channels: data.study.channels.clone(),
+            signals: recorded.iter().copied().filter(|own| stage.takes(own.name())).collect(),
+            channels: channels.cloned().collect(),
             metrics: stage.gets("metrics").then(|| metrics::of_sessions(data)),
             answers: stage.gets("answers").then(|| likert::answers(data)),
             stages: of_others.map(|other| (other.clone(), tables(other))).collect(),
@@ -127,7 +129,7 @@ fn in_folder(
         fs::create_dir_all(work.join(folder))?;
     }
     read.write_into(work)?;
-    let problems = inputs::write(parameters, files, &work.join("in"), making)?;
+    let problems = inputs::write(parameters, files, &work.join("in"))?;
     let printed = work.with_file_name("printed");
     let timeout = Duration::from_secs(stage.timeout_s.into());
     let script = Script { command: &stage.command, folder: work, printed: &printed, timeout };

@@ -5,7 +5,7 @@ use serde::Serialize;
 use zwidth_results::TrialKey;
 use zwidth_study::{
     EnvironmentId, GivenFigure, GivenMetric, OutsideMetric, OwnStage, ParticipantId, SessionId,
-    Source, StageFormat, StageId, StudyId,
+    Source, StageFormat, StageId, StudyId, TrialMeta,
 };
 
 /// A trial that a stage gets.
@@ -20,6 +20,12 @@ pub(super) struct StageTrial {
 }
 
 impl StageTrial {
+    /// What its file says of it, with the labels that it has now: of an unsealed session only the log knows the modes.
+    pub(super) fn labelled(&self, meta: TrialMeta) -> TrialMeta {
+        let (repeat, mode) = (self.label.repeat, self.label.mode.clone());
+        TrialMeta { repeat, mode, environment: self.environment.clone(), ..meta }
+    }
+
     /// Its key, the first columns of tables.
     pub(super) fn key(&self) -> TrialKey {
         TrialKey {
@@ -39,6 +45,7 @@ impl StageTrial {
 pub(super) struct Parameters {
     pub(super) command: Vec<String>,
     pub(super) inputs: Vec<StageId>,
+    pub(super) columns: Vec<String>,
     pub(super) format: StageFormat,
     pub(super) gives: Vec<GivenMetric>,
     pub(super) figures: Vec<GivenFigure>,

@@ -56,6 +56,18 @@ fn encoding(field: &Field) -> Encoding {
     }
 }
 
+/// Writer settings of a file that is read once and removed: nothing is made small.
+pub(crate) fn read_once(schema: &Schema) -> WriterProperties {
+    let columns = schema.fields().iter().map(|field| match field.data_type() {
+        DataType::Utf8 | DataType::Int32 => (field.name().as_str(), Encoding::Dictionary),
+        _ => (field.name().as_str(), Encoding::Plain),
+    });
+    properties(columns, Vec::new(), Compression::UNCOMPRESSED)
+        .set_statistics_enabled(EnabledStatistics::None)
+        .set_max_row_group_row_count(Some(GROUP_ROWS))
+        .build()
+}
+
 /// Writer settings of a derived table: what can be made again is made quickly.
 pub(crate) fn derived(schema: &Schema) -> WriterProperties {
     let columns = schema.fields().iter().map(|field| match field.data_type() {

@@ -1,7 +1,7 @@
 //! The samples of many trials as one table: a row group for each trial, with the keys of the trial
 //! beside them. Memory holds one trial.
 
-use crate::form::encode::{GROUP_ROWS, recorded};
+use crate::form::encode::{GROUP_ROWS, read_once, recorded};
 use crate::form::write::{all_entries, cannot_encode, channel_column, described, signal_column};
 use crate::{Samples, Signal, StoreError};
 use arrow::array::{ArrayRef, Float64Array, Int32Array, RecordBatch, StringArray};
@@ -13,6 +13,15 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use zwidth_study::{Channel, TaskLevel, TrialMeta};
+
+/// What a table of samples is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Lasting {
+    /// Kept: it is made small.
+    Kept,
+    /// Read once, and removed: it is made quickly.
+    Once,
+}
 
 /// Writes the samples of trials into one Parquet file.
 pub struct SamplesWriter<W: Write + Send> {
@@ -35,6 +44,7 @@ impl<W: Write + Send> SamplesWriter<W> {
         signals: &[Signal],
         channels: &[Channel],
         tasks: bool,
+        lasting: Lasting,
         path: &Path,
     ) -> Result<Self, StoreError> {
         let signals = signals.to_vec();
@@ -44,7 +54,10 @@ impl<W: Write + Send> SamplesWriter<W> {
         let fields: Vec<Field> = fields.chain(own.map(|(field, _)| field)).collect();
         let schema = Arc::new(Schema::new(fields));
         let encoded = |e| cannot_encode(path, &e);
-        let properties = recorded(&schema, Vec::new(), Some(GROUP_ROWS)).map_err(encoded)?;
+        let properties = match lasting {
+            Lasting::Kept => recorded(&schema, Vec::new(), Some(GROUP_ROWS)).map_err(encoded)?,
+            Lasting::Once => read_once(&schema),
+        };
         let options = ArrowWriterOptions::new().with_properties(properties);
         let options = options.with_skip_arrow_metadata(true); // it is among the entries
         let writer = ArrowWriter::try_new_with_options(out, schema.clone(), options);
@@ -155,7 +168,8 @@ mod tests {
         let mut bytes = Vec::new();
         let signals = [Signal::Time, Signal::Theta, Signal::VoltageMotor];
         let mut writer =
-            SamplesWriter::begin(&mut bytes, &signals, &[], false, Path::new("x")).unwrap();
+            SamplesWriter::begin(&mut bytes, &signals, &[], false, Lasting::Kept, Path::new("x"))
+                .unwrap();
         let fields: Vec<String> = writer.fields().map(|(name, ..)| name.to_owned()).collect();
         writer.add(&whole.meta, &whole.samples).unwrap();
         writer.add(&without.meta, &without.samples).unwrap();

@@ -198,7 +198,7 @@ impl Check<'_> {
         let analysis = self.analysis(&file.analysis, coordinate);
         let people = self.people(file.people);
         self.own_metrics(&file.metrics, &file.channels);
-        let from_stages = self.stages(&file.stage);
+        let from_stages = self.stages(&file.stage, &file.channels);
         self.factors(&file.factors, &file.modes, &file.environments);
         let compare = self.compare(
             file.compare,

@@ -1,7 +1,8 @@
 //! The checks of `[[stage]]` of a `study.toml`.
 
 use super::check::Check;
-use crate::{GivenFigure, GivenMetric, OutsideMetric, OwnStage, StageId, is_unit};
+use crate::id::is_of_samples;
+use crate::{Channel, GivenFigure, GivenMetric, OutsideMetric, OwnStage, StageId, is_unit};
 use std::collections::BTreeSet;
 use std::path::{Component, Path};
 
@@ -18,7 +19,11 @@ const LONGEST_S: u32 = 86_400;
 
 impl Check<'_> {
     /// Checks the stages, and gives the metrics that they give.
-    pub(super) fn stages(&mut self, stages: &[OwnStage]) -> Vec<(StageId, OutsideMetric)> {
+    pub(super) fn stages(
+        &mut self,
+        stages: &[OwnStage],
+        channels: &[Channel],
+    ) -> Vec<(StageId, OutsideMetric)> {
         self.unique("stage", stages.iter().map(|stage| stage.id.as_str()));
         self.at_most("stage", stages.len(), MOST_STAGES);
         let mut given: Vec<(StageId, OutsideMetric)> = Vec::new();
@@ -32,6 +37,7 @@ impl Check<'_> {
             self.stage_command(&at, stage);
             self.stage_files(&at, stage);
             self.stage_inputs(&at, stage, stages);
+            self.stage_columns(&at, stage, channels);
             if !(1..=LONGEST_S).contains(&stage.timeout_s) {
                 let problem = format!("{} must be from 1 to {LONGEST_S} seconds", stage.timeout_s);
                 self.error(&format!("{at}.timeout_s"), problem);
@@ -137,6 +143,27 @@ impl Check<'_> {
                     self.error(&key, problem);
                 }
                 Some(_) => {}
+            }
+        }
+    }
+
+    fn stage_columns(&mut self, at: &str, stage: &OwnStage, channels: &[Channel]) {
+        let key = format!("{at}.columns");
+        if !stage.columns.is_empty() && !stage.gets("samples") {
+            self.error(&key, "are those of samples; add \"samples\" to inputs, or remove them");
+        }
+        let mut seen = BTreeSet::new();
+        for column in &stage.columns {
+            let is_channel = channels.iter().any(|channel| channel.id.as_str() == column);
+            if !is_of_samples(column) && !is_channel {
+                let shown = column.escape_default();
+                let problem = format!(
+                    "'{shown}' is no column of samples; there are t_s, theta_rad, force_ex_n and others (docs/data.md, \"A \
+                     trial's columns\"), and the study's [[channels]]"
+                );
+                self.error(&key, problem);
+            } else if !seen.insert(column) {
+                self.error(&key, format!("'{column}' stands twice; list each column once"));
             }
         }
     }
@@ -299,6 +326,27 @@ mod tests {
             "stage[0].figures[0].caption",
             "is empty",
         );
+    }
+
+    #[test]
+    fn columns_are_those_of_samples_and_channels() {
+        let of = |columns: &str, inputs: &str| {
+            let channel = "[[channels]]\nid = \"grip_n\"\nunit = \"N\"\ndescription = \"grip\"\n";
+            let gives = "gives = [{ id = \"x\", unit = \"N\", label = \"x\" }]\n";
+            let stage = "[[stage]]\nid = \"a\"\ncommand = [\"a\"]\n";
+            with(&format!(
+                "{channel}{stage}inputs = [\"{inputs}\"]\ncolumns = [{columns}]\n{gives}"
+            ))
+        };
+        let study = of("\"t_s\", \"grip_n\", \"x_m\", \"state_bits\"", "samples").unwrap();
+        assert!(study.stages[0].takes("grip_n") && !study.stages[0].takes("theta_rad"));
+        check_round_trip(&study);
+        for other in ["likert", "mode", "level", "grip"] {
+            let refused = of(&format!("\"{other}\""), "samples");
+            check_refused(refused, "stage[0].columns", "is no column of samples");
+        }
+        check_refused(of("\"t_s\", \"t_s\"", "samples"), "stage[0].columns", "stands twice");
+        check_refused(of("\"t_s\"", "metrics"), "stage[0].columns", "add \"samples\" to inputs");
     }
 
     #[test]

@@ -82,6 +82,11 @@ fn give(root: &Path, command: &MetricArgs, from: &Path, screen: &Screen) -> anyh
     if let Some(own) = data.study.metrics.iter().find(|own| own.id == metric.column) {
         bail!("study.toml has a metric {} by a rule already: choose another --id", own.id);
     }
+    if let Some((stage, own)) =
+        data.study.from_stages.iter().find(|(_, own)| own.column == metric.column)
+    {
+        bail!("the stage {stage} of study.toml gives {} already: choose another --id", own.column);
+    }
     let table = next_table(&RealFiles, &layout, &metric)?;
     let file_blake3 = file_blake3(from)?;
     let counting = data.outside.iter().filter(|own| own.counts());
