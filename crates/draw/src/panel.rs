@@ -141,7 +141,10 @@ mod tests {
     #[test]
     fn one_unit_of_axes_of_one_scale_is_as_long_on_either_and_numbered() {
         let axis = || Axis::new("x", "mm").ranged(Range::OneScale(-50.0, 50.0));
-        let panel = Panel::new(Cell::at(0, 0), axis(), axis(), Vec::new()).tall(40.0);
+        let line =
+            crate::figure::Line { x: vec![0.0, 1.0], y: vec![0.0, 1.0], ..Default::default() };
+        let layers = vec![crate::figure::Layer::Line(line)];
+        let panel = Panel::new(Cell::at(0, 0), axis(), axis(), layers).tall(40.0);
         let figure = Figure { panels: vec![panel], ..Figure::default() };
         let page = crate::layout::plan(&figure, Fonts::bundled().unwrap()).unwrap();
         let plan = &page.panels[0];

@@ -16,7 +16,7 @@ use zwidth_store::{
 use zwidth_study::{
     Channel, ChannelId, Kind, Known, ParticipantId, PersonValue, Status, TrialMeta, counted,
 };
-use zwidth_tables::Table;
+use zwidth_tables::{Table, csv};
 
 /// What is asked for.
 #[derive(Debug, Clone)]
@@ -135,6 +135,8 @@ pub struct Contents {
     pub is_renamed: bool,
     /// What stays behind, a line each.
     pub left_out: Vec<String>,
+    /// The participants' file, if it goes along.
+    pub(crate) people: Option<String>,
     /// The study's file, without what is of the inside.
     pub(crate) study_toml: String,
     /// The signals that some trial has.
@@ -173,8 +175,14 @@ impl Contents {
         let mut tables = Vec::new();
         let care = derived.iter().find(|own| own.table.name() == "trials");
         let trials_table = table_of_trials(data, care.map(|own| &own.table), codes.is_some())?;
-        let own = [trials_table, participants(data, asked.people)?]
-            .map(|table| Origin { table, origin: None });
+        let known = participants(data, asked.people)?;
+        // As zwidth reads what is known of people: without a source.
+        let people = match codes {
+            _ if !asked.people || data.study.people.is_empty() => None,
+            Some(codes) => Some(csv(&codes.rename(&known)?.0)),
+            None => Some(csv(&known)),
+        };
+        let own = [trials_table, known].map(|table| Origin { table, origin: None });
         let others = derived.into_iter().filter(|own| own.table.name() != "trials");
         for Origin { table, origin } in own.into_iter().chain(others) {
             let table = from_beginnings(&outward(&table, &sources)?, &late)?;
@@ -208,6 +216,13 @@ impl Contents {
         let has = |channel: &&Channel| trials.iter().any(|t| t.channels.contains(&channel.id));
         let channels = data.study.channels.iter().filter(has).cloned().collect();
         let mut all = left_behind(data);
+        if !data.study.people.is_empty() && !asked.people {
+            let ids: Vec<&str> = data.study.people.iter().map(|own| own.id.as_str()).collect();
+            all.push(format!(
+                "what is known of people ({}): --people takes it along",
+                ids.join(", ")
+            ));
+        }
         if codes.is_some() {
             all.push("the device's own clock, hashes and origins of files".to_owned());
         }
@@ -220,6 +235,7 @@ impl Contents {
             is_simulated: is_simulated(data),
             is_renamed: codes.is_some(),
             left_out: all,
+            people,
             study_toml: study_file(text)?,
             signals: signals.collect(),
             in_all: in_all.collect(),
@@ -463,6 +479,9 @@ fn left_behind(data: &StudyData) -> Vec<String> {
         "the time at which a trial began, where its samples are more than a minute away from 0"
             .to_owned(),
     );
+    if !data.study.stages.is_empty() {
+        lines.push("programs of the study's own stages, and how they are started".to_owned());
+    }
     lines.push("figures, pages and derived tables that are not listed".to_owned());
     lines
 }

@@ -85,8 +85,12 @@ fn read_back(contents: &Contents) -> String {
             "## Into zwidth again\n\n{why}; answers can: `zwidth answer STUDY --from tables/answers.csv`.\n\n"
         );
     }
+    let people = match contents.people {
+        Some(_) => format!("cp import/participants.csv raw/{study}/\n"),
+        None => String::new(),
+    };
     format!(
-        "## Into zwidth again\n\n```sh\nmkdir -p raw/{study} && cp study.toml raw/{study}/\n\
+        "## Into zwidth again\n\n```sh\nmkdir -p raw/{study} && cp study.toml raw/{study}/\n{people}\
          zwidth import {study} --map import/samples.toml samples.parquet\n\
          zwidth answer {study} --from tables/answers.csv    # if there are answers\n```\n\n\
          The samples come back to the last bit. Their source is `imported` then, or `simulated`.\n\n"

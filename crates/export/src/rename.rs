@@ -62,6 +62,8 @@ impl Codes {
             let name = &column.field.name;
             match &column.values {
                 _ if PROSE.contains(&name.as_ref()) => left_out.push(name.to_string()),
+                // What people call a metric of their own may name one of them.
+                _ if names(&own, &column.field.description) => left_out.push(name.to_string()),
                 Values::Text(texts) if name == "participant" => {
                     let codes = texts.iter().map(|text| {
                         let text = text.as_deref()?;

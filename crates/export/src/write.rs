@@ -126,6 +126,13 @@ fn fill(
     for (path, text) in mapping::mappings(contents, &asked.formats)? {
         folder.text(path, "how zwidth import reads the samples back", &text)?;
     }
+    if let Some(people) = &contents.people {
+        folder.text(
+            "import/participants.csv",
+            "what is known of people, as zwidth reads it",
+            people,
+        )?;
+    }
     folder.text("study.toml", "what was planned", &contents.study_toml)?;
     let entries: Vec<Entry> = resources
         .iter()

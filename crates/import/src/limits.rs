@@ -49,6 +49,10 @@ pub(super) const RATES_HZ: std::ops::RangeInclusive<f64> = 1e-3..=1e6;
 const MOST_SPAN_S: f64 = 86_400.0;
 /// The latest time, s, from whatever it is counted: three thousand years.
 const MOST_TIME_S: f64 = 1e11;
+/// Positions and forces in space, and the largest of them, m or N.
+const IN_SPACE: [Signal; 6] =
+    [Signal::X, Signal::Y, Signal::Z, Signal::ForceX, Signal::ForceY, Signal::ForceZ];
+const MOST_IN_SPACE: f64 = 1e9;
 /// The largest angle, rad: a thousand turns.
 const MOST_ANGLE_RAD: f64 = 1_000.0 * std::f64::consts::TAU;
 
@@ -231,6 +235,15 @@ pub(super) fn check_sizes(path: &Path, samples: &Samples) -> Result<(), StoreErr
             let error = StoreError::new(path, what, "check the unit of the time");
             error.column(Signal::Time.name()).row0(row)
         })?;
+    }
+    for signal in IN_SPACE {
+        let values = samples.get(signal).unwrap_or_default();
+        if let Some(row) = values.iter().position(|v| v.abs() > MOST_IN_SPACE) {
+            let (unit, value) = (signal.column().unit, values[row]);
+            let what = format!("{value:e} {unit} is more than any device has");
+            let remedy = "check unit, scale and offset of the column, or leave the row out";
+            return Err(StoreError::new(path, what, remedy).column(signal.name()).row0(row));
+        }
     }
     let theta = samples.get(Signal::Theta).unwrap_or_default();
     let Some(row) = theta.iter().position(|v| v.abs() > MOST_ANGLE_RAD) else { return Ok(()) };

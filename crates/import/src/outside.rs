@@ -39,6 +39,11 @@ pub fn outside_values(
     let cells = CellForm { decimal_comma, ..CellForm::default() };
     let recording = Recording::part(path, table, cells, BTreeMap::new());
     let header = Header::of(&recording, NAMES);
+    let twice = header.names.iter().enumerate().find(|(i, name)| header.names[..*i].contains(name));
+    if let Some((_, name)) = twice {
+        let what = format!("two columns are called '{name}', but for capital letters");
+        return Err(recording.error(what, "give each column a name of its own").into());
+    }
     let named = TrialColumns::of(&header)?;
     let columns = metrics.iter().map(|metric| column_of(&header, metric, metrics.len() == 1));
     let columns = columns.collect::<Result<Vec<usize>, _>>()?;
@@ -117,10 +122,25 @@ fn value(recording: &Recording, column: usize, row: usize) -> Result<Option<f64>
     let cell = recording.table.columns[column].cell(row);
     match cell {
         Cell::Empty => Ok(None),
-        Cell::Number(value) if value.is_finite() => Ok(Some(value)),
+        Cell::Number(value) if value.is_finite() => at_most(value),
         Cell::Number(value) => Err(not_finite(&value.to_string())),
         Cell::Text(text) if text.trim().eq_ignore_ascii_case("nan") => Err(not_finite(text)),
-        Cell::Text(text) => number(text, recording.has_decimal_comma(&cell)),
+        Cell::Text(text) => match number(text, recording.has_decimal_comma(&cell))? {
+            Some(value) => at_most(value),
+            None => Ok(None),
+        },
+    }
+}
+
+/// The largest magnitude of a value: squares of larger ones, as in a standard deviation, are no numbers.
+const LARGEST: f64 = 1e100;
+
+fn at_most(value: f64) -> Result<Option<f64>, String> {
+    match value.abs() <= LARGEST {
+        true => Ok(Some(value)),
+        false => {
+            Err(format!("{value:e} is larger than any quantity that is measured ({LARGEST:e})"))
+        }
     }
 }
 
@@ -216,6 +236,7 @@ mod tests {
             ("P01,S01,1,inf", "'inf' is not a finite number"),
             ("P01,S01,1,-1e999", "'-1e999' is not a finite number"),
             ("P01,S01,1,much", "'much' is not a number"),
+            ("P01,S01,1,-1e160", "-1e160 is larger than any quantity"),
             ("P01,S01,2,1", "trial 2 of P01 S01 has a value in line 2 too"),
             ("P01,S01,,1", "the cell is empty"),
         ] {
@@ -226,5 +247,10 @@ mod tests {
         let error = told("participant,trial,value\nP01,1,1\n");
         assert!(error.contains("no column 'session': add it, or name one with -s"), "{error}");
         assert!(told("participant,session,trial,value\n").contains("the table has no rows"));
+        let error = told("participant,session,trial,VALUE,Value\nP01,S01,1,1,2\n");
+        assert!(
+            error.contains("two columns are called 'value', but for capital letters"),
+            "{error}"
+        );
     }
 }

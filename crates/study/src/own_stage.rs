@@ -22,7 +22,7 @@ pub struct OwnStage {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub columns: Vec<String>,
     /// In which format it gets them.
-    #[serde(default = "parquet", skip_serializing_if = "is_parquet")]
+    #[serde(skip_serializing_if = "is_parquet", default = "parquet")]
     pub format: StageFormat,
     /// It is ended after this time, s.
     #[serde(default = "ten_minutes")]

@@ -348,6 +348,20 @@ fn what_is_known_of_people_leaves_only_if_it_is_asked_for() {
         people(&asked),
         "participant,age_years,source\r\nAlice-1,97.0,recorded\r\nBob-2,41.0,recorded\r\n"
     );
+    // Beside study.toml it is read again.
+    let back = tempfile::tempdir().unwrap();
+    let raw = back.path().join("raw/demo");
+    fs::create_dir_all(&raw).unwrap();
+    fs::copy(asked.join("study.toml"), raw.join("study.toml")).unwrap();
+    fs::copy(asked.join("import/participants.csv"), raw.join("participants.csv")).unwrap();
+    let known = StudyData::load(&Layout::new(back.path(), "demo".parse().unwrap())).unwrap().people;
+    assert_eq!(known, StudyData::load(study.layout()).unwrap().people);
+    assert!(!out.join("import/participants.csv").exists());
+    let told = fs::read_to_string(out.join("README.md")).unwrap();
+    assert!(
+        told.contains("what is known of people (age_years): --people takes it along"),
+        "{told}"
+    );
 }
 
 #[test]

@@ -3,52 +3,26 @@
 //!
 //! Source of the format: MathWorks, "MAT-File Format" (R2024b), "Level 5 MAT-File Format".
 
+mod elements;
 mod objects;
 
 use super::limits::{MOST_COLUMNS, MOST_NAME, MOST_UNPACKED, Take};
 use super::matlab::{is_object, other_class};
 use super::spelling::shown;
-use super::table::{Cells, ColumnRef, Number, NumberKind, Table};
+use super::table::{Cells, ColumnRef, Table};
 use arrow::array::Float64Array;
-use flate2::read::ZlibDecoder;
+use elements::{
+    ALIGN, COMPLEX, Elements, Numbers, OPAQUE, STRUCT, TOO_MUCH, inflate, mi, text, whole, word,
+};
 use objects::Objects;
 use std::borrow::Cow;
-use std::io::Read as _;
 use std::path::Path;
 use zwidth_store::StoreError;
 
 /// Length of the header; its last two bytes give the byte order, the two before the version.
 const HEADER: usize = 128;
-/// Elements begin at multiples of this many bytes.
-const ALIGN: usize = 8;
-/// Most bytes that a small element carries in its tag.
-const SMALL: usize = 4;
-
-/// Data types of elements (table "MAT-File Data Types").
-mod mi {
-    pub(super) const INT8: u32 = 1;
-    pub(super) const UINT8: u32 = 2;
-    pub(super) const INT16: u32 = 3;
-    pub(super) const UINT16: u32 = 4;
-    pub(super) const INT32: u32 = 5;
-    pub(super) const UINT32: u32 = 6;
-    pub(super) const SINGLE: u32 = 7;
-    pub(super) const DOUBLE: u32 = 9;
-    pub(super) const INT64: u32 = 12;
-    pub(super) const UINT64: u32 = 13;
-    pub(super) const MATRIX: u32 = 14;
-    pub(super) const COMPRESSED: u32 = 15;
-}
-
 /// The offset in the header of the subsystem's place, which belongs to objects.
 const SUBSYSTEM: usize = 116;
-/// The array type of a structure, and that of an object of a class (a table, a datetime).
-const STRUCT: u32 = 2;
-const OPAQUE: u32 = 17;
-
-/// Flag of a complex array, in the array flags.
-const COMPLEX: u32 = 0x0800;
-
 /// Most bytes of the beginning of a variable: its flags, its size in [`MOST_DIMENSIONS`], its name.
 const HEAD: u64 = 2 * MOST_NAME as u64;
 /// Most dimensions of a variable.
@@ -153,12 +127,6 @@ struct Head {
     object: Option<usize>,
 }
 
-/// The values of a variable, not decoded yet.
-struct Numbers<'a> {
-    written: Number,
-    data: &'a [u8],
-}
-
 /// Gives the values of the variable at hand; only who asks has them unpacked.
 type Values<'a> = &'a dyn Fn(&mut dyn FnMut(Numbers) -> Option<()>) -> Result<(), String>;
 
@@ -253,9 +221,6 @@ fn columns(head: &Head, values: Values, take: &Take) -> Result<Result<Table, Str
     })?;
     if fits { Ok(Ok(table)) } else { Err(TOO_MUCH.to_owned()) }
 }
-
-/// Stands for the error of the budget, which takes its place.
-const TOO_MUCH: &str = "it has more values than are read";
 
 /// The place of what belongs to objects, which lies behind the variables.
 fn place_of_objects(bytes: &[u8], big: bool) -> Option<usize> {
@@ -408,56 +373,6 @@ fn visit(
     Ok(())
 }
 
-/// The first bytes of a compressed element, at most `most`: what it claims of its size decides
-/// nothing.
-fn inflate(data: &[u8], most: u64) -> Option<Vec<u8>> {
-    let mut plain = Vec::new();
-    ZlibDecoder::new(data).take(most).read_to_end(&mut plain).ok()?;
-    Some(plain)
-}
-
-/// The elements of a stretch of bytes, one after the other.
-struct Elements<'a> {
-    bytes: &'a [u8],
-    big: bool,
-}
-
-impl<'a> Elements<'a> {
-    /// The element behind so many.
-    fn nth(&mut self, n: usize) -> Option<(u32, &'a [u8])> {
-        for _ in 0..n {
-            self.next()?;
-        }
-        self.next()
-    }
-
-    /// The next element's type and data; `None` where it is cut off.
-    fn next(&mut self) -> Option<(u32, &'a [u8])> {
-        let first = word(self.bytes, self.big)?;
-        // A small element has its length in the upper half of the word that holds its type.
-        let small = (first >> 16) as usize;
-        let kind = first & 0xffff;
-        if small > 0 {
-            let data = self.bytes.get(4..2 * SMALL)?.get(..small)?;
-            self.bytes = &self.bytes[2 * SMALL..];
-            return Some((kind, data));
-        }
-        let size = word(&self.bytes[4..], self.big)? as usize;
-        let end = ALIGN.checked_add(size)?;
-        let data = self.bytes.get(ALIGN..end)?;
-        // Compressed elements follow each other without padding; the last one of all may lack it.
-        let next = if first == mi::COMPRESSED { end } else { end.next_multiple_of(ALIGN) };
-        self.bytes = self.bytes.get(next..).unwrap_or_default();
-        Some((first, data))
-    }
-}
-
-/// The word at the beginning.
-fn word(bytes: &[u8], big: bool) -> Option<u32> {
-    let word = *bytes.first_chunk::<4>()?;
-    Some(if big { u32::from_be_bytes(word) } else { u32::from_le_bytes(word) })
-}
-
 /// The size that the tag of a matrix gives, bytes, and what follows the tag.
 fn matrix_tag(bytes: &[u8], big: bool) -> Option<(u64, &[u8])> {
     let (tag, data) = bytes.split_at_checked(ALIGN)?;
@@ -511,10 +426,6 @@ fn head<'a>(data: &'a [u8], big: bool, field: Option<&str>) -> Option<(Head, Ele
     Some((Head { name, size, class, is_struct: kind == STRUCT, object: None }, parts))
 }
 
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes.get(..MOST_NAME).unwrap_or(bytes)).into_owned()
-}
-
 /// The values of a matrix, as they lie in the file.
 fn real_part(data: &[u8], big: bool) -> Option<Numbers<'_>> {
     let (kind, data) = head(data, big, None)?.1.next()?;
@@ -525,45 +436,6 @@ impl Head {
     /// The number of values that the size gives.
     fn count(&self) -> Option<usize> {
         self.size.iter().try_fold(1_usize, |n, d| n.checked_mul(*d))
-    }
-}
-
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-fn whole(value: f64) -> Option<usize> {
-    (value >= 0.0 && value.fract() == 0.0).then_some(value as usize)
-}
-
-/// MATLAB stores whole numbers in the smallest type that holds them.
-impl<'a> Numbers<'a> {
-    /// Those of an element; nothing if its type is none of numbers.
-    fn new(kind: u32, data: &'a [u8], big: bool) -> Option<Self> {
-        let (kind, size) = match kind {
-            mi::INT8 => (NumberKind::Signed, 1),
-            mi::UINT8 => (NumberKind::Unsigned, 1),
-            mi::INT16 => (NumberKind::Signed, 2),
-            mi::UINT16 => (NumberKind::Unsigned, 2),
-            mi::INT32 => (NumberKind::Signed, 4),
-            mi::UINT32 => (NumberKind::Unsigned, 4),
-            mi::SINGLE => (NumberKind::Float, 4),
-            mi::DOUBLE => (NumberKind::Float, 8),
-            mi::INT64 => (NumberKind::Signed, 8),
-            mi::UINT64 => (NumberKind::Unsigned, 8),
-            _ => return None,
-        };
-        Some(Self { written: Number { kind, size, big }, data })
-    }
-
-    /// The number of values.
-    fn count(&self) -> usize {
-        self.data.len() / self.written.size
-    }
-
-    /// `n` values from the one at `from` on.
-    fn values(&self, from: usize, n: usize) -> Option<Vec<f64>> {
-        let width = self.written.size;
-        let data =
-            self.data.get(from.checked_mul(width)?..from.checked_add(n)?.checked_mul(width)?)?;
-        Some(data.chunks_exact(width).map(|bytes| self.written.read(bytes)).collect())
     }
 }
 

@@ -7,7 +7,9 @@
 use super::super::limits::{MOST_COLUMNS, MOST_NAME, MOST_TEXT, Take};
 use super::super::spelling::shown;
 use super::super::table::{Cells, Declared};
-use super::{ALIGN, Elements, Numbers, OPAQUE, STRUCT, TOO_MUCH, inflate, mi, text, whole, word};
+use super::elements::{
+    ALIGN, COMPLEX, Elements, Numbers, OPAQUE, STRUCT, TOO_MUCH, inflate, mi, text, whole, word,
+};
 use arrow::array::{Float64Array, LargeStringBuilder};
 use std::collections::BTreeMap;
 
@@ -489,7 +491,7 @@ fn value<'a>(data: &'a [u8], big: bool, depth: usize, left: &mut usize) -> Optio
         }
         6..=15 => {
             let (kind, real) = parts.next()?;
-            let imaginary = match flags & super::COMPLEX {
+            let imaginary = match flags & COMPLEX {
                 0 => None,
                 _ => parts.next().and_then(|(kind, data)| Numbers::new(kind, data, big)),
             };

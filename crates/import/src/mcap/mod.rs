@@ -48,7 +48,7 @@ pub(super) fn read(
     // Topics first: which is meant may need all of them.
     let mut counts: BTreeMap<String, usize> = BTreeMap::new();
     let mut known = Known::default();
-    walk(bytes, &mut known, &mut |known, message| {
+    let lost = walk(bytes, &mut known, &mut |known, message| {
         if let Some(channel) = known.channels.get(&message.channel) {
             *counts.entry(channel.topic.clone()).or_default() += 1;
         }
@@ -61,7 +61,11 @@ pub(super) fn read(
         (wanted, topics) => {
             let list = listed(topics.iter().map(|topic| format!("'{}'", shown(topic))));
             let what = match wanted {
-                _ if topics.is_empty() => "the file has no messages".to_owned(),
+                _ if topics.is_empty() => match lost {
+                    // What is not there cannot be read, whatever topic is named.
+                    Some(why) => return Err(unreadable(&why)),
+                    None => "the file has no messages".to_owned(),
+                },
                 Some(wanted) => {
                     format!("no message is of topic '{}'; the file has {list}", shown(wanted))
                 }

@@ -174,6 +174,10 @@ fn chunks_are_unpacked_and_a_damaged_one_is_told() {
         assert!(table.lost.as_ref().unwrap().contains("is damaged"), "{:?}", table.lost);
         assert_eq!(numbers(&table, "wrench.force.y").len(), 2);
     }
+    let mut only = file(&chunk(records, "zstd", &zstd));
+    only[begin + 9 + 24] ^= 1;
+    let error = table_of(&only, Some("/force"), &["x"]).unwrap_err().to_string();
+    assert!(error.contains("the chunk at byte") && error.contains("is damaged"), "{error}");
     let error =
         table_of(&file(&chunk(records, "snappy", records)), None, &["x"]).unwrap_err().to_string();
     assert!(error.contains("packed by 'snappy'"), "{error}");

@@ -59,6 +59,10 @@ pub(super) fn read(
             groups.push(&channel.path[0]);
         }
     }
+    if groups.is_empty() {
+        let lost = segments.lost.as_ref().map(|lost| format!(": {lost}")).unwrap_or_default();
+        return Err(unreadable(&format!("no channel has values{lost}")));
+    }
     if let Some(group) = group.filter(|group| !groups.contains(group)) {
         let list = listed(groups.iter().map(|group| format!("'{}'", shown(group))));
         let what =

@@ -212,6 +212,15 @@ pub fn asked_in_vain(study: &Study) -> Vec<String> {
             )
         })
         .collect();
+    for (stage, given) in &study.from_stages {
+        if study.from_tables.iter().any(|own| own.column == given.column) {
+            remarks.push(format!(
+                "the stage {stage} of study.toml gives '{}', which a table of `zwidth metric` gives too: the stage counts, and \
+                 the table does not; give the metric of one of them another id, or withdraw the table",
+                given.column
+            ));
+        }
+    }
     let mut are_unknown = false;
     for metric in requested_metrics(study) {
         if zwidth_metrics::is_number(study, &metric) {

@@ -55,6 +55,7 @@ pub fn recorded(data: &StudyData) -> Recorded {
         participants,
         sessions: sessions.len(),
         trials: trials.len(),
+        sampled: data.counting().next().is_some(),
         sweeps: data.sweeps.len(),
         sources,
         compared,

@@ -176,10 +176,10 @@ pub(crate) fn outside_tables(
             entry.outdated.first().filter(|_| entry.counts())
         {
             let what = format!(
-                "{} of its {} trials have other recordings now than those the values were computed from, or none that can \
-                 be read: their values are left out; the first is {participant} {session} trial {trial}",
-                entry.outdated.len(),
-                entry.rows
+                "of its {} trials {} have a recording that changed since the values were computed, or that cannot be \
+                 read: their values are left out; the first is {participant} {session} trial {trial}",
+                entry.rows,
+                entry.outdated.len()
             );
             let remedy =
                 "restore the recordings, or compute the metric anew and give the table again";

@@ -294,7 +294,9 @@ impl Check<'_> {
             self.error("axes.low_pass_hz", problem);
         }
         let onset_m_s = self.positive("axes.onset_m_s", axes.onset_m_s);
-        if self.positive("axes.offset_m_s", axes.offset_m_s) > onset_m_s {
+        let offset_m_s = self.positive("axes.offset_m_s", axes.offset_m_s);
+        // A wrong onset is told alone.
+        if offset_m_s > onset_m_s && onset_m_s > 0.0 {
             let problem = format!(
                 "{} must be at most onset_m_s, {onset_m_s}: a movement that began must end below that",
                 axes.offset_m_s

@@ -87,9 +87,18 @@ fn give(root: &Path, command: &MetricArgs, from: &Path, screen: &Screen) -> anyh
     {
         bail!("the stage {stage} of study.toml gives {} already: choose another --id", own.column);
     }
+    let counting = data.outside.iter().filter(|own| own.counts());
+    let same =
+        |own: &&OutsideEntry| own.metric.column == metric.column && own.metric.id != metric.id;
+    if let Some(own) = counting.clone().find(same) {
+        bail!(
+            "the metric {} has the column {} already: choose another --id, or withdraw it",
+            own.metric.id,
+            metric.column
+        );
+    }
     let table = next_table(&RealFiles, &layout, &metric)?;
     let file_blake3 = file_blake3(from)?;
-    let counting = data.outside.iter().filter(|own| own.counts());
     if let Some(own) =
         counting.clone().find(|own| own.metric == metric && own.file_blake3 == file_blake3)
     {
@@ -234,7 +243,13 @@ struct Line<'a> {
 fn list(root: &Path, command: &MetricArgs, screen: &Screen) -> anyhow::Result<Exit> {
     let layout = study(root, command.study.clone())?;
     let data = StudyData::load(&layout).map_err(|findings| join_findings(&findings))?;
-    let lines: Vec<Line> = data.outside.iter().map(line).collect();
+    let mut lines: Vec<Line> = data.outside.iter().map(line).collect();
+    for own in lines.iter_mut().filter(|own| own.why_not.is_none()) {
+        let of_stages = &data.study.from_stages;
+        if of_stages.iter().any(|(_, given)| given.column.as_str() == own.column) {
+            own.why_not = Some("a stage of study.toml gives this column");
+        }
+    }
     screen.give(&lines, || {
         if lines.is_empty() {
             screen.result(format!("{}: no metric of another program was given", layout.study()));

@@ -24,7 +24,13 @@ pub(crate) fn verify(root: &Path, named: Vec<StudyId>, screen: &Screen) -> anyho
     let checked: Vec<(StudyId, Vec<StoreError>)> = studies(root, named)?
         .into_iter()
         .map(|l| {
-            let vain = read_study(&l).map(|study| zwidth_plan::asked_in_vain(&study));
+            let vain = read_study(&l).map(|mut study| {
+                // A log that is damaged is a finding of its own.
+                let given = zwidth_store::outside_log(&l).unwrap_or_default();
+                let counting = given.into_iter().filter(|table| table.why_not.is_none());
+                study.from_tables = counting.map(|table| table.metric).collect();
+                zwidth_plan::asked_in_vain(&study)
+            });
             let vain = vain.unwrap_or_default().into_iter();
             let vain = vain.map(|what| StoreError::new(&l.study_toml(), what, "correct it there"));
             let bar = screen.bar(0).with_message(l.study().to_string());

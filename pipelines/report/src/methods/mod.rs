@@ -280,7 +280,7 @@ fn data(recorded: &Recorded) -> Vec<String> {
 }
 
 fn measures(study: &Study, recorded: &Recorded, cited: &mut Cited) -> Vec<String> {
-    if recorded.trials == 0 {
+    if !recorded.sampled {
         return Vec::new();
     }
     let analysis = &study.analysis;

@@ -12,6 +12,8 @@ pub struct Recorded {
     pub sessions: usize,
     /// Trials that count.
     pub trials: usize,
+    /// Whether any of them has samples.
+    pub sampled: bool,
     /// Sweeps of actuators and sensors.
     pub sweeps: usize,
     /// How many of these trials and sweeps come from where.

@@ -7,6 +7,7 @@ fn recorded(participants: usize) -> Recorded {
         participants,
         sessions: participants,
         trials: 36 * participants,
+        sampled: true,
         sources: BTreeMap::from([(Source::Twin, 36 * participants)]),
         compared: ["discrepancy_user_mean_n", "duration_s"].map(str::to_owned).to_vec(),
         answers: true,
