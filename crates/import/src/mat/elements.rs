@@ -2,6 +2,7 @@
 
 use super::super::limits::MOST_NAME;
 use super::super::table::{Number, NumberKind};
+use super::mi;
 use flate2::read::ZlibDecoder;
 use std::io::Read as _;
 
@@ -9,22 +10,6 @@ use std::io::Read as _;
 pub(super) const ALIGN: usize = 8;
 /// Most bytes that a small element carries in its tag.
 const SMALL: usize = 4;
-
-/// Data types of elements (table "MAT-File Data Types").
-pub(super) mod mi {
-    pub(in super::super) const INT8: u32 = 1;
-    pub(in super::super) const UINT8: u32 = 2;
-    pub(in super::super) const INT16: u32 = 3;
-    pub(in super::super) const UINT16: u32 = 4;
-    pub(in super::super) const INT32: u32 = 5;
-    pub(in super::super) const UINT32: u32 = 6;
-    pub(in super::super) const SINGLE: u32 = 7;
-    pub(in super::super) const DOUBLE: u32 = 9;
-    pub(in super::super) const INT64: u32 = 12;
-    pub(in super::super) const UINT64: u32 = 13;
-    pub(in super::super) const MATRIX: u32 = 14;
-    pub(in super::super) const COMPRESSED: u32 = 15;
-}
 
 /// The array type of a structure, and that of an object of a class (a table, a datetime).
 pub(super) const STRUCT: u32 = 2;

@@ -4,6 +4,7 @@
 //! Source of the format: MathWorks, "MAT-File Format" (R2024b), "Level 5 MAT-File Format".
 
 mod elements;
+mod mi;
 mod objects;
 
 use super::limits::{MOST_COLUMNS, MOST_NAME, MOST_UNPACKED, Take};
@@ -12,7 +13,7 @@ use super::spelling::shown;
 use super::table::{Cells, ColumnRef, Table};
 use arrow::array::Float64Array;
 use elements::{
-    ALIGN, COMPLEX, Elements, Numbers, OPAQUE, STRUCT, TOO_MUCH, inflate, mi, text, whole, word,
+    ALIGN, COMPLEX, Elements, Numbers, OPAQUE, STRUCT, TOO_MUCH, inflate, text, whole, word,
 };
 use objects::Objects;
 use std::borrow::Cow;

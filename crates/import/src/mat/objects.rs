@@ -8,8 +8,9 @@ use super::super::limits::{MOST_COLUMNS, MOST_NAME, MOST_TEXT, Take};
 use super::super::spelling::shown;
 use super::super::table::{Cells, Declared};
 use super::elements::{
-    ALIGN, COMPLEX, Elements, Numbers, OPAQUE, STRUCT, TOO_MUCH, inflate, mi, text, whole, word,
+    ALIGN, COMPLEX, Elements, Numbers, OPAQUE, STRUCT, TOO_MUCH, inflate, text, whole, word,
 };
+use super::mi;
 use arrow::array::{Float64Array, LargeStringBuilder};
 use std::collections::BTreeMap;
 

@@ -139,7 +139,7 @@ fn values_of_a_recording_that_is_another_one_now_are_told_and_named() {
     give(&disk, &layout, "N", &other).unwrap();
     let data = StudyData::load_from(&disk, &layout).unwrap();
     assert_eq!(data.outside[0].outdated, [(row.participant, row.session, row.trial)]);
-    assert!(finding(&disk, &layout).contains("1 of its 1 trials have other recordings now"));
+    assert!(finding(&disk, &layout).contains("of its 1 trials 1 have a recording that changed"));
 }
 
 #[test]
