@@ -249,7 +249,12 @@ fn described_objects(
                     let too_many = "a channel claims more values than any file holds";
                     let values = usize::try_from(reader.long()?).map_err(|_| too_many)?;
                     let bytes = match kind {
-                        Kind::Text => usize::try_from(reader.long()?).ok(),
+                        // Where each text ends has four bytes of its own.
+                        Kind::Text => {
+                            let bytes = usize::try_from(reader.long()?).ok();
+                            let ends = values.checked_mul(4);
+                            bytes.filter(|bytes| ends.is_some_and(|ends| ends <= *bytes))
+                        }
                         kind => values.checked_mul(kind.size()),
                     };
                     object.kind = Some(kind);

@@ -342,6 +342,16 @@ fn what_nothing_can_be_made_of_is_refused() {
         let found = error(&bytes, None, &["F"]);
         assert!(found.contains(words), "{found}");
     }
+    let mut texts =
+        segment(NEW, &[("/'g'/'who'", Some((0x20, u64::MAX)), Vec::new())], b"12345678");
+    let place = texts.windows(8).position(|eight| eight == u64::MAX.to_le_bytes()).unwrap() + 8;
+    texts.splice(place..place, 8_u64.to_le_bytes());
+    for at in [12, 20] {
+        let length = u64::from_le_bytes(texts[at..at + 8].try_into().unwrap()) + 8;
+        texts[at..at + 8].copy_from_slice(&length.to_le_bytes());
+    }
+    let found = error(&texts, None, &["who"]);
+    assert!(found.contains("claims more values"), "{found}");
     let complex = segment(NEW, &[("/'g'/'z'", Some((0x0010_000D, 1)), Vec::new())], &[0; 16]);
     let table = table_of(&complex, None, &["z"]).unwrap();
     assert!(matches!(&table.columns[1], Cells::Other(why) if why.contains("complex")));
