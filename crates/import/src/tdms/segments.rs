@@ -354,7 +354,7 @@ fn values(
             let first = first + chunks * chunk;
             object.stretches.push(Stretch { first, chunks: 1, values: rows, ..whole });
         }
-        first += object.bytes;
+        first = first.saturating_add(object.bytes);
     }
     let width: usize = active.iter().map(|place| objects[*place].kind.map_or(0, Kind::size)).sum();
     Ok(rest - rows * width)

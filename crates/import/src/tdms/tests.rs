@@ -368,3 +368,13 @@ fn no_damage_of_a_byte_ends_the_program() {
         }
     }
 }
+
+#[test]
+fn what_fuzzers_found_is_refused_or_read() {
+    let found = include_bytes!("../../../../fuzz/seeds/tdms/more_texts_than_ends");
+    let _: Result<Table, StoreError> = table_of(found, None, &["time_s", "F", "angle"]);
+    let columns: Vec<ColumnRef> = (1..=8).map(ColumnRef::Position).collect();
+    let budget = Budget::default();
+    let take = Take::of(columns.iter().collect(), &budget);
+    let _: Result<Table, StoreError> = read(Path::new("a.tdms"), found, None, &take);
+}
