@@ -138,9 +138,8 @@ mod tests {
     use super::*;
     use crate::figure::{Axis, Cell};
 
-    #[test]
-    fn one_unit_of_axes_of_one_scale_is_as_long_on_either_and_numbered() {
-        let axis = || Axis::new("x", "mm").ranged(Range::OneScale(-50.0, 50.0));
+    /// One unit of a panel with a line is as long across as upwards; and what else its plan has.
+    fn check_one_scale(axis: fn() -> Axis, check: fn(&PanelPlan)) {
         let line =
             crate::figure::Line { x: vec![0.0, 1.0], y: vec![0.0, 1.0], ..Default::default() };
         let layers = vec![crate::figure::Layer::Line(line)];
@@ -151,24 +150,26 @@ mod tests {
         let length = |scale: Scale| (scale.pt(1.0) - scale.pt(0.0)).abs();
         let (x, y) = (length(plan.x_scale.unwrap()), length(plan.y_scale.unwrap()));
         assert!((x - y).abs() < 1e-9 && x > 0.0, "{x} pt across, {y} pt upwards");
-        assert!(!plan.x.ticks.is_empty() && plan.y.ends == Some((-50.0, 50.0)));
+        check(plan);
+    }
+
+    #[test]
+    fn one_unit_of_axes_of_one_scale_is_as_long_on_either_and_numbered() {
+        let axis = || Axis::new("x", "mm").ranged(Range::OneScale(-50.0, 50.0));
+        check_one_scale(axis, |plan| {
+            assert!(!plan.x.ticks.is_empty() && plan.y.ends == Some((-50.0, 50.0)));
+        });
     }
 
     #[test]
     fn one_unit_of_a_bare_panel_is_as_long_across_as_upwards() {
-        let bare = || Axis::bare(-1.0, 1.0);
-        let line =
-            crate::figure::Line { x: vec![0.0, 1.0], y: vec![0.0, 1.0], ..Default::default() };
-        let layers = vec![crate::figure::Layer::Line(line)];
-        let panel = Panel::new(Cell::at(0, 0), bare(), bare(), layers).tall(40.0);
-        let figure = Figure { panels: vec![panel], ..Figure::default() };
-        let page = crate::layout::plan(&figure, Fonts::bundled().unwrap()).unwrap();
-        let plan = &page.panels[0];
-        let length = |scale: Scale| (scale.pt(1.0) - scale.pt(0.0)).abs();
-        let (x, y) = (length(plan.x_scale.unwrap()), length(plan.y_scale.unwrap()));
-        assert!((x - y).abs() < 1e-9 && x > 0.0, "{x} pt across, {y} pt upwards");
-        assert!(plan.x.ticks.is_empty() && plan.y.ticks.is_empty());
-        assert_eq!(plan.decor, Decor::default(), "no room is taken around it");
+        check_one_scale(
+            || Axis::bare(-1.0, 1.0),
+            |plan| {
+                assert!(plan.x.ticks.is_empty() && plan.y.ticks.is_empty());
+                assert_eq!(plan.decor, Decor::default(), "no room is taken around it");
+            },
+        );
     }
 
     #[test]

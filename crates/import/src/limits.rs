@@ -269,6 +269,7 @@ pub(super) fn check_time(t_s: &[f64]) -> Result<(), (usize, String)> {
 
 #[cfg(test)]
 pub(super) mod tests {
+    use super::super::table::{Cell, Table};
     use super::*;
 
     /// Every column of a file of up to 64.
@@ -284,6 +285,16 @@ pub(super) mod tests {
         let columns: Vec<ColumnRef> = named.collect();
         let budget = Budget::default();
         read(&Take::of(columns.iter().collect(), &budget))
+    }
+
+    /// The numbers of a column, null where there is none.
+    pub(in super::super) fn numbers(table: &Table, name: &str) -> Vec<Option<f64>> {
+        let place = table.find(&ColumnRef::Name(name.to_owned())).unwrap();
+        let cell = |row| match table.columns[place].cell(row) {
+            Cell::Number(number) => Some(number),
+            _ => None,
+        };
+        (0..table.columns[place].len()).map(cell).collect()
     }
 
     /// Every column of a matrix whose rows are the signals.

@@ -119,29 +119,6 @@ impl Table {
         Ok(file.end(about.footer(provenance)).map_err(TableError::from)?)
     }
 
-    /// The same, with a row group for each part that has rows: who reads one part need not read others.
-    ///
-    /// # Errors
-    /// Those of [`Table::write_parts`].
-    pub fn write_groups<E: From<TableError>>(
-        mut parts: impl Iterator<Item = Result<Self, E>>,
-        provenance: &BTreeMap<String, String>,
-        path: &Path,
-        out: &mut (dyn Write + Send),
-    ) -> Result<(), E> {
-        let first = parts.next().ok_or(TableError::NoPart)??;
-        let about = first.rows(&[]);
-        let begun = TableWriter::begin(out, about.schema(), path);
-        let mut file = begun.map_err(TableError::from)?;
-        for part in std::iter::once(Ok(first)).chain(parts) {
-            let part = part?;
-            about.check_like(&part)?;
-            let added = file.add(&part.batch(path)?).and_then(|()| file.end_group());
-            added.map_err(TableError::from)?;
-        }
-        Ok(file.end(about.footer(provenance)).map_err(TableError::from)?)
-    }
-
     /// Writes the rows of parts to a file.
     fn add_rows<W: Write + Send>(
         file: &mut TableWriter<W>,

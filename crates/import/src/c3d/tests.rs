@@ -1,4 +1,4 @@
-use super::super::limits::{Budget, Take};
+use super::super::limits::tests::{numbers, only};
 use super::super::table::{Cell, Cells, ColumnRef, Table};
 use super::parameters::BLOCK;
 use super::read;
@@ -160,19 +160,7 @@ pub(in super::super) fn of_points_and_forces() -> Vec<u8> {
 }
 
 fn table_of(bytes: &[u8], part: Option<&str>, columns: &[&str]) -> Result<Table, StoreError> {
-    let columns: Vec<ColumnRef> =
-        columns.iter().map(|name| ColumnRef::Name((*name).to_owned())).collect();
-    let budget = Budget::default();
-    read(Path::new("a.c3d"), bytes, part, &Take::of(columns.iter().collect(), &budget))
-}
-
-fn numbers(table: &Table, name: &str) -> Vec<Option<f64>> {
-    let place = table.find(&ColumnRef::Name(name.to_owned())).unwrap();
-    let cell = |row| match table.columns[place].cell(row) {
-        Cell::Number(number) => Some(number),
-        _ => None,
-    };
-    (0..table.columns[place].len()).map(cell).collect()
+    only(columns, |take| read(Path::new("a.c3d"), bytes, part, take))
 }
 
 fn given(values: &[f64]) -> Vec<Option<f64>> {

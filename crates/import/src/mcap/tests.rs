@@ -1,4 +1,4 @@
-use super::super::limits::{Budget, Take};
+use super::super::limits::tests::{numbers, only};
 use super::super::table::{Cell, Cells, ColumnRef, Table};
 use super::read;
 use flate2::Crc;
@@ -111,19 +111,7 @@ pub(in super::super) fn killed() -> Vec<u8> {
 }
 
 fn table_of(bytes: &[u8], topic: Option<&str>, columns: &[&str]) -> Result<Table, StoreError> {
-    let columns: Vec<ColumnRef> =
-        columns.iter().map(|name| ColumnRef::Name((*name).to_owned())).collect();
-    let budget = Budget::default();
-    read(Path::new("a.mcap"), bytes, topic, &Take::of(columns.iter().collect(), &budget))
-}
-
-fn numbers(table: &Table, name: &str) -> Vec<Option<f64>> {
-    let place = table.find(&ColumnRef::Name(name.to_owned())).unwrap();
-    let cell = |row| match table.columns[place].cell(row) {
-        Cell::Number(number) => Some(number),
-        _ => None,
-    };
-    (0..table.columns[place].len()).map(cell).collect()
+    only(columns, |take| read(Path::new("a.mcap"), bytes, topic, take))
 }
 
 #[test]

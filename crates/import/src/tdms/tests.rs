@@ -1,3 +1,4 @@
+use super::super::limits::tests::only;
 use super::super::limits::{Budget, Take};
 use super::super::table::{Cell, Cells, ColumnRef, Table};
 use super::read;
@@ -112,19 +113,12 @@ pub(in super::super) fn of_two_rates() -> Vec<u8> {
 }
 
 fn table_of(bytes: &[u8], group: Option<&str>, columns: &[&str]) -> Result<Table, StoreError> {
-    let columns: Vec<ColumnRef> =
-        columns.iter().map(|name| ColumnRef::Name((*name).to_owned())).collect();
-    let budget = Budget::default();
-    read(Path::new("a.tdms"), bytes, group, &Take::of(columns.iter().collect(), &budget))
+    only(columns, |take| read(Path::new("a.tdms"), bytes, group, take))
 }
 
 fn numbers(table: &Table, name: &str) -> Vec<f64> {
-    let place = table.find(&ColumnRef::Name(name.to_owned())).unwrap();
-    let cell = |row| match table.columns[place].cell(row) {
-        Cell::Number(number) => number,
-        other => panic!("{other:?} in {name}"),
-    };
-    (0..table.columns[place].len()).map(cell).collect()
+    let numbers = super::super::limits::tests::numbers(table, name);
+    numbers.into_iter().map(Option::unwrap).collect()
 }
 
 fn error(bytes: &[u8], group: Option<&str>, columns: &[&str]) -> String {

@@ -119,7 +119,7 @@ fn write_samples(
     Ok(table.end(BTreeMap::new())?)
 }
 
-/// Writes a table that is given in parts; in Parquet each part is a row group.
+/// Writes a table that is given in parts.
 fn write_table(
     name: &str,
     format: StageFormat,
@@ -129,7 +129,7 @@ fn write_table(
     let path = folder.join(format!("{name}.{}", format.as_str()));
     let mut out = BufWriter::new(File::create(&path)?);
     match format {
-        StageFormat::Parquet => Table::write_groups(parts, &Provenance::new(), &path, &mut out)?,
+        StageFormat::Parquet => Table::write_parts(parts, &Provenance::new(), &path, &mut out)?,
         StageFormat::Csv => {
             let mut parts = parts.peekable();
             // What is read for a part may fail, and `write_csv` knows errors of tables alone.

@@ -107,14 +107,6 @@ impl<W: Write + Send> TableWriter<W> {
         self.writer.write(rows).map_err(|e| cannot_encode(&self.path, &e))
     }
 
-    /// Ends a row group with the rows that came last.
-    ///
-    /// # Errors
-    /// Those of `out`.
-    pub fn end_group(&mut self) -> Result<(), StoreError> {
-        self.writer.flush().map_err(|e| cannot_encode(&self.path, &e))
-    }
-
     /// Ends the file, with what its footer says.
     ///
     /// # Errors
