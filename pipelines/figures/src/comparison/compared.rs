@@ -40,7 +40,8 @@ pub const REPEATS_COMPARED: FigureKind =
     FigureKind::new("learning", "mean at each repeat of a condition", "trial");
 
 /// How groups of people enter a mean over all of them.
-pub(super) const EQUAL_WEIGHTS: &str = "Over all people each group has the same weight.";
+pub(super) const EQUAL_WEIGHTS: &str = "Over all people each group has the same weight; intervals and standard deviations are \
+     of people within groups.";
 
 /// Height of a panel, mm.
 pub(super) const PANEL_MM: f64 = 52.0;
