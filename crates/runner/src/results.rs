@@ -19,6 +19,19 @@ pub struct Results<'a> {
     files: &'a dyn Files,
 }
 
+/// Keeps others away from the study's results until it is dropped.
+#[derive(Debug)]
+pub(crate) struct Hold(File);
+
+impl Drop for Hold {
+    fn drop(&mut self) {
+        // A program that is being started meanwhile has the open folder until it runs, and the lock
+        // is the folder's: closing it here alone would not give it back. If that fails, closing has
+        // to do.
+        let _ = self.0.unlock();
+    }
+}
+
 impl<'a> Results<'a> {
     /// The results of a study, on this disk.
     pub fn new(layout: &'a Layout, files: &'a dyn Files) -> Self {
@@ -179,7 +192,7 @@ impl<'a> Results<'a> {
     ///
     /// # Errors
     /// A run, a merge or a shard goes on.
-    pub(crate) fn hold(&self) -> Result<Option<File>, StoreError> {
+    pub(crate) fn hold(&self) -> Result<Option<Hold>, StoreError> {
         let lock = self.hold_alone()?;
         if lock.is_some() {
             for folder in [self.layout.derived(), self.layout.reports()] {
@@ -199,7 +212,7 @@ impl<'a> Results<'a> {
     ///
     /// # Errors
     /// A run or a merge goes on.
-    pub(crate) fn hold_beside_shards(&self) -> Result<Option<File>, StoreError> {
+    pub(crate) fn hold_beside_shards(&self) -> Result<Option<Hold>, StoreError> {
         self.lock(File::try_lock_shared, "a run or a merge of the study goes on here")
     }
 
@@ -208,7 +221,7 @@ impl<'a> Results<'a> {
     ///
     /// # Errors
     /// One of them goes on.
-    pub(crate) fn hold_alone(&self) -> Result<Option<File>, StoreError> {
+    pub(crate) fn hold_alone(&self) -> Result<Option<Hold>, StoreError> {
         self.lock(File::try_lock, "a run, a merge or a shard of the study goes on here")
     }
 
@@ -216,10 +229,10 @@ impl<'a> Results<'a> {
         &self,
         try_lock: fn(&File) -> Result<(), TryLockError>,
         who: &str,
-    ) -> Result<Option<File>, StoreError> {
+    ) -> Result<Option<Hold>, StoreError> {
         let Some(folder) = self.open_derived() else { return Ok(None) };
         match try_lock(&folder) {
-            Ok(()) => Ok(Some(folder)),
+            Ok(()) => Ok(Some(Hold(folder))),
             Err(TryLockError::WouldBlock) => {
                 let remedy = "wait for its end, then try again";
                 Err(StoreError::new(&self.layout.derived(), who, remedy))
@@ -428,6 +441,8 @@ mod tests {
             assert!(error.what.starts_with("a run"), "{error}");
         }
         assert!(litter.exists(), "it may be the run's");
+        // What a program has that is started at this moment.
+        let _started = run.as_ref().map(|hold| hold.0.try_clone().unwrap());
         drop(run);
         let shards = [(); 2].map(|()| results.hold_beside_shards().unwrap());
         assert!(results.hold().is_err() && litter.exists(), "it may be a shard's");

@@ -49,6 +49,9 @@ impl Drop for StudyLock {
         // A name that stays says no more than that its owner did not end in order; the lock itself
         // goes in any case.
         let _ = self.file.set_len(0);
+        // A program that is being started meanwhile has the open file until it runs, and the lock is
+        // the file's: closing it here alone would not give it back.
+        let _ = self.file.unlock();
     }
 }
 
@@ -104,6 +107,8 @@ mod tests {
         let error = StudyLock::take(&layout, "another").unwrap_err();
         let words = format!("in use: zwidth acquire, process {}", std::process::id());
         assert!(error.what.contains(&words) && error.what.contains("since 2026-01-01"), "{error}");
+        // What a program has that is started at this moment.
+        let _started = first.file.try_clone().unwrap();
         drop(first);
         assert!(StudyLock::take(&layout, "another").is_ok());
     }
