@@ -5,6 +5,7 @@ pub(crate) mod bounds;
 pub(crate) mod change_list;
 pub(crate) mod codec;
 pub(crate) mod columns;
+mod constant;
 pub(crate) mod digest;
 pub(crate) mod encode;
 pub(crate) mod entries;

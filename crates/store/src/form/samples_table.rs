@@ -1,13 +1,18 @@
 //! The samples of many trials as one table: a row group for each trial, with the keys of the trial
 //! beside them. Memory holds one trial.
 
+use crate::form::constant::Constant;
 use crate::form::encode::{GROUP_ROWS, read_once, recorded};
 use crate::form::write::{all_entries, cannot_encode, channel_column, described, signal_column};
 use crate::{Samples, Signal, StoreError};
-use arrow::array::{ArrayRef, Float64Array, Int32Array, RecordBatch, StringArray};
+use arrow::array::{Array as _, ArrayRef};
 use arrow::datatypes::{DataType, Field, Schema, SchemaRef};
 use parquet::arrow::ArrowWriter;
-use parquet::arrow::arrow_writer::ArrowWriterOptions;
+use parquet::arrow::arrow_writer::{
+    ArrowRowGroupWriterFactory, ArrowWriterOptions, compute_leaves,
+};
+use parquet::errors::ParquetError;
+use parquet::file::writer::SerializedFileWriter;
 use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -30,7 +35,8 @@ pub struct SamplesWriter<W: Write + Send> {
     signals: Vec<Signal>,
     channels: Vec<Channel>,
     tasks: bool,
-    writer: ArrowWriter<W>,
+    writer: SerializedFileWriter<W>,
+    columns: ArrowRowGroupWriterFactory,
 }
 
 impl<W: Write + Send> SamplesWriter<W> {
@@ -49,20 +55,21 @@ impl<W: Write + Send> SamplesWriter<W> {
     ) -> Result<Self, StoreError> {
         let signals = signals.to_vec();
         let channels = channels.to_vec();
-        let fields = key_columns(None, 0, tasks).into_iter().map(|(field, _)| field);
+        let fields = keys(None, tasks).into_iter().map(|(field, _)| field);
         let own = sample_columns(&Samples::default(), &signals, &channels).into_iter();
         let fields: Vec<Field> = fields.chain(own.map(|(field, _)| field)).collect();
         let schema = Arc::new(Schema::new(fields));
         let encoded = |e| cannot_encode(path, &e);
         let properties = match lasting {
-            Lasting::Kept => recorded(&schema, Vec::new(), Some(GROUP_ROWS)).map_err(encoded)?,
+            Lasting::Kept => recorded(&schema, Vec::new(), None).map_err(encoded)?,
             Lasting::Once => read_once(&schema),
         };
         let options = ArrowWriterOptions::new().with_properties(properties);
         let options = options.with_skip_arrow_metadata(true); // it is among the entries
         let writer = ArrowWriter::try_new_with_options(out, schema.clone(), options);
-        let writer = writer.map_err(encoded)?;
-        Ok(Self { path: path.to_owned(), schema, signals, channels, tasks, writer })
+        let (writer, columns) =
+            writer.and_then(ArrowWriter::into_serialized_writer).map_err(encoded)?;
+        Ok(Self { path: path.to_owned(), schema, signals, channels, tasks, writer, columns })
     }
 
     /// The columns of the file: name, unit, description, type in Arrow.
@@ -79,13 +86,36 @@ impl<W: Write + Send> SamplesWriter<W> {
     /// # Errors
     /// Those of `out`.
     pub fn add(&mut self, meta: &TrialMeta, samples: &Samples) -> Result<(), StoreError> {
-        let keys = key_columns(Some(meta), samples.len(), self.tasks).into_iter();
+        let keys = keys(Some(meta), self.tasks);
         let own = sample_columns(samples, &self.signals, &self.channels);
-        let arrays = keys.chain(own).map(|(_, array)| array).collect();
-        let batch = RecordBatch::try_new(self.schema.clone(), arrays)
-            .map_err(|e| StoreError::defect(&self.path, &e))?;
-        let written = self.writer.write(&batch).and_then(|()| self.writer.flush());
-        written.map_err(|e| cannot_encode(&self.path, &e))
+        for first in (0..samples.len()).step_by(GROUP_ROWS) {
+            let rows = GROUP_ROWS.min(samples.len() - first);
+            self.add_group(&keys, &own, first, rows).map_err(|e| cannot_encode(&self.path, &e))?;
+        }
+        Ok(())
+    }
+
+    fn add_group(
+        &mut self,
+        keys: &[(Field, Constant)],
+        own: &[(Field, ArrayRef)],
+        first: usize,
+        rows: usize,
+    ) -> Result<(), ParquetError> {
+        let writers = self.columns.create_column_writers(0)?; // the number serves encryption alone
+        let described = self.writer.schema_descr().columns().to_vec();
+        let mut group = self.writer.next_row_group()?;
+        let n = u32::try_from(rows).map_err(|e| ParquetError::External(e.into()))?;
+        for ((_, key), column) in keys.iter().zip(described) {
+            key.append(n, column, &mut group)?;
+        }
+        for ((field, array), mut writer) in own.iter().zip(writers.into_iter().skip(keys.len())) {
+            for leaf in compute_leaves(field, &array.slice(first, rows))? {
+                writer.write(&leaf)?;
+            }
+            writer.close()?.append_to_row_group(&mut group)?;
+        }
+        group.close().map(drop)
     }
 
     /// Ends the file, with what its footer says.
@@ -109,50 +139,44 @@ fn sample_columns(
     signals.chain(channels.iter().map(|channel| channel_column(channel, samples))).collect()
 }
 
-/// Which trial a sample is of, the same for each of its `n` samples.
-fn key_columns(meta: Option<&TrialMeta>, n: usize, tasks: bool) -> Vec<(Field, ArrayRef)> {
-    let words = [
-        ("participant", meta.map(|m| m.participant.as_str()), "who"),
-        ("session", meta.map(|m| m.session.as_str()), "in which session"),
-        ("environment", meta.map(|m| m.environment.as_str()), "what was rendered"),
-        ("mode", meta.map(|m| m.mode.as_str()), "how it was rendered"),
-        ("source", meta.map(|m| m.source.as_str()), "where its numbers come from"),
-    ];
-    let text = |(name, value, about): (&str, Option<&str>, &str)| {
-        let array: ArrayRef = Arc::new(StringArray::from(vec![value; n]));
-        (described(name, DataType::Utf8, true, "1", about), array)
+/// Which trial a sample is of, the same for each of its samples.
+fn keys(meta: Option<&TrialMeta>, tasks: bool) -> Vec<(Field, Constant)> {
+    let text = |name: &str, value: Option<&str>, about: &str| {
+        let field = described(name, DataType::Utf8, true, "1", about);
+        (field, Constant::Text(value.map(str::to_owned)))
     };
     let whole = |name: &str, value: Option<u32>, about: &str| {
         let value = value.and_then(|value| i32::try_from(value).ok());
-        let array: ArrayRef = Arc::new(Int32Array::from(vec![value; n]));
-        (described(name, DataType::Int32, true, "1", about), array)
+        (described(name, DataType::Int32, true, "1", about), Constant::Whole(value))
     };
-    let [participant, session, environment, mode, source] = words.map(text);
-    let trial = whole("trial", meta.map(|m| m.trial), "its number in the session");
-    let repeat = whole("repeat", meta.map(|m| m.repeat), "of its condition");
-    let mut columns = vec![participant, session, trial, repeat, environment, mode, source];
+    let mut keys = vec![
+        text("participant", meta.map(|m| m.participant.as_str()), "who"),
+        text("session", meta.map(|m| m.session.as_str()), "in which session"),
+        whole("trial", meta.map(|m| m.trial), "its number in the session"),
+        whole("repeat", meta.map(|m| m.repeat), "of its condition"),
+        text("environment", meta.map(|m| m.environment.as_str()), "what was rendered"),
+        text("mode", meta.map(|m| m.mode.as_str()), "how it was rendered"),
+        text("source", meta.map(|m| m.source.as_str()), "where its numbers come from"),
+    ];
     if tasks {
         let presented = meta.and_then(|meta| meta.presented.as_ref());
         let interval = presented.map(|own| own.interval.into());
         let level = presented.and_then(|own| own.level).map(TaskLevel::value);
-        columns.push(text((
-            "task",
-            presented.map(|own| own.task.as_str()),
-            "the task of the presentation; null outside of tasks",
-        )));
-        columns.push(whole("interval", interval, "which interval of a presentation, from 1"));
+        let task = presented.map(|own| own.task.as_str());
+        keys.push(text("task", task, "the task of the presentation; null outside of tasks"));
+        keys.push(whole("interval", interval, "which interval of a presentation, from 1"));
         let about = "what was presented, in the unit of what the task varies";
-        let array: ArrayRef = Arc::new(Float64Array::from(vec![level; n]));
-        columns.push((described("level", DataType::Float64, true, "1", about), array));
+        let field = described("level", DataType::Float64, true, "1", about);
+        keys.push((field, Constant::Number(level)));
     }
-    columns
+    keys
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::form::read::tests::{sample_trial, written};
-    use arrow::array::AsArray;
+    use arrow::array::{AsArray as _, RecordBatch};
     use arrow::datatypes::{Float32Type, Float64Type, Int32Type};
     use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 
