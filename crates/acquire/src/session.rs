@@ -63,6 +63,12 @@ impl Session {
                 "give it another kind in study.toml, for instance \"spring\"",
             ));
         }
+        if plan.study.axes.is_some() {
+            return Err(AcquireError::refused(
+                "the study has [axes], and no device that can be driven here moves in more than one direction",
+                "record with your own program and import the files (docs/import.md), or leave [axes] out",
+            ));
+        }
         // A channel of the study that the device gives in another unit would be recorded wrongly.
         for Channel { id, unit, .. } in &plan.study.channels {
             let other = device.channels.iter().find(|other| other.id == *id && other.unit != *unit);

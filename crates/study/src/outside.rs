@@ -3,6 +3,9 @@
 use crate::{Better, Curve, MetricId, printable};
 use serde::Serialize;
 
+/// The longest label, characters: one that still stands on an axis.
+const LONGEST_LABEL: usize = 200;
+
 /// A metric whose values come from outside: a table that was given, or a stage of the study's own.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct OutsideMetric {
@@ -28,8 +31,8 @@ impl OutsideMetric {
     /// A metric of that id, unit and label, of which neither higher nor lower values are better.
     ///
     /// # Errors
-    /// A unit that is not known ([`is_unit`]); a column that is no name of a metric; a label that is empty, or that breaks a
-    /// line. In words, and what to do.
+    /// A unit that is not known ([`is_unit`]); a column that is no name of a metric; a label that is empty, too long, or that
+    /// breaks a line. In words, and what to do.
     pub fn new(id: MetricId, unit: &str, label: &str) -> Result<Self, String> {
         if !is_unit(unit) {
             return Err(format!(
@@ -38,8 +41,11 @@ impl OutsideMetric {
             ));
         }
         let label = label.trim();
-        if label.is_empty() || label.chars().any(char::is_control) {
-            return Err("the label must be one line of text, such as \"largest grip\"".to_owned());
+        let is_short = (1..=LONGEST_LABEL).contains(&label.chars().count());
+        if !is_short || label.chars().any(char::is_control) {
+            return Err(format!(
+                "the label must be one line of text of at most {LONGEST_LABEL} characters, such as \"largest grip\""
+            ));
         }
         let name = id.as_str();
         if name.starts_with(Self::PREFIX) {
@@ -209,6 +215,7 @@ mod tests {
         assert!(told("grip", "newton", "grip").contains("'newton' is not a unit that is known"));
         assert!(told("grip", "N", " ").contains("one line of text"));
         assert!(told("grip", "N", "a\nb").contains("one line of text"));
+        assert!(told("grip", "N", &"a".repeat(201)).contains("at most 200 characters"));
         assert!(told("own_grip", "N", "grip").contains("leave it out"));
         assert!(told("grip_sd", "N", "grip").contains("choose another id"));
         assert!(told(&"g".repeat(30), "N", "grip").contains("choose a shorter id"));

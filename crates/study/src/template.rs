@@ -95,6 +95,7 @@ label = "B"
 # [compare]
 # contrasts = [["b", "a"]]
 # primary = "stiffness_n_per_rad"
+# groups = "group"
 
 # What is recorded per sample besides, if a mapping file gives it: a column of each trial file. Of a set-point named
 # reference_rad (unit rad) each trial has the step response: primary = "step_rise_s", metrics = ["step_overshoot_share"].
@@ -102,6 +103,19 @@ label = "B"
 # id = "current_a"
 # unit = "A"
 # description = "current of the motor"
+
+# A device that moves in space, with positions x_m, y_m, z_m or forces force_x_n, force_y_n, force_z_n: schema = 3 above, and
+# which way its axes point. push is where the object is ("Several axes" of docs/import.md).
+# [axes]
+# frame = "x right, y up, z to the person"
+# push = [0.0, 0.0, -1.0]
+
+# Groups of people: participants.csv beside this file has a line for each, such as P01,expert below participant,group
+# ("Groups" of docs/analysis.md), and [compare] above names the column.
+# [[people]]
+# id = "group"
+# levels = ["novice", "expert"]
+# assigned = false
 "#;
 
 const TEMPLATE: &str = r#"# What this study is: design, device, environments, modes, questions.

@@ -63,7 +63,8 @@ pub(crate) fn means(
 fn weights(split: &Split) -> Note {
     let Groups { compared, .. } = split.groups;
     let text = format!(
-        "Each group ({}) has the same weight, however many people it has.",
+        "Each group ({}) has the same weight, however many people it has; intervals and standard deviations are of \
+         people within groups.",
         compared.levels.iter().map(LevelId::as_str).collect::<Vec<_>>().join(", ")
     );
     general(&text)

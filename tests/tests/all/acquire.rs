@@ -358,6 +358,16 @@ fn a_second_process_is_refused_and_told_who_is_there() {
 }
 
 #[test]
+fn a_study_of_several_axes_is_not_recorded_with_a_device_of_one() {
+    let desk = Desk::new(false);
+    desk.edit_study("schema = 2", "schema = 3");
+    let axes = "[axes]\nframe = \"x right, y up, z to the person\"\npush = [0.0, 0.0, -1.0]\n";
+    desk.edit_study("[coordinate]", &format!("{axes}\n[coordinate]"));
+    desk.acquire("start\n3\nquit\n", &[]).exits(1).one_error().says(&["[axes]", "import"]);
+    assert!(!desk.root().join("raw/small/trials").exists());
+}
+
+#[test]
 fn a_session_refuses_what_is_not_what_it_began_with() {
     let desk = Desk::new(false);
     desk.acquire("start\n3\nquit\n", &[]).exits(3);

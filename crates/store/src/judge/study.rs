@@ -347,7 +347,7 @@ pub(crate) fn read_study_from(
         errors
             .iter()
             .map(|e| {
-                let remedy = "see the comments of a study.toml that `zwidth new` writes";
+                let remedy = "docs/data.md has every table and key of a study.toml";
                 StoreError::new(&path, e.to_string(), remedy)
             })
             .collect::<Vec<_>>()

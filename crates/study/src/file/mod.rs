@@ -67,10 +67,13 @@ mod tests {
         };
         let lines: Vec<String> = text.lines().map(offered).collect();
         let whole = lines.join("\n").replace("kind = \"none\"\n", "");
+        let whole = whole.replace("schema = 2", "schema = 3");
         let study = Study::from_toml(&whole).unwrap();
         assert_eq!(study.device.lever_m, Some(0.05));
         assert_eq!((study.questions.len(), study.channels.len()), (1, 1));
         assert_eq!(study.compare.primary.names()[0].as_str(), "stiffness_n_per_rad");
+        assert_eq!(study.compare.groups.unwrap().levels.len(), 2);
+        assert_eq!(study.axes.unwrap().push, [0.0, 0.0, -1.0]);
     }
 
     #[test]

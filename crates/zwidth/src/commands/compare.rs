@@ -77,7 +77,7 @@ pub(crate) fn compare(root: &Path, command: &CompareArgs, screen: &Screen) -> an
     if by == By::Group && data.study.compare.groups.is_none() {
         bail!(
             "{} names no groups: name a column of people in {} (`groups` under [compare], its levels \
-             under [[people]]) and everybody's level in participants.toml or participants.csv beside it",
+             under [[people]]) and everybody's level in participants.csv beside it",
             data.layout.study(),
             data.layout.shown(&data.layout.study_toml()).display()
         );

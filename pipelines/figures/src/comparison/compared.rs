@@ -43,6 +43,14 @@ pub const REPEATS_COMPARED: FigureKind =
 pub(super) const EQUAL_WEIGHTS: &str = "Over all people each group has the same weight; intervals and standard deviations are \
      of people within groups.";
 
+/// What stands below figures of a metric that was chosen after the data.
+const CHOSEN_AFTER: &str = "Exploratory: chosen after the data.";
+
+/// [`CHOSEN_AFTER`], where it is so.
+pub(super) fn chosen_after(compared: &MetricResults) -> Option<String> {
+    (compared.metric.role == Role::ChosenAfter).then(|| CHOSEN_AFTER.to_owned())
+}
+
 /// Height of a panel, mm.
 pub(super) const PANEL_MM: f64 = 52.0;
 /// Height that one participant's line takes, mm.
@@ -240,7 +248,7 @@ pub fn modes_compared(
         (Role::Primary, true) => "A primary metric.",
         (Role::Exploratory, false) => "Exploratory: not the primary metric.",
         (Role::Exploratory, true) => "Exploratory: not a primary metric.",
-        (Role::ChosenAfter, _) => "Exploratory: chosen after the data.",
+        (Role::ChosenAfter, _) => CHOSEN_AFTER,
     };
     let weights = (!compared.groups.is_empty()).then(|| EQUAL_WEIGHTS.to_owned());
     let footnotes = [what].into_iter().chain(weights).chain(against).chain(band);
@@ -474,10 +482,14 @@ pub fn participants_compared(
         title: Some(plain(&format!("{}: participants, {}", about.title, shown.words))),
         description: format!("{}: each participant's difference between modes.", shown.words),
         panels: or_note(panels),
-        footnotes: vec![plain(&format!(
+        footnotes: [format!(
             "Whiskers: {} intervals within each participant, repeats as units; the lowest difference at the top. Dashed: mean over participants. Solid: zero.",
             percent(about.confidence)
-        ))],
+        )]
+        .into_iter()
+        .chain(chosen_after(compared))
+        .map(|note| plain(&note))
+        .collect(),
         mark: mark(sources.iter().copied()),
         ..Figure::default()
     }
@@ -566,7 +578,9 @@ pub fn repeats_compared(
         footnotes: compared
             .notes_below(RepeatMean::NAME)
             .take(1)
-            .map(|note| plain(&note.note.to_string()))
+            .map(|note| note.note.to_string())
+            .chain(chosen_after(compared))
+            .map(|note| plain(&note))
             .collect(),
         mark: mark(sources.iter().copied()),
         ..Figure::default()
@@ -607,10 +621,14 @@ pub fn sessions_compared(
         title: Some(plain(&format!("{}: sessions, {}", about.title, shown.words))),
         description: format!("{}: each participant's change between sessions.", shown.words),
         panels: or_note(panels),
-        footnotes: vec![plain(&format!(
+        footnotes: [format!(
             "Change: {}. A dot is a participant. Dashed: mean change and limits of agreement.",
             which.unwrap_or_default()
-        ))],
+        )]
+        .into_iter()
+        .chain(chosen_after(compared))
+        .map(|note| plain(&note))
+        .collect(),
         mark: mark(sources.iter().copied()),
         ..Figure::default()
     }

@@ -1,6 +1,8 @@
 //! Effects of factors, one metric per figure.
 
-use super::compared::{MetricResults, PANEL_MM, Shown, WEIGHTS, intervals, mean, or_note};
+use super::compared::{
+    MetricResults, PANEL_MM, Shown, WEIGHTS, chosen_after, intervals, mean, or_note,
+};
 use super::groups::{Across, across};
 use crate::words::{mark, percent, plain};
 use crate::{About, FigureKind};
@@ -136,6 +138,7 @@ pub fn effects_compared(
             .iter()
             .chain(&footnotes)
             .chain(&curve)
+            .chain(&chosen_after(compared))
             .map(|note| plain(note))
             .collect(),
         mark: mark(sources.iter().copied()),

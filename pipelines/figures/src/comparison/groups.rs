@@ -1,7 +1,8 @@
 //! Groups of people compared, one metric per figure.
 
 use super::compared::{
-    MetricResults, PANEL_MM, Shown, WEIGHTS, compared_modes, intervals, mean, or_note, zero,
+    MetricResults, PANEL_MM, Shown, WEIGHTS, chosen_after, compared_modes, intervals, mean,
+    or_note, zero,
 };
 use crate::words::{mark, percent, plain};
 use crate::{About, FigureKind};
@@ -96,13 +97,13 @@ pub fn groups_compared(
              adjusted. Right, grey: ± 1 just noticeable difference, where it is known. p: after Holm, of what is \
              claimed; what has none is a description."
     )];
-    let footnotes = verdicts.iter().chain(&footnotes);
+    let footnotes = verdicts.into_iter().chain(footnotes).chain(chosen_after(compared));
     Figure {
         title: Some(plain(&format!("{}: groups, {}", about.title, shown.words))),
         description: format!("{}: groups of people compared, with {level} intervals.", shown.words),
         panels: or_note(panels),
         column_weights: WEIGHTS.to_vec(),
-        footnotes: footnotes.map(|note| plain(note)).collect(),
+        footnotes: footnotes.map(|note| plain(&note)).collect(),
         mark: mark(sources.iter().copied()),
         ..Figure::default()
     }
@@ -345,6 +346,11 @@ mod tests {
         assert!((row.estimate - 0.5 / 0.125_f64.sqrt()).abs() < 1e-12);
         assert!(row.place.ends_with("expert − novice, Hybrid − Active"), "{}", row.place);
         assert_eq!(row.who, "4 and 6 people");
+        let mut later = found;
+        later.metric.role = Role::ChosenAfter;
+        let figure = groups_compared(&about, &study.environments, &[], &later);
+        let last = figure.footnotes.last().unwrap();
+        assert!(last.contains("chosen after the data"), "{:?}", figure.footnotes);
     }
 
     #[test]

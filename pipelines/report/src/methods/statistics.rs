@@ -159,25 +159,8 @@ fn between(study: &Study, recorded: &Recorded, cited: &mut Cited) -> String {
     let again = recorded.sessions > recorded.participants;
     let sessions = if again { ", then the sessions" } else { "" };
     let has_contrasts = !study.compare.contrasts.is_empty();
-    let flips = cited.cite("fisher");
-    // The order in which others drew their trials is not known.
-    let beside = match (has_contrasts, recorded.is_foreign()) {
-        (false, _) => format!("beside it stands the sign-flip test {flips}"),
-        (true, true) => {
-            let ranks = cited.cite("wilcoxon");
-            format!("beside it stand the sign-flip test {flips} and the signed-rank test {ranks}")
-        }
-        (true, false) => format!(
-            "beside it stand the sign-flip test {flips}, the signed-rank test {} and a randomisation test over \
-             the orders that the design could have drawn {}",
-            cited.cite("wilcoxon"),
-            cited.cite("edgington")
-        ),
-    };
     let test = match &study.compare.groups {
-        None => {
-            format!("Its mean was tested by Student's t with n − 1 degrees of freedom; {beside}")
-        }
+        None => of_one_group(has_contrasts, recorded, cited),
         Some(groups) => of_groups(groups, has_contrasts, cited),
     };
     let effects = effects(&study.compare.effect_sizes, has_contrasts, cited);
@@ -207,6 +190,26 @@ fn between(study: &Study, recorded: &Recorded, cited: &mut Cited) -> String {
         "The unit of analysis was the participant: each one's repeats were averaged{sessions}, \
          and each participant gave {each}. {test}.{effects}{variance}{model}"
     )
+}
+
+/// How differences were tested where participants are of no groups.
+fn of_one_group(has_contrasts: bool, recorded: &Recorded, cited: &mut Cited) -> String {
+    let flips = cited.cite("fisher");
+    // The order in which others drew their trials is not known.
+    let beside = match (has_contrasts, recorded.is_foreign()) {
+        (false, _) => format!("beside it stands the sign-flip test {flips}"),
+        (true, true) => {
+            let ranks = cited.cite("wilcoxon");
+            format!("beside it stand the sign-flip test {flips} and the signed-rank test {ranks}")
+        }
+        (true, false) => format!(
+            "beside it stand the sign-flip test {flips}, the signed-rank test {} and a randomisation test over \
+             the orders that the design could have drawn {}",
+            cited.cite("wilcoxon"),
+            cited.cite("edgington")
+        ),
+    };
+    format!("Its mean was tested by Student's t with n − 1 degrees of freedom; {beside}")
 }
 
 /// How means were adjusted for practice.

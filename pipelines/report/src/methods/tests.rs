@@ -1,6 +1,6 @@
 use super::*;
 use std::collections::BTreeMap;
-use zwidth_study::Source;
+use zwidth_study::{GroupContrast, GroupsCompared, LevelId, Source};
 
 fn recorded(participants: usize) -> Recorded {
     Recorded {
@@ -54,6 +54,24 @@ fn axes_have_their_low_pass_and_their_thresholds_in_the_methods() {
     let made_by_import = ["theta_rad = (x_m, y_m, z_m) · push".to_owned()].into();
     let projected = text(&study, &Recorded { made_by_import, ..recorded(3) });
     assert!(projected.contains("on the push. A movement began"), "{projected}");
+}
+
+#[test]
+fn methods_of_groups_name_the_tests_of_groups_alone() {
+    let mut study = zwidth_testing::study();
+    assert!(text(&study, &recorded(12)).contains("Fisher 1935"));
+    let levels: Vec<LevelId> = ["novice", "expert"].map(|id| id.parse().unwrap()).to_vec();
+    study.compare.groups = Some(GroupsCompared {
+        column: "group".parse().unwrap(),
+        contrasts: vec![GroupContrast { group: levels[1].clone(), against: levels[0].clone() }],
+        levels,
+        assigned: false,
+    });
+    let said = text(&study, &recorded(12));
+    assert!(said.contains("Welch") && said.contains("Satterthwaite"), "{said}");
+    for test in ["Fisher 1935", "Wilcoxon", "Edgington"] {
+        assert!(!said.contains(test), "{test} in {said}");
+    }
 }
 
 #[test]
