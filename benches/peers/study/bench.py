@@ -49,8 +49,7 @@ and the figures that show the fitted plant (replay) do so too: one row has them 
 The replays of the changed trial's condition, which those figures read too, are on the clock either way."""
 WHY = """\
 Numbers are compared column by column; where each row has a unit of its own (identify), parameter by parameter. Averages
-and metrics differ by rounding, but for the discrepancy by the step and the bands of averages by landmarks: these differ by up
-to 30 %, and which of the two programs has them as docs/analysis.md says is still to be found out. Replays, and the errors of the identified trials, by LSODA's tolerances; the fitted plant,
+and metrics differ by rounding. Replays, and the errors of the identified trials, by LSODA's tolerances; the fitted plant,
 its profiles and intervals by the rules at which fits stop and either search for an end of an interval (1e-4 of the
 critical value), and the standard error of the motor's lag of 65 µs by rounding, for its slope is a difference over 23 ns.
 The characteristics differ because zwidth gathers 640 commands into 256 steps before it fits: where the script does so

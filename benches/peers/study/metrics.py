@@ -28,6 +28,17 @@ def movement_of(trial, analysis):
     return onset, reversal, end, bool(slow.size)
 
 
+def return_begins(velocity, reversal, end, analysis):
+    """From where on the lever stays on its way back until it is fast; None if it never is."""
+    onset, offset = (np.radians(analysis[f"{name}_deg_s"]) for name in ("onset", "offset"))
+    begins = None
+    for i in range(reversal, end + 1):
+        begins = (i if begins is None else begins) if velocity[i] < -offset else None
+        if velocity[i] < -onset:
+            return begins
+    return None
+
+
 def first_passing(t, x, level):
     past = np.flatnonzero(x > level)
     if not past.size or past[0] == 0:
@@ -49,15 +60,16 @@ def average(trials, environment, analysis, alignment):
         t, theta = trial.t_s.to_numpy(), trial.theta_rad.to_numpy()
         onset, reversal, end, _ = movement_of(trial, analysis)
         wall = first_passing(t, theta, environment["wall_rad"]) if environment["wall_rad"] is not None else np.nan
+        back = return_begins(trial.theta_dot_rad_s.to_numpy(), reversal, end, analysis)
         times.append(t - t[onset])
-        marks.append(np.array([t[onset], wall, t[reversal], t[end]]) - t[onset])
+        marks.append(np.array([t[onset], wall, t[reversal], np.nan if back is None else t[back], t[end]]) - t[onset])
     if alignment == "landmarks":
         marks = np.array(marks)
         keep = [0]
-        for k in (1, 2):
-            if np.all((marks[:, k] > marks[:, keep[-1]]) & (marks[:, k] < marks[:, 3])):
+        for k in (1, 2, 3):
+            if np.all((marks[:, k] > marks[:, keep[-1]]) & (marks[:, k] < marks[:, 4])):
                 keep.append(k)
-        keep.append(3)
+        keep.append(4)
         common = marks[:, keep].mean(axis=0)
         for i, own in enumerate(marks[:, keep]):
             t = times[i]
@@ -260,15 +272,17 @@ def discrepancy(theta, force, phases, points, lever, level):
              "loop_area_ci_low_j", "loop_area_ci_high_j"]
     nothing = dict.fromkeys(names, np.nan)
 
-    def advancing(x, f, sign):
-        farthest = np.maximum.accumulate(sign * x)
-        keep = np.r_[True, sign * x[1:] > farthest[:-1]]
+    def advancing(x, f, sign, left):
+        keep = sign * x > np.maximum.accumulate(np.r_[left, sign * x])[:-1]
         return (x[keep], f[keep]) if sign > 0 else (x[keep][::-1], f[keep][::-1])
 
     if reversal == end:
         return nothing
-    x1, f1 = advancing(theta[onset:reversal + 1], force[onset:reversal + 1], 1)
-    x2, f2 = advancing(theta[reversal + 1:end + 1], force[reversal + 1:end + 1], -1)
+    x1, f1 = advancing(theta[onset:reversal + 1], force[onset:reversal + 1], 1, -np.inf)
+    # The angle of the reversal is of the way there alone.
+    x2, f2 = advancing(theta[reversal + 1:end + 1], force[reversal + 1:end + 1], -1, -theta[reversal])
+    if not x2.size:
+        return nothing
     low, high = max(x1[0], x2[0]), min(x1[-1], x2[-1])
     if high <= low or high - low < 0.1 * (x1[-1] - x1[0]):
         return nothing

@@ -321,7 +321,7 @@ fn means(
             1 => repeats.map(|row| row.mean.map_or(f64::NAN, |own| shown.value(own))).collect(),
             _ => people.values().map(|modes| mean(&modes[index])).collect(),
         };
-        let x = vec![index as f64; dots.len()];
+        let x = apart(index as f64, &dots);
         let dots = Points { x, y: dots, colour, opacity: 0.55, ..Points::default() };
         layers.push(Layer::Points(dots));
         let means = compared.means.iter().filter(|row| (&row.environment, &row.mode) == key);
@@ -333,6 +333,25 @@ fn means(
         layers.push(Layer::Intervals(Intervals { colour, ..marks }));
     }
     layers
+}
+
+/// Where dots stand: at a place, and those of equal values one beside the other at its left, so that
+/// none hides another.
+pub(super) fn apart(place: f64, values: &[f64]) -> Vec<f64> {
+    /// Room that a dot takes at most, in categories.
+    const A_DOT: f64 = 0.06;
+    /// Room that all of one value take at most.
+    const A_ROW: f64 = 0.3;
+    let mut rows: BTreeMap<u64, usize> = BTreeMap::new();
+    let nth = values.iter().map(|value| {
+        let row = rows.entry((value + 0.0).to_bits()).or_default(); // the two zeros are equal
+        *row += 1;
+        *row - 1
+    });
+    let nth: Vec<usize> = nth.collect();
+    let most = rows.values().copied().max().unwrap_or(1) as f64;
+    let step = A_DOT.min(A_ROW / most);
+    nth.iter().map(|nth| place - step * *nth as f64).collect()
 }
 
 /// NaN of no values, which is a gap.
@@ -392,7 +411,7 @@ fn differences(
         }
         let people = compared.participants.iter().filter(|r| (&r.environment, &r.contrast) == key);
         let y: Vec<f64> = people.map(|person| shown.difference(person.difference)).collect();
-        let x = vec![place as f64; y.len()];
+        let x = apart(place as f64, &y);
         let dots = Points { x, y, colour: style::GREY, opacity: 0.55, ..Points::default() };
         layers.push(Layer::Points(dots));
     }
@@ -666,4 +685,18 @@ fn bland_altman(
     }
     layers.push(Layer::Points(dots));
     layers
+}
+
+#[cfg(test)]
+mod tests {
+    use super::apart;
+
+    #[test]
+    fn dots_of_equal_values_stand_side_by_side_and_others_at_their_place() {
+        assert_eq!(apart(1.0, &[0.2, 0.0, 0.3, -0.0]), [1.0, 1.0, 1.0, 1.0 - 0.06]);
+        let many = apart(2.0, &[5.0; 100]);
+        assert!(many.iter().all(|x| (1.7..=2.0).contains(x)));
+        assert!(many.windows(2).all(|two| two[1] < two[0]));
+        assert_eq!(apart(0.0, &[]), [0.0; 0]);
+    }
 }

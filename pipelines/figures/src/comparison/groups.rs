@@ -1,7 +1,7 @@
 //! Groups of people compared, one metric per figure.
 
 use super::compared::{
-    MetricResults, PANEL_MM, Shown, WEIGHTS, chosen_after, compared_modes, intervals, mean,
+    MetricResults, PANEL_MM, Shown, WEIGHTS, apart, chosen_after, compared_modes, intervals, mean,
     or_note, zero,
 };
 use crate::words::{mark, percent, plain};
@@ -160,9 +160,10 @@ fn people(
                     values.extend(cell.mean.map(|mean| shown.value(mean)));
                 }
             }
-            x.extend(own.iter().map(|_| place - ASIDE));
             // A person's sessions come together: the mean is over all of them.
-            y.extend(own.values().map(|values| mean(values)));
+            let people: Vec<f64> = own.values().map(|values| mean(values)).collect();
+            x.extend(apart(place - ASIDE, &people));
+            y.extend(people);
             let means = compared.group_means.iter().filter(|row| {
                 (&row.environment, &row.mode, &row.group) == (environment, &mode.id, *group)
             });
