@@ -7,6 +7,7 @@ use serde::Deserialize;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::fmt;
+use std::sync::Arc;
 
 /// A column, by its name or by its place (from 1).
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
@@ -32,11 +33,16 @@ pub(super) enum Cells {
     Text(LargeStringArray),
     /// As numbers, missing ones null.
     Numbers(Float64Array),
+    /// Those of another file, by the row of it that belongs to each row; [`NO_ROW`] where none does.
+    Joined { cells: Arc<Cells>, rows: Arc<Vec<u32>> },
     /// Neither: why, in words.
     Other(String),
     /// Not mapped, and not kept.
     Unread,
 }
+
+/// In the place of a row's number: there is none.
+pub(super) const NO_ROW: u32 = u32::MAX;
 
 /// One cell.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -98,6 +104,7 @@ impl Cells {
         match self {
             Self::Text(cells) => cells.len(),
             Self::Numbers(cells) => cells.len(),
+            Self::Joined { rows, .. } => rows.len(),
             Self::Other(_) | Self::Unread => 0,
         }
     }
@@ -112,6 +119,10 @@ impl Cells {
             Self::Numbers(cells) if row < cells.len() && cells.is_valid(row) => {
                 Cell::Number(cells.value(row))
             }
+            Self::Joined { cells, rows } => match rows.get(row) {
+                Some(row) if *row != NO_ROW => cells.cell(*row as usize),
+                _ => Cell::Empty,
+            },
             _ => Cell::Empty,
         }
     }
