@@ -11,14 +11,14 @@ use zwidth_store::StoreError;
 
 /// What was joined to a recording.
 #[derive(Debug, Default)]
-pub(in super::super) struct Uses {
+pub(crate) struct Uses {
     pub(super) log: Option<LogUse>,
     pub(super) seconds: Vec<SecondUse>,
 }
 
 impl Uses {
     /// What the file of a trial that begins with a row of the recording says of what was joined to it.
-    pub(in super::super) fn words(&self, row: usize) -> Vec<String> {
+    pub(crate) fn words(&self, row: usize) -> Vec<String> {
         let log = self.log.as_ref().and_then(|log| log.words(row));
         log.into_iter().chain(self.seconds.iter().map(SecondUse::words)).collect()
     }
@@ -28,7 +28,7 @@ impl Uses {
 ///
 /// # Errors
 /// A row of a log without a trial, or of two; the same samples of a second file beside two recordings.
-pub(in super::super) fn check<'a>(
+pub(crate) fn check<'a>(
     uses: impl Iterator<Item = (&'a Path, &'a Uses)> + Clone,
 ) -> Result<BTreeMap<PathBuf, String>, Errors> {
     let mut errors = Errors::default();
