@@ -1,7 +1,7 @@
 //! One file from another program, read but not yet converted.
 
 use super::convert::Linear;
-use super::format::FormatOptions;
+use super::format::{Format, FormatOptions};
 use super::label::Label;
 use super::limits::{MOST_FILE, MOST_WHOLE_ROWS, Take, too_many_rows};
 use super::mapping::{CellForm, FileForm, Missing};
@@ -141,7 +141,8 @@ impl Recording {
         name: Option<&Regex>,
         take: &Take,
     ) -> Result<Self, StoreError> {
-        let bytes = read_named(path, MOST_FILE).map_err(|e| StoreError::io(path, "read", &e))?;
+        let most = form.format_of(path).map_or(MOST_FILE, Format::most_bytes);
+        let bytes = read_named(path, most).map_err(|e| StoreError::io(path, "read", &e))?;
         // Before the format's own reader, whose error would not say how to convert the file.
         check_readable(path, &bytes)?;
         let blake3 = hex_blake3(&bytes);
