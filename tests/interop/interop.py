@@ -16,6 +16,7 @@ import checks
 import compared
 import folders
 import foreign
+import joined
 import laboratory
 import made
 import mixed
@@ -44,6 +45,7 @@ def main():
     compared.made(root / "derived/thesis-twin")
     foreign.check_all(zwidth)
     laboratory.check_all(zwidth)
+    joined.check_all(zwidth)
     walls.frequencies(zwidth)
     made.check_all(zwidth)
     others.check_all(zwidth)

@@ -4,7 +4,8 @@
 use super::label::{Label, LabelShape};
 use super::limits::{LONG_FROM, MOST_ERRORS, MOST_MAPPING};
 use super::mapping::{
-    CellForm, Content, Exclusions, FileForm, Mapping, Origin, PeopleFrom, TrialFrom, Who,
+    Beside, CellForm, Content, Exclusions, FileForm, Mapping, Origin, PeopleFrom, TrialFrom,
+    TrialsFrom, Who,
 };
 use super::shape::{
     Backwards, ChannelShape, ColumnShape, ExcludeShape, FileShape, KindShape, PeopleShape, Shape,
@@ -94,7 +95,7 @@ impl Check<'_> {
 
     fn mapping(&mut self, shape: Shape, path: &Path) -> Option<Mapping> {
         self.refuse_unused(&shape);
-        let mut file = self.file(&shape.file);
+        let mut file = self.file("file", &shape.file);
         if let Some(time) = &shape.time {
             file.splits_at_time |= time.backwards == Some(Backwards::Split);
             file.clock = time.clock.unwrap_or_default();
@@ -118,7 +119,20 @@ impl Check<'_> {
         let groups: Vec<&str> = name.iter().flat_map(Regex::capture_names).flatten().collect();
         let content = match shape.kind {
             KindShape::Trials => {
-                self.trials(shape.trial, shape.time, shape.column, shape.channel, &groups)
+                // What is joined to it, and what of a trial is read beside its samples, needs all of its rows.
+                file.whole |= shape.log.is_some()
+                    || !shape.with.is_empty()
+                    || shape.questions.is_some()
+                    || shape.task.is_some();
+                let beside = self.beside(
+                    shape.log,
+                    shape.with,
+                    shape.questions,
+                    shape.task,
+                    shape.trial.as_ref(),
+                    &groups,
+                );
+                self.trials(shape.trial, shape.time, shape.column, shape.channel, beside, &groups)
             }
             KindShape::Sweeps => {
                 let quantities = [shape.command, shape.response];
@@ -132,7 +146,8 @@ impl Check<'_> {
             KindShape::Exclusions => self.exclusions(shape.exclude, &groups),
             KindShape::Participants => self.people(shape.people, &groups),
         }?;
-        if let Content::Trials { columns, channels, .. } = &content {
+        if let Content::Trials(from) = &content {
+            let TrialsFrom { columns, channels, .. } = &**from;
             let bits = columns.iter().filter(|column| column.to == Signal::StateBits);
             let bits = bits.filter_map(|column| match &column.origin {
                 Origin::Column { column, .. } => Some(&column.from),
@@ -160,9 +175,11 @@ impl Check<'_> {
             ("command", shape.command.is_some(), kind == Sweeps),
             ("response", shape.response.is_some(), kind == Sweeps),
             ("wide", shape.wide.is_some(), kind == Sweeps),
-            ("questions", shape.questions.is_some(), kind == Likert),
+            ("questions", shape.questions.is_some(), matches!(kind, Likert | Trials)),
             ("condition", !shape.condition.is_empty(), kind == Likert),
-            ("task", shape.task.is_some(), kind == Psychometric),
+            ("task", shape.task.is_some(), matches!(kind, Psychometric | Trials)),
+            ("log", shape.log.is_some(), kind == Trials),
+            ("with", !shape.with.is_empty(), kind == Trials),
             ("exclude", shape.exclude.is_some(), kind == Exclusions),
             ("people", shape.people.is_some(), kind == Participants),
         ] {
@@ -182,22 +199,22 @@ impl Check<'_> {
         self.keep(key, regex)
     }
 
-    fn file(&mut self, f: &FileShape) -> FileForm {
+    pub(super) fn file(&mut self, at: &str, f: &FileShape) -> FileForm {
         if !['.', ','].contains(&f.decimal) {
-            self.error("file.decimal", format!("'{}' must be \".\" or \",\"", f.decimal));
+            self.error(&format!("{at}.decimal"), format!("'{}' must be \".\" or \",\"", f.decimal));
         }
         if f.decimal == ',' && f.delimiter == Some(',') {
             self.error(
-                "file.decimal",
+                &format!("{at}.decimal"),
                 "a comma cannot stand between cells and before decimals as well",
             );
         }
         if f.rows == Some(0) {
-            self.error("file.rows", "0 must be at least 1");
+            self.error(&format!("{at}.rows"), "0 must be at least 1");
         }
         FileForm {
             format: f.format,
-            delimiter: f.delimiter.and_then(|c| self.ascii("file.delimiter", c)),
+            delimiter: f.delimiter.and_then(|c| self.ascii(&format!("{at}.delimiter"), c)),
             cells: CellForm {
                 decimal_comma: f.decimal == ',',
                 missing: f.missing,
@@ -205,7 +222,7 @@ impl Check<'_> {
                 truths: Vec::new(),
             },
             header: f.header,
-            comment: f.comment.and_then(|c| self.ascii("file.comment", c)),
+            comment: f.comment.and_then(|c| self.ascii(&format!("{at}.comment"), c)),
             skip: f.skip,
             rows: f.rows,
             part: f.matrix.clone(),
@@ -315,6 +332,7 @@ impl Check<'_> {
         time: Option<TimeShape>,
         columns: Vec<ColumnShape>,
         own: Vec<ChannelShape>,
+        beside: Option<Beside>,
         groups: &[&str],
     ) -> Option<Content> {
         let who = self.who(trial, groups);
@@ -341,7 +359,10 @@ impl Check<'_> {
                 channels.push(channel);
             }
         }
-        Some(Content::Trials { who: Box::new(who?), time: time?, columns: mapped, channels })
+        let beside = beside?;
+        let from = TrialsFrom { who: who?, time: time?, columns: mapped, channels, beside };
+        self.check_files(&from);
+        Some(Content::Trials(Box::new(from)))
     }
 }
 
@@ -390,7 +411,7 @@ pub(super) mod tests {
             ("[time]", "[file]\ndecimal = \";\"\n[time]", 10, "must be \".\" or \",\""),
             ("[time]", "[name]\npattern = '('\n[time]", 10, "not a regular expression"),
             ("\"hybrid\"", "{ name = \"mode\" }", 7, "not a named group (?<mode>…)"),
-            ("[time]", "[questions]\n[time]", 9, "questions: is not used"),
+            ("[time]", "[questions]\n[time]", 9, "questions.columns: lists no column"),
         ] {
             check(&good, from, to, line, words);
         }

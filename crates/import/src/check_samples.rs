@@ -20,13 +20,8 @@ impl Check<'_> {
                 "must be a number above 0: the value at which the time starts over",
             );
         }
-        if let Some(rate_hz) = t.rate_hz.filter(|rate| !RATES_HZ.contains(rate)) {
-            let low = RATES_HZ.start();
-            let high = RATES_HZ.end();
-            self.error(
-                "time.rate_hz",
-                format!("{rate_hz:?} must be a number from {low} to {high}"),
-            );
+        if let Some(rate_hz) = t.rate_hz {
+            self.rate("time.rate_hz", rate_hz);
         }
         let mend = Mend { wrap: t.wrap, equal: t.equal, counts_at_hz: None };
         let is_placed = t.unit.is_some() || t.offset.is_some() || t.zero.is_some();
@@ -73,6 +68,16 @@ impl Check<'_> {
                 None
             }
         }
+    }
+
+    /// A rate of samples that a device may have, Hz.
+    pub(super) fn rate(&mut self, key: &str, rate_hz: f64) -> Option<f64> {
+        let [low, high] = [RATES_HZ.start(), RATES_HZ.end()];
+        let rate = RATES_HZ.contains(&rate_hz).then_some(rate_hz);
+        self.keep(
+            key,
+            rate.ok_or_else(|| format!("{rate_hz:?} must be a number from {low} to {high}")),
+        )
     }
 
     pub(super) fn unit(

@@ -170,6 +170,10 @@ impl Context<'_> {
         let limit = self.mapping.file.rows.unwrap_or(rows.read);
         let dropped = [
             (rows.missing, MISSING.to_owned()),
+            (
+                rows.outside,
+                "they lie outside of the times of what is joined to the recording".to_owned(),
+            ),
             (rows.past_limit, format!("after the first {limit} (rows = {limit})")),
             (
                 rows.joined.len(),

@@ -1,7 +1,7 @@
 //! The formats of other people's files: the one list.
 
 use super::csv::Dialect;
-use super::limits::Take;
+use super::limits::{LARGEST_WHOLE, MOST_FILE, Take};
 use super::spelling::shown;
 use super::table::Table;
 use super::xdf::XdfClock;
@@ -117,6 +117,14 @@ impl Format {
     /// Whether a file may unpack to more than its size.
     pub(super) fn is_packed(self) -> bool {
         self.row().2
+    }
+
+    /// The bytes of a file that are read at most.
+    pub(super) fn most_bytes(self) -> u64 {
+        match self {
+            Self::Tdms | Self::C3d | Self::Mcap => LARGEST_WHOLE,
+            _ => MOST_FILE,
+        }
     }
 
     /// Reads the columns that are taken.

@@ -9,7 +9,7 @@ use super::recording::Recording;
 use super::report::FileReport;
 use super::spelling::{find, plain};
 use super::unit::Unit;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use zwidth_store::StoreError;
 use zwidth_study::{AnswerScale, AnswerValue, QuestionId};
 
@@ -53,7 +53,7 @@ pub(super) fn read_answer(
     let wrong = |what: String| recording.cell_error(column, row, &what, remedy);
     let raw = recording.table.columns[column].cell(row);
     let cell = raw.to_string();
-    let decimal_comma = recording.has_decimal_comma(&raw);
+    let decimal_comma = recording.has_decimal_comma(column, row);
     let (cell, is_empty) = match key {
         Some(key) if !cell.trim().is_empty() => {
             let text = value_of(&cell, key).map_err(wrong)?;
@@ -64,7 +64,7 @@ pub(super) fn read_answer(
     };
     let word = find(&questionnaire.translate, cell.trim());
     // A word of the scale comes first: "NA" may be an answer.
-    if context.mapping.file.cells.missing == Missing::Drop && word.is_none() && is_empty {
+    if recording.form_of(column).missing == Missing::Drop && word.is_none() && is_empty {
         return Ok(None);
     }
     let scale = context.study.question(question).map(|q| q.scale.clone()).unwrap_or_default();
@@ -80,6 +80,28 @@ pub(super) fn read_answer(
         None => None,
     };
     Ok(Some(Answer { value, time_ms }))
+}
+
+/// Tells how many answers lie in the middle of a line, where a slider that nobody touched stays: jsPsych and others write
+/// it as an answer.
+pub(super) fn tell_middles<'a>(
+    context: &Context,
+    report: &mut FileReport,
+    answers: impl Iterator<Item = &'a (QuestionId, Answer)>,
+) {
+    let mut middles: BTreeMap<&QuestionId, (f64, usize)> = BTreeMap::new();
+    for (id, answer) in answers {
+        let scale = context.study.question(id).map(|question| &question.scale);
+        let Some(scale) = scale.filter(|scale| scale.is_line()) else { continue };
+        let length = f64::from(scale.points() - 1) * f64::from(scale.step());
+        let middle = f64::from(scale.lowest()) + length / 2.0;
+        if answer.value.get().to_bits() == middle.to_bits() {
+            middles.entry(id).or_insert((middle, 0)).1 += 1;
+        }
+    }
+    report.told.extend(middles.into_iter().map(|(id, (middle, n))| {
+        format!("{n} answers to '{id}' are {middle}, the middle, where a slider that nobody touched stays")
+    }));
 }
 
 /// The value under a key of the JSON object in a cell; `None` if there is none.

@@ -9,6 +9,7 @@ use super::clock::{Clock, clock};
 use super::counter::wrap_of;
 use super::guess_answers::answers;
 use super::guess_apart::{Sorted, sort};
+use super::guess_log;
 use super::guess_names::{Names, names};
 use super::guess_read::{Looked, MOST_GUESSED, Written, first_numbers, is_number, look, quoted};
 use super::guess_task::task;
@@ -149,6 +150,8 @@ fn mapping(path: &Path, apart: &[StoreError], looked: &Looked, names: &Names) ->
             Signal::Theta.name()
         );
     }
+    let apart: Vec<&Path> = apart.iter().map(|apart| apart.path.as_path()).collect();
+    guess_log::write(&mut text, path, &apart, names);
     text
 }
 

@@ -68,8 +68,8 @@ fn other_columns(file: &Path, (names, number): &Columns, most: usize) -> StoreEr
     );
     let what = format!("its columns are not those of the other {files}: {which}");
     let remedy = if names.as_ref().is_some_and(|names| are_answers(names)) {
-        "it looks like answers: import the other files without it, then give its answers with `zwidth answer STUDY \
-         --from FILE`; answers to trials that nobody recorded have a mapping of their own, kind = \"likert\""
+        "it looks like answers: if it says of the other files what they were, join it to them by [log] in the mapping; else \
+         import the other files without it, and give its answers with `zwidth answer STUDY --from FILE`; answers to trials that nobody recorded have a mapping of their own, kind = \"likert\""
     } else {
         "leave it out of this import, and guess a mapping of its own for it"
     };

@@ -56,6 +56,6 @@ impl Label {
         let Some(column) = self.column().filter(|_| self.translate.is_empty()) else {
             return Ok(false);
         };
-        Ok(recording.has_decimal_comma(&recording.cell(column, row)?))
+        Ok(recording.has_decimal_comma(recording.find(column)?, row))
     }
 }

@@ -102,8 +102,7 @@ impl Columns {
     fn row(&self, recording: &Recording, row: usize) -> Result<LateAnswer, StoreError> {
         let of = self.trial.row(recording, row, MEND)?;
         let question = self.question.map(|at| parsed(recording, at, row, MEND, id)).transpose();
-        let decimal_comma =
-            recording.has_decimal_comma(&recording.table.columns[self.answer].cell(row));
+        let decimal_comma = recording.has_decimal_comma(self.answer, row);
         let value = parsed(recording, self.answer, row, MEND, |text| {
             // Which numbers its scale has is not known here.
             written(text, decimal_comma)

@@ -4,8 +4,8 @@
 //! whole or not at all. A quantity that a recording lacks is a null column. Computed quantities (a
 //! derivative, a time from a rate) are requested in the mapping, and the resulting files say so.
 //!
-//! A file goes through: `recording` (its format becomes a `table` of text and number columns) →
-//! `trials`, `sweeps`, `likert` or `psychometric` (labels resolved, units converted) → `batch` (bytes, written).
+//! A file goes through: `recording` (its format becomes a `table` of text and number columns) → `join` (columns of
+//! files beside it) → `trials`, `sweeps`, `likert` or `psychometric` (labels resolved, units converted) → `batch` (bytes, written).
 
 mod added;
 mod axes;
@@ -13,6 +13,7 @@ mod batch;
 mod blocks;
 mod c3d;
 mod check;
+mod check_beside;
 mod check_likert;
 mod check_psychometric;
 mod check_samples;
@@ -33,12 +34,14 @@ mod growing;
 mod guess;
 mod guess_answers;
 mod guess_apart;
+mod guess_log;
 mod guess_names;
 mod guess_read;
 mod guess_task;
 mod guess_words;
 mod hdf5;
 mod identity;
+mod join;
 mod jsonl;
 mod judgement;
 #[cfg(test)]
@@ -75,6 +78,7 @@ mod psychometric;
 pub mod readers;
 #[cfg(test)]
 mod real;
+mod recorded;
 mod recording;
 mod report;
 mod shape;
@@ -167,9 +171,7 @@ pub fn import(
     }
     let files = &in_order(files);
     let batch = match &mapping.content {
-        Content::Trials { who, time, columns, channels } => {
-            trials::trials(&context, who, time, columns, channels, files)?
-        }
+        Content::Trials(from) => trials::trials(&context, from, files)?,
         Content::Sweeps(sweep) => sweeps::sweeps(&context, sweep, files)?,
         Content::Likert(questionnaire) => likert::likert(&context, questionnaire, files)?,
         Content::Psychometric(task) => psychometric::psychometric(&context, task, files)?,

@@ -5,7 +5,7 @@ use super::added::ExistingAnswers;
 use super::batch::Batch;
 use super::context::{Context, Converted, EMPTY};
 use super::errors::{Errors, all, append};
-use super::given::{Answered, Place, Read, read_answer};
+use super::given::{Answered, Place, Read, read_answer, tell_middles};
 use super::identity::{Identity, Named, identity, number_trials, tell_labels};
 use super::limits::Budget;
 use super::mapping::{AnswerForm, Missing, Questionnaire, RowTrial, Who};
@@ -27,10 +27,10 @@ struct Wide<'a> {
 }
 
 /// A question with the places of its answers, and of the times that they took.
-struct WideQuestion {
-    id: QuestionId,
-    from: AnswerFrom,
-    time: Option<ColumnRef>,
+pub(super) struct WideQuestion {
+    pub(super) id: QuestionId,
+    pub(super) from: AnswerFrom,
+    pub(super) time: Option<ColumnRef>,
 }
 
 /// Reads every file, numbers the trials over all of them, and turns the answers into events. In an
@@ -42,7 +42,10 @@ pub(super) fn likert(
 ) -> Result<Batch, Errors> {
     let budget = Budget::default();
     let wide = match &questionnaire.form {
-        AnswerForm::Wide(trials) => all(trials.iter().map(|trial| wide(context, trial)))?,
+        AnswerForm::Wide(trials) => all(trials.iter().map(|trial| {
+            let questions = wide_questions(context, trial)?;
+            Ok::<_, StoreError>(Wide { who: &trial.who, questions })
+        }))?,
         AnswerForm::Long(..) => Vec::new(),
     };
     let answer_columns = wide.iter().flat_map(|w| &w.questions).map(|q| q.from.column());
@@ -148,6 +151,7 @@ fn file_report(
     }
     let mut report = report.clone();
     tell_labels(&mut report, trials.iter().map(|row| &row.identity), all);
+    tell_middles(context, &mut report, trials.iter().flat_map(|row| &row.answers));
     let empty = match empty {
         0 => String::new(),
         n => format!("; {n} empty answers left out"),
@@ -170,8 +174,11 @@ pub(super) fn loss(lost: &str) -> Event {
 
 /// The columns of what is one trial of a row: as listed in the mapping, or those whose header is a
 /// question's text.
-fn wide<'a>(context: &Context, trial: &'a RowTrial) -> Result<Wide<'a>, StoreError> {
-    let RowTrial { who, columns, times } = trial;
+pub(super) fn wide_questions(
+    context: &Context,
+    trial: &RowTrial,
+) -> Result<Vec<WideQuestion>, StoreError> {
+    let RowTrial { columns, times, .. } = trial;
     let study = context.study;
     let mapping = &context.mapping.path;
     let listed = columns.keys().map(|id| (id, "columns"));
@@ -189,7 +196,7 @@ fn wide<'a>(context: &Context, trial: &'a RowTrial) -> Result<Wide<'a>, StoreErr
             from: from.clone(),
             time: times.get(id).cloned(),
         });
-        return Ok(Wide { who, questions: questions.collect() });
+        return Ok(questions.collect());
     }
     if study.questions.is_empty() {
         let what = "study.toml has no questions";
@@ -208,7 +215,7 @@ fn wide<'a>(context: &Context, trial: &'a RowTrial) -> Result<Wide<'a>, StoreErr
         let from = AnswerFrom::Cell(ColumnRef::Name(q.text.trim().to_owned()));
         WideQuestion { id: q.id.clone(), from, time: times.get(&q.id).cloned() }
     });
-    Ok(Wide { who, questions: questions.collect() })
+    Ok(questions.collect())
 }
 
 fn convert(

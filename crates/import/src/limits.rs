@@ -10,6 +10,8 @@ use zwidth_store::{Samples, Signal, StoreError};
 
 /// Bytes of one recording (256 MiB); files are read side by side up to as many together.
 pub(super) const MOST_FILE: u64 = 1 << 28;
+/// Bytes of a recording of which only the numbers of mapped columns are unpacked (1 GiB): no other file is read beside it.
+pub(super) const LARGEST_WHOLE: u64 = 1 << 30;
 /// Bytes of a long text, which is read block by block (8 GiB).
 pub(super) const LONGEST_FILE: u64 = 1 << 33;
 /// Texts of more bytes are read block by block (32 MiB).

@@ -6,7 +6,7 @@ use super::csv::{Dialect, WHITE_SPACE};
 use super::format::Format;
 use super::label::Label;
 use super::shape::AnswerFrom;
-pub(super) use super::shape::{Equal, Missing, Reduce, Side};
+pub(super) use super::shape::{At, Equal, Missing, Reduce, Resample, Side};
 use super::spelling::plain;
 use super::table::{Cell, ColumnRef};
 use super::text::Encoding;
@@ -38,12 +38,97 @@ pub struct Mapping {
 /// The content of the files.
 #[derive(Debug, Clone)]
 pub(super) enum Content {
-    Trials { who: Box<Who>, time: Time, columns: Vec<SignalFrom>, channels: Vec<ChannelFrom> },
+    Trials(Box<TrialsFrom>),
     Sweeps(Box<SweepFrom>),
     Likert(Questionnaire),
     Psychometric(Box<TaskFrom>),
     Exclusions(Exclusions),
     People(PeopleFrom),
+}
+
+/// Where the trials of recordings come from.
+#[derive(Debug, Clone)]
+pub(super) struct TrialsFrom {
+    pub(super) who: Who,
+    pub(super) time: Time,
+    pub(super) columns: Vec<SignalFrom>,
+    pub(super) channels: Vec<ChannelFrom>,
+    pub(super) beside: Beside,
+}
+
+/// What belongs to recorded trials besides their samples: other files, answers, what a task presented.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Beside {
+    pub(super) log: Option<LogFrom>,
+    pub(super) with: Vec<WithFrom>,
+    pub(super) questions: Option<Questionnaire>,
+    pub(super) task: Option<TaskFrom>,
+}
+
+impl Beside {
+    /// The columns of answers and of what a task presented.
+    pub(super) fn columns(&self) -> Vec<&ColumnRef> {
+        let answers = self.questions.iter().flat_map(Questionnaire::columns);
+        answers.chain(self.task.iter().flat_map(TaskFrom::columns)).collect()
+    }
+}
+
+/// A file beside a recording: its path from the folder of the recording, in which `{group}` stands for a group of the
+/// pattern on the recording's path, and how it is written.
+#[derive(Debug, Clone)]
+pub(super) struct FileBeside {
+    pub(super) path: String,
+    pub(super) form: FileForm,
+}
+
+/// A table of another program, a row of which belongs to each trial. Its columns are `NAME@log`.
+#[derive(Debug, Clone)]
+pub(super) struct LogFrom {
+    pub(super) file: FileBeside,
+    pub(super) by: RowBy,
+    /// Rows with these words, which are labels of the recording.
+    pub(super) only: Vec<(ColumnRef, Label)>,
+    /// Rows with one of these words in each of the columns.
+    pub(super) when: Vec<(ColumnRef, Vec<String>)>,
+    /// Whether rows without a trial and trials without a row are left as they are.
+    pub(super) drops_unmatched: bool,
+}
+
+/// By what a row of a log is that of a trial.
+#[derive(Debug, Clone)]
+pub(super) enum RowBy {
+    /// The log's number of the trial and what is added to it; and the recording's, counted within a file where no label
+    /// names it.
+    Number {
+        column: ColumnRef,
+        add: i64,
+        recording: Option<Label>,
+    },
+    Time {
+        clock: ClockFrom,
+        offset_s: f64,
+        at: At,
+        until: Option<ColumnRef>,
+    },
+}
+
+/// Times of a file beside a recording.
+#[derive(Debug, Clone)]
+pub(super) enum ClockFrom {
+    Column { from: ColumnRef, unit: &'static Unit, from_first: bool },
+    Rate { rate_hz: f64 },
+}
+
+/// A second file of the same trials. Its columns are `NAME@ID`.
+#[derive(Debug, Clone)]
+pub(super) struct WithFrom {
+    pub(super) id: String,
+    pub(super) file: FileBeside,
+    pub(super) clock: ClockFrom,
+    /// Added to its times, which then are those of the recording, s.
+    pub(super) offset_s: f64,
+    /// Values at other times than its own, if that is asked for.
+    pub(super) resample: Option<Resample>,
 }
 
 /// How a questionnaire lies in its files, and what its cells mean.
@@ -520,7 +605,7 @@ mod tests {
     #[test]
     fn every_mapping_in_the_documentation_is_valid() {
         let examples = examples();
-        assert_eq!(examples.len(), 8);
+        assert_eq!(examples.len(), 10);
         for text in examples {
             Mapping::from_toml(&text, Path::new("docs/import.md")).unwrap();
         }

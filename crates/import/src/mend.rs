@@ -148,7 +148,7 @@ fn spread(values: &[f64], kept: &[usize], height: usize) -> Cells {
 
 /// Adds `wrap` as often as the time started over. A time may also run backwards, or begin again with
 /// another trial, by less than half of that; a counter only counts on.
-fn unwrap_times(times: &mut [f64], wrap: f64, only_forward: bool) {
+pub(super) fn unwrap_times(times: &mut [f64], wrap: f64, only_forward: bool) {
     let mut turns = 0.0;
     let mut before = times.first().copied().unwrap_or(0.0);
     for time in times {

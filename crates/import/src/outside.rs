@@ -125,7 +125,7 @@ fn value(recording: &Recording, column: usize, row: usize) -> Result<Option<f64>
         Cell::Number(value) if value.is_finite() => at_most(value),
         Cell::Number(value) => Err(not_finite(&value.to_string())),
         Cell::Text(text) if text.trim().eq_ignore_ascii_case("nan") => Err(not_finite(text)),
-        Cell::Text(text) => match number(text, recording.has_decimal_comma(&cell))? {
+        Cell::Text(text) => match number(text, recording.has_decimal_comma(column, row))? {
             Some(value) => at_most(value),
             None => Ok(None),
         },

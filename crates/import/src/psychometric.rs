@@ -139,7 +139,7 @@ fn file_report(
 }
 
 /// What the rows of a file have in common that is of the task.
-struct OfTask<'a> {
+pub(super) struct OfTask<'a> {
     task: &'a Task,
     /// The labels, with the environment of the task.
     who: Who,
@@ -149,7 +149,7 @@ struct OfTask<'a> {
 
 /// What was passed over or taken for granted, by the number of rows.
 #[derive(Default)]
-struct Noticed {
+pub(super) struct Noticed {
     unanswered: usize,
     taken: usize,
     unjudged: usize,
@@ -240,7 +240,7 @@ fn answers_in(from: &TaskFrom, recording: &Recording, rows: &[usize]) -> Result<
 }
 
 impl Noticed {
-    fn tell(&self, report: &mut FileReport, all: usize) {
+    pub(super) fn tell(&self, report: &mut FileReport, all: usize) {
         let Self { taken, unjudged, rounded, .. } = *self;
         if taken > 0 {
             report.told.push(format!(
@@ -279,7 +279,7 @@ fn leave_out_others(
 }
 
 /// The presentations of a row; none where the answer is missing and such rows are left out.
-fn read_row<'a>(
+pub(super) fn read_row<'a>(
     context: &'a Context,
     from: &TaskFrom,
     tasks: &mut BTreeMap<QuestionId, OfTask<'a>>,
@@ -317,7 +317,7 @@ fn read_row<'a>(
     };
     match &from.said {
         SaidFrom::Each(each) => {
-            let Some(said) = read_said(context, each, task, recording, row)? else {
+            let Some(said) = read_said(each, task, recording, row)? else {
                 noticed.unanswered += 1;
                 return Ok(Vec::new());
             };
@@ -396,7 +396,6 @@ fn read_level(
 
 /// What a row says of its answer; `None` where a column of it is empty and such rows are left out.
 fn read_said(
-    context: &Context,
     each: &EachFrom,
     task: &Task,
     recording: &Recording,
@@ -405,7 +404,7 @@ fn read_said(
     let EachFrom { answer, positive, correct, standard, comparison } = each;
     for label in [answer, positive, correct].into_iter().flatten() {
         if let Some(column) = is_unanswered(recording, label, row)? {
-            if context.mapping.file.cells.missing == Missing::Drop {
+            if recording.form_of(column).missing == Missing::Drop {
                 return Ok(None);
             }
             let what = "nothing was answered";

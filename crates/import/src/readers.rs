@@ -3,7 +3,7 @@
 use super::csv::{Dialect, WHITE_SPACE};
 use super::format::{Format, FormatOptions};
 use super::limits::{Budget, Take};
-use super::table::ColumnRef;
+use super::table::{Cells, ColumnRef, Table};
 use super::text::Encoding;
 use super::xdf::XdfClock;
 use std::path::Path;
@@ -44,6 +44,32 @@ impl FormatReader {
     /// # Errors
     /// Why it cannot be read.
     pub fn read(self, bytes: &[u8]) -> Result<usize, StoreError> {
+        // Parts that the seeds have.
+        let parts: &[&str] = match self.0 {
+            Format::Mat | Format::Npz | Format::Mcap => &["data"],
+            Format::C3d => &["points", "analog", "events"],
+            _ => &[],
+        };
+        for part in parts {
+            let _: Result<Table, StoreError> = self.table(bytes.to_vec(), Some(part));
+        }
+        Ok(self.table(bytes.to_vec(), None)?.lines.len())
+    }
+
+    /// Reads a file, or a part of it; the sum of all numbers in its first columns.
+    ///
+    /// # Errors
+    /// Why it cannot be read.
+    pub fn sum(self, bytes: Vec<u8>, part: Option<&str>) -> Result<f64, StoreError> {
+        let table = self.table(bytes, part)?;
+        let numbers = table.columns.iter().map(|cells| match cells {
+            Cells::Numbers(cells) => cells.iter().flatten().sum(),
+            _ => 0.0,
+        });
+        Ok(numbers.sum())
+    }
+
+    fn table(self, bytes: Vec<u8>, part: Option<&str>) -> Result<Table, StoreError> {
         let columns: Vec<ColumnRef> = (1..=TAKEN).map(ColumnRef::Position).collect();
         let dialect = Dialect {
             delimiter: if self.0 == Format::Txt { WHITE_SPACE } else { b',' },
@@ -54,23 +80,9 @@ impl FormatReader {
             bad_lines: 1,
             before: 0,
         };
-        let read = |part| {
-            let budget = Budget::default();
-            let take = Take::of(columns.iter().collect(), &budget);
-            let options =
-                FormatOptions { dialect, part, clock: XdfClock::Corrected, dejitter: true };
-            let table = self.0.read(Path::new("input"), bytes.to_vec(), options, &take)?;
-            Ok(table.lines.len())
-        };
-        // Parts that the seeds have.
-        let parts: &[&str] = match self.0 {
-            Format::Mat | Format::Npz | Format::Mcap => &["data"],
-            Format::C3d => &["points", "analog", "events"],
-            _ => &[],
-        };
-        for part in parts {
-            let _: Result<usize, StoreError> = read(Some(part));
-        }
-        read(None)
+        let budget = Budget::default();
+        let take = Take::of(columns.iter().collect(), &budget);
+        let options = FormatOptions { dialect, part, clock: XdfClock::Corrected, dejitter: true };
+        self.0.read(Path::new("input"), bytes, options, &take)
     }
 }

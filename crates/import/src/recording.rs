@@ -1,30 +1,54 @@
 //! One file from another program, read but not yet converted.
 
 use super::convert::Linear;
-use super::format::FormatOptions;
+use super::format::{Format, FormatOptions};
 use super::label::Label;
 use super::limits::{MOST_FILE, MOST_WHOLE_ROWS, Take, too_many_rows};
 use super::mapping::{CellForm, FileForm, Missing};
 use super::spelling::shown;
 use super::spelling::{find, is_missing, truth};
-use super::table::{Cell, Cells, ColumnRef, Table};
+use super::table::{Cell, Cells, ColumnRef, NO_ROW, Table};
 use super::text::check_readable;
 use arrow::array::Array as _;
 use regex::Regex;
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use zwidth_store::{StoreError, hex_blake3, read_named};
 
 /// One file, read.
+#[derive(Debug)]
 pub(super) struct Recording {
     pub(super) path: PathBuf,
     pub(super) table: Table,
     /// BLAKE3 of the file, hexadecimal.
     pub(super) blake3: String,
     pub(super) cells: CellForm,
+    /// What of other files was joined to its rows.
+    pub(super) joined: Joined,
     /// Named groups of the pattern on the path.
     groups: BTreeMap<String, String>,
+}
+
+/// What of other files was joined to the rows of a recording.
+#[derive(Debug, Default)]
+pub(super) struct Joined {
+    /// Columns of a log, by their places.
+    pub(super) columns: BTreeMap<usize, JoinedColumn>,
+    /// Of each row the row of the log: where that changes, another trial begins.
+    pub(super) parts: Option<Arc<Vec<u32>>>,
+    /// Rows that lie within what was joined; all of them where there is none.
+    pub(super) within: Option<Vec<bool>>,
+}
+
+/// Where a column of a log comes from.
+#[derive(Debug, Clone)]
+pub(super) struct JoinedColumn {
+    pub(super) log: Arc<Recording>,
+    /// Its place there.
+    pub(super) place: usize,
+    pub(super) rows: Arc<Vec<u32>>,
 }
 
 /// The rows of a file that an import takes, and how many it leaves.
@@ -36,6 +60,8 @@ pub(super) struct Rows {
     pub(super) kept: Vec<usize>,
     /// Rows left out because a mapped cell is empty.
     pub(super) missing: usize,
+    /// Rows left out because they lie outside of what was joined to the recording.
+    pub(super) outside: usize,
     /// Rows left out because they come after the limit.
     pub(super) past_limit: usize,
     /// Why each row that cannot be read was left out.
@@ -97,6 +123,16 @@ impl Gaps {
     }
 }
 
+impl Joined {
+    /// Leaves out the rows, of so many, of which this is not so.
+    pub(super) fn keep(&mut self, height: usize, is_within: impl Fn(usize) -> bool) {
+        let within = self.within.get_or_insert_with(|| vec![true; height]);
+        for (row, kept) in within.iter_mut().enumerate() {
+            *kept &= is_within(row);
+        }
+    }
+}
+
 impl Recording {
     /// Reads the columns of `path` that are taken, as the mapping says.
     pub(super) fn read(
@@ -105,7 +141,8 @@ impl Recording {
         name: Option<&Regex>,
         take: &Take,
     ) -> Result<Self, StoreError> {
-        let bytes = read_named(path, MOST_FILE).map_err(|e| StoreError::io(path, "read", &e))?;
+        let most = form.format_of(path).map_or(MOST_FILE, Format::most_bytes);
+        let bytes = read_named(path, most).map_err(|e| StoreError::io(path, "read", &e))?;
         // Before the format's own reader, whose error would not say how to convert the file.
         check_readable(path, &bytes)?;
         let blake3 = hex_blake3(&bytes);
@@ -118,7 +155,8 @@ impl Recording {
             dejitter: form.dejitter,
         };
         let table = format.read(path, bytes, options, take)?;
-        Ok(Self { path: path.to_owned(), table, blake3, cells: form.cells.clone(), groups })
+        let joined = Joined::default();
+        Ok(Self { path: path.to_owned(), table, blake3, cells: form.cells.clone(), joined, groups })
     }
 
     /// A part of a recording, read.
@@ -128,7 +166,20 @@ impl Recording {
         cells: CellForm,
         groups: BTreeMap<String, String>,
     ) -> Self {
-        Self { path: path.to_owned(), table, blake3: String::new(), cells, groups }
+        let joined = Joined::default();
+        Self { path: path.to_owned(), table, blake3: String::new(), cells, joined, groups }
+    }
+
+    /// The same with this column alone, in which times may be read otherwise than they are written.
+    pub(super) fn alone(&self, place: usize) -> Self {
+        let Table { names, lines, empty, columns, .. } = &self.table;
+        let columns = columns.iter().enumerate();
+        let columns = columns
+            .map(|(i, cells)| if i == place { cells.clone() } else { Cells::Unread })
+            .collect();
+        let (names, lines, empty) = (names.clone(), lines.clone(), empty.clone());
+        let table = Table { names, lines, empty, columns, ..Table::default() };
+        Self::part(&self.path, table, self.cells.clone(), BTreeMap::new())
     }
 
     /// An error about the file.
@@ -164,6 +215,12 @@ impl Recording {
         what: &str,
         remedy: &str,
     ) -> StoreError {
+        // What a log says wrong is mended there.
+        if let Some(JoinedColumn { log, place, rows }) = self.joined.columns.get(&column)
+            && let Some(own) = rows.get(row).filter(|row| **row != NO_ROW)
+        {
+            return log.cell_error(*place, *own as usize, what, remedy);
+        }
         let what = match self.table.lines.get(row) {
             Some(line) => format!("{} (line {line})", shown(what)),
             None => what.to_owned(),
@@ -183,10 +240,16 @@ impl Recording {
         line.map_or_else(|| format!("row {}", row + 1), |line| format!("line {line}"))
     }
 
+    /// How the cells of a column are written: those of a log as the log has them.
+    pub(super) fn form_of(&self, column: usize) -> &CellForm {
+        self.joined.columns.get(&column).map_or(&self.cells, |joined| &joined.log.cells)
+    }
+
     /// The number in a cell, `None` where it is missing; `Err` says what stands there instead.
     pub(super) fn number(&self, column: usize, row: usize) -> Result<Option<f64>, String> {
         let cell = self.table.columns[column].cell(row);
-        if self.cells.is_missing(&cell) {
+        let form = self.form_of(column);
+        if form.is_missing(&cell) {
             return Ok(None);
         }
         match cell {
@@ -204,15 +267,16 @@ impl Recording {
                 });
                 match truth {
                     Some(truth) => Ok(Some(f64::from(u8::from(truth)))),
-                    None => number(text, self.cells.decimal_comma),
+                    None => number(text, form.decimal_comma),
                 }
             }
         }
     }
 
     /// Whether the comma stands before decimals in a cell: a number of a workbook has neither sign.
-    pub(super) fn has_decimal_comma(&self, cell: &Cell) -> bool {
-        self.cells.decimal_comma && matches!(cell, Cell::Text(_))
+    pub(super) fn has_decimal_comma(&self, column: usize, row: usize) -> bool {
+        let cell = self.table.columns[column].cell(row);
+        self.form_of(column).decimal_comma && matches!(cell, Cell::Text(_))
     }
 
     /// Whether the answer that a label names is missing, in a recording whose missing values are left
@@ -223,14 +287,15 @@ impl Recording {
         };
         let cell = self.table.columns[column].cell(row).to_string();
         let is_word = find(&label.translate, &cell).is_some();
-        Ok(self.cells.missing == Missing::Drop && !is_word && self.number(column, row) == Ok(None))
+        let drops = self.form_of(column).missing == Missing::Drop;
+        Ok(drops && !is_word && self.number(column, row) == Ok(None))
     }
 
     /// Whether nothing stands in a cell of a label. What other programs write for a missing value may
     /// be a word of theirs here, such as a mode `None`, unless the mapping names it.
     pub(super) fn is_without_label(&self, column: usize, row: usize) -> bool {
         let cell = self.table.columns[column].cell(row);
-        cell == Cell::Empty || self.cells.is_missing(&cell)
+        cell == Cell::Empty || self.form_of(column).is_missing(&cell)
     }
 
     /// The numbers of a column in the rows given; the error names the first cell that is none.
@@ -278,7 +343,7 @@ impl Recording {
         let cell = self.table.columns[column].cell(row);
         let what = match cell {
             Cell::Empty => "the cell is empty".to_owned(),
-            cell if self.cells.is_missing(&cell) => {
+            cell if self.form_of(column).is_missing(&cell) => {
                 format!("'{cell}' stands for a missing value (missing_words)")
             }
             Cell::Text(mark) if !mark.eq_ignore_ascii_case("nan") => {
@@ -326,7 +391,10 @@ impl Recording {
         }
         let limit = form.rows.unwrap_or(read).min(read);
         let bad = self.bad_rows(limit, numeric, form.bad_lines);
-        let readable = (0..limit).filter(|row| !bad.contains_key(row));
+        let is_outside =
+            |row: &usize| self.joined.within.as_ref().is_some_and(|within| !within[*row]);
+        let outside = (0..limit).filter(|row| is_outside(row) && !bad.contains_key(row)).count();
+        let readable = (0..limit).filter(|row| !bad.contains_key(row) && !is_outside(row));
         let kept: Vec<usize> = match form.cells.missing {
             Missing::Error => readable.collect(),
             Missing::Drop => {
@@ -341,8 +409,8 @@ impl Recording {
                     .collect()
             }
         };
-        let missing = limit - kept.len() - bad.len();
-        Ok(Rows { read, missing, past_limit: read - limit, kept, bad, joined: Vec::new() })
+        let missing = limit - kept.len() - bad.len() - outside;
+        Ok(Rows { read, missing, outside, past_limit: read - limit, kept, bad, joined: Vec::new() })
     }
 
     /// Leaves out of the rows of a questionnaire those that are its header once more, as programs write it
@@ -393,17 +461,20 @@ impl Recording {
         })
     }
 
-    /// `rows` in stretches of labels that are alike: each is one trial or one sweep.
+    /// `rows` in stretches of labels that are alike, and of one row of a log: each is one trial or one sweep.
     pub(super) fn pieces<'a>(
         &self,
         rows: &'a [usize],
         labels: &[usize],
     ) -> impl Iterator<Item = &'a [usize]> {
+        let parts = self.joined.parts.as_deref();
         rows.chunk_by(move |a, b| {
-            labels.iter().all(|column| {
-                let cells = &self.table.columns[*column];
-                cells.cell(*a).is_like(&cells.cell(*b))
-            })
+            let is_one = parts.is_none_or(|parts| parts[*a] == parts[*b]);
+            is_one
+                && labels.iter().all(|column| {
+                    let cells = &self.table.columns[*column];
+                    cells.cell(*a).is_like(&cells.cell(*b))
+                })
         })
     }
 

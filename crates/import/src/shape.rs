@@ -45,6 +45,9 @@ pub(super) struct Shape {
     #[serde(default)]
     pub(super) condition: Vec<ConditionShape>,
     pub(super) task: Option<TaskShape>,
+    pub(super) log: Option<LogShape>,
+    #[serde(default)]
+    pub(super) with: Vec<WithShape>,
     pub(super) exclude: Option<ExcludeShape>,
     pub(super) people: Option<PeopleShape>,
 }
@@ -371,4 +374,74 @@ pub(super) struct ExcludeShape {
     #[serde(default)]
     pub(super) when: BTreeMap<String, Vec<String>>,
     pub(super) reason: LabelShape,
+}
+
+/// A table that another program wrote beside the recordings, with a row per trial.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct LogShape {
+    pub(super) path: String,
+    #[serde(default)]
+    pub(super) file: FileShape,
+    pub(super) trial: Option<ColumnRef>,
+    pub(super) number: Option<LabelShape>,
+    pub(super) add: Option<i64>,
+    pub(super) time: Option<ColumnRef>,
+    pub(super) unit: Option<String>,
+    pub(super) zero: Option<ZeroWord>,
+    pub(super) offset_s: Option<f64>,
+    pub(super) at: Option<At>,
+    pub(super) until: Option<ColumnRef>,
+    #[serde(default, rename = "where")]
+    pub(super) only: BTreeMap<String, LabelShape>,
+    #[serde(default)]
+    pub(super) when: BTreeMap<String, Vec<String>>,
+    pub(super) unmatched: Option<Unmatched>,
+}
+
+/// Which samples belong to a row of a log, by the row's time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum At {
+    /// A trial begins with its row.
+    #[default]
+    Begin,
+    /// It ends with its row.
+    End,
+    /// A recording is a trial, within which its row lies.
+    Within,
+}
+
+/// The treatment of rows of a log without a trial, and of trials without a row.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum Unmatched {
+    Error,
+    Drop,
+}
+
+/// A second file of the same trials, whose samples are put on the times of the recording.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct WithShape {
+    pub(super) id: String,
+    pub(super) path: String,
+    #[serde(default)]
+    pub(super) file: FileShape,
+    pub(super) time: Option<ColumnRef>,
+    pub(super) unit: Option<String>,
+    pub(super) zero: Option<ZeroWord>,
+    pub(super) rate_hz: Option<f64>,
+    pub(super) offset_s: Option<f64>,
+    pub(super) resample: Option<Resample>,
+}
+
+/// How values come to stand between the samples of a second file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum Resample {
+    /// The last sample before.
+    Previous,
+    /// On the line between the samples on both sides.
+    Linear,
 }

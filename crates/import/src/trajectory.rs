@@ -56,13 +56,13 @@ pub fn trajectory(
             &guessed
         }
     };
-    let Content::Trials { time, columns, .. } = &mapping.content else {
+    let Content::Trials(from) = &mapping.content else {
         let what = "it maps something else than recordings of a motion";
         let remedy = "set kind = \"trials\", with [time] and a [[column]] for the angle";
         return Err(StoreError::new(&mapping.path, what, remedy).into());
     };
     let study = lever(lever_m, path)?;
-    let plan = plan(&study, &mapping.path, time, columns, &[])?;
+    let plan = plan(&study, &mapping.path, &from.time, &from.columns, &[])?;
     read(path, mapping, &plan)
 }
 

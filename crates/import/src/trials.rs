@@ -6,10 +6,12 @@ use super::context::{Context, Converted, EMPTY, EMPTY_AT_A_RATE, MISSING, Step, 
 use super::errors::{Errors, all};
 use super::growing::{Growing, Part};
 use super::identity::{Identity, identity, number_trials, tell_labels};
+use super::join::{self, Joiner, Uses};
 use super::limits::Budget;
-use super::mapping::{ChannelFrom, SignalFrom, Time, Who};
+use super::mapping::{TrialsFrom, Who};
 use super::outline::Outline;
 use super::plan::{Plan, plan};
+use super::recorded::{Said, Sayings, place_presented};
 use super::recording::{Gaps, Recording, Rows, Standing};
 use super::report::{FileReport, RowsDropped, null_columns};
 use super::stream::Source as LongText;
@@ -18,14 +20,18 @@ use super::{counter, once, outline, unit};
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use zwidth_store::{
-    Asked, DOUBTS, GAPS, LOST, Samples, Signal, StoreError, Trial, TrialFile, TrialWriter, ZEROS,
-    check_form, check_samples, trial_bytes,
+    Asked, DOUBTS, GAPS, JOINED, LOST, Samples, Signal, StoreError, Trial, TrialFile, TrialWriter,
+    ZEROS, check_form, check_samples, trial_bytes,
 };
-use zwidth_study::{AnswerValue, Event, PlannedTrial, Source, Status, TrialMeta};
+use zwidth_study::{AnswerValue, Event, PlannedTrial, Status, TrialMeta};
 
 /// The trials of a file.
 struct FileTrials {
     identities: Vec<Identity>,
+    /// What is said of each.
+    said: Vec<Said>,
+    /// What was joined to the recording.
+    uses: Uses,
     /// None of a long text: its samples are read once more when they are written.
     made: Vec<Made>,
     /// None yet of a long text, which was read for its labels alone.
@@ -43,6 +49,8 @@ struct Made {
     zeros: Vec<String>,
     /// Why it is to be read with care although its samples do not show it ([`DOUBTS`]).
     doubts: Vec<String>,
+    /// The files that were joined to it ([`JOINED`]).
+    joined: Vec<String>,
 }
 
 /// A trial's file.
@@ -59,17 +67,23 @@ struct Encoded {
 /// Converts every file, numbers the trials over all of them, and encodes them.
 pub(super) fn trials(
     context: &Context,
-    who: &Who,
-    time: &Time,
-    columns: &[SignalFrom],
-    channels: &[ChannelFrom],
+    from: &TrialsFrom,
     files: &[PathBuf],
 ) -> Result<Batch, Errors> {
+    let TrialsFrom { who, time, columns, channels, beside } = from;
     // Before any file is read: whatever is in them, the study takes no trial of another form.
     check_form(context.files, context.layout, context.study)?;
-    let plan = plan(context.study, &context.mapping.path, time, columns, channels)?;
+    let mut plan = plan(context.study, &context.mapping.path, time, columns, channels)?;
+    let named: Vec<&ColumnRef> =
+        plan.columns().chain(who.columns()).chain(beside.columns()).collect();
+    plan.computed.extend(beside.words(&named));
     let budget = Budget::default();
-    let converted = convert_files(context, who, &plan, &budget, files)?;
+    let splits_at = context.mapping.file.splits_at_time;
+    let joiner = Joiner::new(beside, who, &plan, &budget, splits_at, named);
+    let converted = convert_files(context, from, &plan, &joiner, &budget, files)?;
+    // Before those that are there already are left out: a log has their rows too.
+    let uses = converted.iter().map(|file| (file.path.as_path(), &file.parsed.uses));
+    let of_joined = join::check(uses)?;
     let (mut converted, existing) =
         once::new_trials(context, converted, |file| file.identities.iter().collect())?;
     // Samples of long texts are not there yet.
@@ -83,13 +97,17 @@ pub(super) fn trials(
     }
     let identities = converted.iter().flat_map(|file| &file.parsed.identities);
     let identities: Vec<Identity> = identities.cloned().collect();
-    let planned = number_trials(context, &identities, true)?;
+    let mut planned = number_trials(context, &identities, true)?;
+    let said = converted.iter().flat_map(|file| &file.parsed.said);
+    let said: Vec<Said> = said.cloned().collect();
+    if beside.task.is_some() {
+        place_presented(context, &said, &mut planned)?;
+    }
     let mut batch = Batch { files: existing, ..Batch::default() };
     let mut numbers = planned.iter();
     let mut losses = Vec::new();
-    for Converted { path, blake3, parsed: FileTrials { identities: own, made, report } } in
-        converted
-    {
+    for Converted { path, blake3, parsed } in converted {
+        let FileTrials { identities: own, made, report, .. } = parsed;
         let numbered: Vec<(&Identity, &PlannedTrial)> = own.iter().zip(numbers.by_ref()).collect();
         let encoded = match report {
             Some(report) => all(numbered
@@ -103,6 +121,7 @@ pub(super) fn trials(
         // The trials after it are not written, and those before it are taken away again.
         let (encoded, mut report) = encoded.inspect_err(|_| batch.discard(context.files))?;
         tell_labels(&mut report, &own, &identities);
+        report.told.extend(of_joined.get(&path).cloned());
         for Encoded { path, output, words, care, lost } in encoded {
             report.made.push(words);
             report.care.extend(care);
@@ -112,8 +131,10 @@ pub(super) fn trials(
         batch.files.push(report);
     }
     let mut events = Vec::new();
-    let trials = planned.iter().zip(&identities).zip(losses);
-    for (((number, identity), lost), (_, output)) in trials.zip(&batch.outputs) {
+    // Long texts have nothing but samples and labels.
+    let said = said.iter().map(Some).chain(std::iter::repeat(None));
+    let trials = planned.iter().zip(&identities).zip(losses).zip(said);
+    for ((((number, identity), lost), said), (_, output)) in trials.zip(&batch.outputs) {
         let trial = number.trial;
         let recorded = Event::Recorded { trial, blake3: output.blake3() };
         // An answer may stand beside the samples.
@@ -123,7 +144,8 @@ pub(super) fn trials(
         let answer =
             answer.map(|(question, value)| Event::Answer { trial, question, value, time_ms: None });
         let lost = lost.map(|text| Event::Note { trial: Some(trial), text });
-        events.push(std::iter::once(recorded).chain(answer).chain(lost).collect());
+        let said = said.into_iter().flat_map(|said| said.events(trial));
+        events.push(std::iter::once(recorded).chain(answer).chain(said).chain(lost).collect());
     }
     // The trials' own footers say what they were imported from.
     batch.add_sessions(context, &identities, &planned, events, &[])?;
@@ -133,8 +155,9 @@ pub(super) fn trials(
 /// Converts the short files, and reads the labels of long texts; all in the order of `files`.
 fn convert_files(
     context: &Context,
-    who: &Who,
+    from: &TrialsFrom,
     plan: &Plan,
+    joiner: &Joiner,
     budget: &Budget,
     files: &[PathBuf],
 ) -> Result<Vec<Converted<FileTrials>>, Errors> {
@@ -142,12 +165,16 @@ fn convert_files(
         files.iter().cloned().partition(|path| is_long(path, &context.mapping.file));
     // Columns that no mapping names may count the samples that the times pass over.
     let looked_at: Vec<ColumnRef> = counter::looked_at().collect();
-    let taken = plan.columns().chain(who.columns()).chain(&looked_at).collect();
+    let TrialsFrom { who, beside, .. } = from;
+    let named = plan.columns().chain(who.columns()).chain(beside.columns());
+    let own = named.filter(|column| !beside.is_of_file(column));
+    let taken = own.chain(&looked_at).collect();
     let take = context.take(taken, budget);
     let mut short = match short.is_empty() {
         true => Vec::new(),
-        false => context
-            .convert(&short, &take, |recording| convert(context, who, plan, budget, recording))?,
+        false => context.convert(&short, &take, |recording| {
+            convert(context, from, plan, joiner, budget, recording)
+        })?,
     };
     if long.is_empty() {
         return Ok(short);
@@ -159,7 +186,8 @@ fn convert_files(
             return Err(StoreError::new(path, what, "import it again").into());
         };
         let identities = source.identities(budget)?;
-        let parsed = FileTrials { identities, made: Vec::new(), report: None };
+        let (said, uses) = (Vec::new(), Uses::default());
+        let parsed = FileTrials { identities, said, uses, made: Vec::new(), report: None };
         Ok::<_, Errors>(Converted { path: path.clone(), blake3, parsed })
     }))?;
     let mut in_order = Vec::new();
@@ -277,7 +305,7 @@ impl<'a> Open<'a> {
         let name =
             format!("{}_{}_trial-{}.parquet", identity.participant, identity.session, number.trial);
         let near = context.layout.raw().join(name);
-        let meta = meta(identity, number, context.mapping.source());
+        let meta = meta(context, identity, number);
         let file = file(context, plan, blake3);
         let form = context.study.trial_form();
         let writer = TrialWriter::begin(context.files, &near, &path, meta, file, &form)?;
@@ -346,12 +374,19 @@ const COARSE: f64 = 0.05;
 /// One file's trials: consecutive rows with equal labels are one trial.
 fn convert(
     context: &Context,
-    who: &Who,
+    from: &TrialsFrom,
     plan: &Plan,
+    joiner: &Joiner,
     budget: &Budget,
     recording: &mut Recording,
 ) -> Result<FileTrials, Errors> {
+    let TrialsFrom { who, beside, .. } = from;
     check_turned(context.mapping.file.turned, recording)?;
+    let joins = beside.log.is_some() || !beside.with.is_empty();
+    if let Some(time) = plan.time.filter(|_| joins) {
+        recording.read_clock(time, time.from_first)?;
+    }
+    let uses = joiner.join(context, recording)?;
     let numeric = all(plan.columns().map(|column| recording.find(column)))?;
     let labels = all(who.columns().into_iter().map(|c| recording.find(c)))?;
     let mut other_units = all(plan.taken.iter().zip(&numeric).map(|(taken, place)| {
@@ -407,8 +442,10 @@ fn convert(
     // Counted before anything is made of them.
     budget.trials(&recording.path, pieces().count())?;
     let begins: Vec<usize> = pieces().map(|rows| rows[0]).collect();
+    let mut sayings = Sayings::new(context, beside);
     let trials = all(pieces().enumerate().map(|(i, stretch)| {
         let identity = identity(who, recording, stretch[0], context.study)?;
+        let said = sayings.of(recording, stretch[0], &identity)?;
         let values = all(numeric.iter().map(|column| recording.numbers(*column, stretch)))?;
         let part = Part {
             recording,
@@ -435,12 +472,15 @@ fn convert(
         let doubts = recording.table.doubts.iter().chain(&other_units).chain(&coarse).cloned();
         let doubts = doubts.chain(zeros.doubts).chain(hidden).collect();
         let zeros = zeros.words;
-        Ok::<_, Errors>((identity, Made { samples, gaps, lost, zeros, doubts }))
+        let joined = uses.words(stretch[0]);
+        Ok::<_, Errors>(((identity, said), Made { samples, gaps, lost, zeros, doubts, joined }))
     }))?;
-    let (identities, made): (Vec<Identity>, Vec<Made>) = trials.into_iter().unzip();
+    let (said, made): (Vec<(Identity, Said)>, Vec<Made>) = trials.into_iter().unzip();
+    let (identities, said): (Vec<Identity>, Vec<Said>) = said.into_iter().unzip();
     let signals: Vec<Signal> =
         Signal::all().filter(|s| made.iter().any(|m| m.samples.get(*s).is_some())).collect();
-    let used = [numeric.as_slice(), &labels].concat();
+    let of_answers = all(beside.columns().into_iter().map(|column| recording.find(column)))?;
+    let used = [numeric.as_slice(), &labels, &of_answers].concat();
     let mut report = FileReport {
         converted: plan.converted.clone(),
         computed: plan.computed.clone(),
@@ -448,11 +488,12 @@ fn convert(
         ..context.file_report(recording, &rows, rows.kept.len(), &used)?
     };
     report.add_empty(recording.gaps(&rows, &rows.kept).empty, why_empty(plan));
+    sayings.tell(&mut report, &said);
     // What was only looked at is not kept: its room is free for the next file.
     let looked_at = recording.table.columns.iter().enumerate();
     let looked_at = looked_at.filter(|(place, _)| !used.contains(place));
     budget.give_back(looked_at.map(|(_, cells)| cells.len()).sum());
-    Ok(FileTrials { identities, made, report: Some(report) })
+    Ok(FileTrials { identities, said, uses, made, report: Some(report) })
 }
 
 /// Whether a matrix has its samples in rows: Simulink's "To File" has its signals there.
@@ -502,7 +543,7 @@ fn encode(
     context: &Context,
     plan: &Plan,
     identity: &Identity,
-    Made { samples, gaps, lost, zeros, doubts }: Made,
+    Made { samples, gaps, lost, zeros, doubts, joined }: Made,
     number: &PlannedTrial,
     blake3: &str,
 ) -> Result<Encoded, StoreError> {
@@ -512,11 +553,11 @@ fn encode(
     let words = words(identity, number, samples.len());
     let mut care = care(&findings, number, samples.len());
     care.extend(doubts.iter().map(|doubt| format!("trial {}, {doubt}", number.trial)));
-    let meta = meta(identity, number, context.mapping.source());
+    let meta = meta(context, identity, number);
     let mut file = file(context, plan, blake3);
     file.extend(gaps.map(|gaps| (GAPS.to_owned(), gaps)));
     file.extend(lost.clone().map(|lost| (LOST.to_owned(), lost)));
-    for (key, lines) in [(ZEROS, zeros), (DOUBTS, doubts)] {
+    for (key, lines) in [(ZEROS, zeros), (DOUBTS, doubts), (JOINED, joined)] {
         if !lines.is_empty() {
             file.insert(key.to_owned(), lines.join("; "));
         }
@@ -527,8 +568,12 @@ fn encode(
 }
 
 /// The metadata of an imported trial.
-fn meta(identity: &Identity, number: &PlannedTrial, source: Source) -> TrialMeta {
+fn meta(context: &Context, identity: &Identity, number: &PlannedTrial) -> TrialMeta {
     let i = identity.clone();
+    let presented = number.task.as_ref().and_then(|place| {
+        let task = context.study.task(&place.task)?;
+        Some(place.presented(task, place.level?))
+    });
     TrialMeta {
         participant: i.participant,
         session: i.session,
@@ -540,8 +585,8 @@ fn meta(identity: &Identity, number: &PlannedTrial, source: Source) -> TrialMeta
         mode: i.mode,
         // The file has answers on five points alone; any other answer is an event.
         likert: i.likert.and_then(AnswerValue::whole),
-        source,
-        presented: None,
+        source: context.mapping.source(),
+        presented,
     }
 }
 

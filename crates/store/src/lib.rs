@@ -61,7 +61,7 @@ pub use form::seen::Seen;
 pub use form::session_record::read_records;
 pub use form::signal::{COLUMNS, Column, Signal, Storage};
 pub use form::sweep::{Quantity, Sweep, read_sweep, sweep_bytes};
-pub use form::trial::{DOUBTS, GAPS, LOST, SOURCE, Samples, Trial, TrialFile, ZEROS};
+pub use form::trial::{DOUBTS, GAPS, JOINED, LOST, SOURCE, Samples, Trial, TrialFile, ZEROS};
 pub use form::write::{described, trial_bytes, write_parquet};
 pub use judge::alike::{check_session_ids, check_study_id};
 pub use judge::lately::Lately;

@@ -95,8 +95,12 @@ pub(super) fn read(
         Some(_) => name.to_owned(),
         None => format!("{group}/{name}"),
     };
-    let mut columns = Vec::new();
-    if part != Some(ANALOG) {
+    // Before any is named: a damaged file of a few bytes claims 65,535 points.
+    let of_points = if part == Some(ANALOG) { 0 } else { 3 * frames.points };
+    let of_channels = if part == Some(POINTS) || frames.samples == 0 { 0 } else { frames.channels };
+    check_columns(path, 1 + of_points + of_channels)?;
+    let mut columns = Vec::with_capacity(of_points + of_channels);
+    if of_points > 0 {
         let labels = parameters.long_texts("POINT:LABELS");
         for point in 0..frames.points {
             let label = label(&labels, point, "point");
@@ -106,7 +110,7 @@ pub(super) fn read(
             }
         }
     }
-    if part != Some(POINTS) && frames.samples > 0 {
+    if of_channels > 0 {
         let labels = parameters.long_texts("ANALOG:LABELS");
         let scales = parameters.long_numbers("ANALOG:SCALE", true);
         let offsets = parameters.long_numbers("ANALOG:OFFSET", !frames.unsigned);
@@ -118,7 +122,6 @@ pub(super) fn read(
             columns.push((name, Column::Analog(channel, offset, scale)));
         }
     }
-    check_columns(path, columns.len() + 1)?;
     let mut table = Table { names: Some(vec![TIME.to_owned()]), lost, ..Table::default() };
     table.columns.push(Cells::Unread);
     table.units.insert(0, Declared { unit: "s".to_owned(), is_type: true });

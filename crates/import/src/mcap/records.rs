@@ -5,6 +5,9 @@ use flate2::Crc;
 use std::collections::BTreeMap;
 use std::io::Read as _;
 
+/// A file of more than [`MOST_UNPACKED`] unpacks to at most so many times its bytes.
+const MOST_PACKED: u64 = 8;
+
 /// What a file begins with, and ends with if its recorder was not killed.
 pub(super) const MAGIC: &[u8] = b"\x89MCAP0\r\n";
 
@@ -91,7 +94,8 @@ pub(super) fn walk(
     each: &mut dyn FnMut(&Known, Message) -> Result<(), String>,
 ) -> Result<Option<String>, String> {
     let mut rest = Reader(bytes.get(MAGIC.len()..).unwrap_or_default());
-    let mut unpacked = 0;
+    // As much as chunks of numbers are packed; each of them is unpacked by itself.
+    let mut room = MOST_UNPACKED.max(MOST_PACKED * bytes.len() as u64);
     let mut lost = None;
     loop {
         let before = rest.0.len();
@@ -106,7 +110,7 @@ pub(super) fn walk(
         match kind {
             kind::CHUNK => {
                 let at = bytes.len() - before;
-                let records = chunk(content, &mut unpacked)?;
+                let records = chunk(content, &mut room)?;
                 let Some(records) = records else {
                     lost = Some(format!("the chunk at byte {} is damaged", at + 1));
                     continue;
@@ -172,7 +176,7 @@ fn record_of(
 ///
 /// # Errors
 /// It is packed as nothing here reads, or unpacks to too much.
-fn chunk(content: &[u8], unpacked: &mut u64) -> Result<Option<Vec<u8>>, String> {
+fn chunk(content: &[u8], room: &mut u64) -> Result<Option<Vec<u8>>, String> {
     let mut reader = Reader(content);
     let head = (|| {
         let _times = (reader.u64()?, reader.u64()?);
@@ -183,12 +187,14 @@ fn chunk(content: &[u8], unpacked: &mut u64) -> Result<Option<Vec<u8>>, String> 
         return Ok(None);
     };
     // What it claims never decides how much memory is taken: the reader stops there.
-    *unpacked = unpacked.saturating_add(size);
-    if *unpacked > MOST_UNPACKED {
-        return Err(format!(
-            "it unpacks to more than {MOST_UNPACKED} bytes; record to several files"
-        ));
-    }
+    *room = match room.checked_sub(size) {
+        Some(room) if size <= MOST_UNPACKED => room,
+        _ => {
+            return Err(format!(
+                "it unpacks to more than {MOST_UNPACKED} bytes in a chunk, or {MOST_PACKED} times its own; record to several files"
+            ));
+        }
+    };
     let mut records = Vec::new();
     let read = match packing.as_str() {
         "" => packed.take(size).read_to_end(&mut records),

@@ -234,12 +234,23 @@ fn cells(
     let mut numbers = Float64Builder::with_capacity(rows);
     for stretch in &channel.stretches {
         let number = Number { kind: number, size, big: stretch.big };
-        let read = |bytes: &[u8]| {
-            let count = number.read(bytes);
+        let mut append = |count: f64| {
             numbers.append_value(if scales.is_empty() { count } else { scales.apply(count) });
-            Some(())
         };
-        each(bytes, stretch, size, read).ok_or_else(damaged)?;
+        if stretch.next_value != size {
+            let read = |bytes: &[u8]| {
+                append(number.read(bytes));
+                Some(())
+            };
+            each(bytes, stretch, size, read).ok_or_else(damaged)?;
+            continue;
+        }
+        for chunk in 0..stretch.chunks {
+            let first = stretch.first + chunk * stretch.next_chunk;
+            let end = stretch.values.checked_mul(size).and_then(|length| first.checked_add(length));
+            let values = end.and_then(|end| bytes.get(first..end)).ok_or_else(damaged)?;
+            number.read_each(values, &mut append);
+        }
     }
     Ok(Cells::Numbers(numbers.finish()))
 }

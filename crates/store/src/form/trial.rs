@@ -212,7 +212,7 @@ fn fits(value: f64, storage: Storage) -> bool {
 /// Known keys: `study_blake3`, `calibration_blake3`, `device`, `software`, `start_utc`, `seed`,
 /// `lever_m` (the lever length that turned lengths into angles or torques into forces),
 /// `made_by_import` (what import computed, such as a derivative), `source_blake3` and
-/// `mapping_blake3` (the imported file and the mapping it came through), [`LOST`] and [`GAPS`].
+/// `mapping_blake3` (the imported file and the mapping it came through), [`JOINED`], [`LOST`] and [`GAPS`].
 pub type TrialFile = BTreeMap<String, String>;
 
 /// Footer key of what an import could not read of a recording, in words. Such a trial is to be read
@@ -230,6 +230,9 @@ pub const DOUBTS: &str = "import_doubts";
 /// Footer key of what an import took for the zeros of sensors, in words: a median over a stretch at rest, with
 /// its spread.
 pub const ZEROS: &str = "zeros";
+
+/// Footer key of the files that an import joined to the recording, in words: each by its hash, with the row or the times.
+pub const JOINED: &str = "joined";
 
 /// Footer key of the hash of the recording that a file was made from.
 pub const SOURCE: &str = "source_blake3";

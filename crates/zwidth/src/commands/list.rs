@@ -8,7 +8,7 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::Path;
 use zwidth_acquire::left_to_do;
-use zwidth_store::{GAPS, LOST, Layout, SessionLog, StudyData, TrialEntry};
+use zwidth_store::{GAPS, JOINED, LOST, Layout, SessionLog, StudyData, TrialEntry};
 use zwidth_study::{Channel, Kind, StudyId, counted};
 
 #[derive(Serialize)]
@@ -44,6 +44,8 @@ struct Session {
     lost: Vec<String>,
     /// Samples that recordings lack between their first and their last.
     gaps: Vec<String>,
+    /// Files that were joined to recordings, by their hashes.
+    joined: Vec<String>,
     missing: Vec<String>,
 }
 
@@ -112,6 +114,7 @@ fn session(data: &StudyData, log: &SessionLog, trials: &[&TrialEntry]) -> Sessio
             .collect(),
         lost: in_footers(trials, LOST),
         gaps: in_footers(trials, GAPS),
+        joined: in_footers(trials, JOINED),
         // The conditions of a sealed session's trials are not known.
         missing: if sealed { Vec::new() } else { missing(data, trials) },
     }
@@ -162,6 +165,7 @@ fn text(l: &Listing) -> String {
         lines.extend(s.left_out.iter().map(|t| format!("    left out: {t}")));
         lines.extend(s.lost.iter().map(|t| format!("    lost: {t}")));
         lines.extend(s.gaps.iter().map(|t| format!("    gaps: {t}")));
+        lines.extend(s.joined.iter().map(|t| format!("    joined: {t}")));
         lines.extend(s.missing.iter().map(|t| format!("    missing: {t}")));
     }
     lines.extend(
