@@ -26,11 +26,61 @@ pub enum Lasting {
 /// Writes the samples of trials into one Parquet file.
 pub struct SamplesWriter<W: Write + Send> {
     path: PathBuf,
+    columns: SampleColumns,
+    writer: ArrowWriter<W>,
+}
+
+/// The columns of a table of samples: the keys of each sample's trial, then signals and channels.
+#[derive(Debug, Clone)]
+pub struct SampleColumns {
     schema: SchemaRef,
     signals: Vec<Signal>,
     channels: Vec<Channel>,
     tasks: bool,
-    writer: ArrowWriter<W>,
+}
+
+impl SampleColumns {
+    /// A column for each of these signals and channels, and for what was presented where there are
+    /// `tasks`.
+    pub fn new(signals: &[Signal], channels: &[Channel], tasks: bool) -> Self {
+        let signals = signals.to_vec();
+        let channels = channels.to_vec();
+        let fields = key_columns(None, 0, tasks).into_iter().map(|(field, _)| field);
+        let own = sample_columns(&Samples::default(), &signals, &channels).into_iter();
+        let fields: Vec<Field> = fields.chain(own.map(|(field, _)| field)).collect();
+        Self { schema: Arc::new(Schema::new(fields)), signals, channels, tasks }
+    }
+
+    /// What the columns are: names, types, units, descriptions.
+    pub fn schema(&self) -> &SchemaRef {
+        &self.schema
+    }
+
+    /// The signals among them.
+    pub fn signals(&self) -> &[Signal] {
+        &self.signals
+    }
+
+    /// The study's own channels among them.
+    pub fn channels(&self) -> &[Channel] {
+        &self.channels
+    }
+
+    /// The samples of a trial; null throughout where it lacks a signal. `path` is for errors.
+    ///
+    /// # Errors
+    /// Columns of different lengths, which no trial that was read has.
+    pub fn batch(
+        &self,
+        meta: &TrialMeta,
+        samples: &Samples,
+        path: &Path,
+    ) -> Result<RecordBatch, StoreError> {
+        let keys = key_columns(Some(meta), samples.len(), self.tasks).into_iter();
+        let own = sample_columns(samples, &self.signals, &self.channels);
+        let arrays = keys.chain(own).map(|(_, array)| array).collect();
+        RecordBatch::try_new(self.schema.clone(), arrays).map_err(|e| StoreError::defect(path, &e))
+    }
 }
 
 impl<W: Write + Send> SamplesWriter<W> {
@@ -47,12 +97,8 @@ impl<W: Write + Send> SamplesWriter<W> {
         lasting: Lasting,
         path: &Path,
     ) -> Result<Self, StoreError> {
-        let signals = signals.to_vec();
-        let channels = channels.to_vec();
-        let fields = key_columns(None, 0, tasks).into_iter().map(|(field, _)| field);
-        let own = sample_columns(&Samples::default(), &signals, &channels).into_iter();
-        let fields: Vec<Field> = fields.chain(own.map(|(field, _)| field)).collect();
-        let schema = Arc::new(Schema::new(fields));
+        let columns = SampleColumns::new(signals, channels, tasks);
+        let schema = columns.schema.clone();
         let encoded = |e| cannot_encode(path, &e);
         let properties = match lasting {
             Lasting::Kept => recorded(&schema, Vec::new(), Some(GROUP_ROWS)).map_err(encoded)?,
@@ -62,12 +108,12 @@ impl<W: Write + Send> SamplesWriter<W> {
         let options = options.with_skip_arrow_metadata(true); // it is among the entries
         let writer = ArrowWriter::try_new_with_options(out, schema.clone(), options);
         let writer = writer.map_err(encoded)?;
-        Ok(Self { path: path.to_owned(), schema, signals, channels, tasks, writer })
+        Ok(Self { path: path.to_owned(), columns, writer })
     }
 
     /// The columns of the file: name, unit, description, type in Arrow.
     pub fn fields(&self) -> impl Iterator<Item = (&str, &str, &str, String)> {
-        self.schema.fields().iter().map(|field| {
+        self.columns.schema.fields().iter().map(|field| {
             let said = |key| field.metadata().get(key).map_or("", String::as_str);
             let kind = field.data_type().to_string();
             (field.name().as_str(), said("unit"), said("description"), kind)
@@ -79,11 +125,7 @@ impl<W: Write + Send> SamplesWriter<W> {
     /// # Errors
     /// Those of `out`.
     pub fn add(&mut self, meta: &TrialMeta, samples: &Samples) -> Result<(), StoreError> {
-        let keys = key_columns(Some(meta), samples.len(), self.tasks).into_iter();
-        let own = sample_columns(samples, &self.signals, &self.channels);
-        let arrays = keys.chain(own).map(|(_, array)| array).collect();
-        let batch = RecordBatch::try_new(self.schema.clone(), arrays)
-            .map_err(|e| StoreError::defect(&self.path, &e))?;
+        let batch = self.columns.batch(meta, samples, &self.path)?;
         let written = self.writer.write(&batch).and_then(|()| self.writer.flush());
         written.map_err(|e| cannot_encode(&self.path, &e))
     }
@@ -93,7 +135,7 @@ impl<W: Write + Send> SamplesWriter<W> {
     /// # Errors
     /// Those of `out`.
     pub fn end(mut self, footer: BTreeMap<String, String>) -> Result<(), StoreError> {
-        for entry in all_entries(&self.schema, footer) {
+        for entry in all_entries(&self.columns.schema, footer) {
             self.writer.append_key_value_metadata(entry);
         }
         self.writer.close().map(drop).map_err(|e| cannot_encode(&self.path, &e))
