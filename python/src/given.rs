@@ -6,6 +6,10 @@ use pyo3::prelude::*;
 
 const FLOATS: &str = "give a one-dimensional array of float64, such as numpy.asarray(values, dtype=float) or array.array('d', values)";
 
+/// How buffers name a float64 of this machine.
+const NATIVE: [&[u8]; 4] =
+    [b"d", b"@d", b"=d", if cfg!(target_endian = "little") { b"<d" } else { b">d" }];
+
 /// The numbers of an array: anything with a buffer of float64, or with `__array__` (a column of pandas, polars or pyarrow).
 /// They are copied.
 pub(crate) fn numbers(name: &str, given: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
@@ -27,11 +31,22 @@ fn floats(name: &str, given: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
         Err(_) => Err(error),
     });
     let Ok(buffer) = buffer else {
+        // Nothing lies nowhere in particular, which no buffer of float64 may.
+        if given.len().is_ok_and(|length| length == 0) {
+            return Ok(Vec::new());
+        }
         let what = format!("{} is no array of float64", kind(given));
         return Err(Fault::new(what, FLOATS).in_column(name).into());
     };
-    if buffer.dimensions() != 1 {
-        let what = format!("an array of {} dimensions", buffer.dimensions());
+    let format = buffer.format().to_bytes();
+    let what = if !NATIVE.contains(&format) {
+        // pyo3 0.30 takes bytes of the other order as if they were of this one.
+        Some(format!("{} in bytes of the other order", kind(given)))
+    } else {
+        Some(format!("an array of {} dimensions", buffer.dimensions()))
+            .filter(|_| buffer.dimensions() != 1)
+    };
+    if let Some(what) = what {
         return Err(Fault::new(what, FLOATS).in_column(name).into());
     }
     buffer.to_vec(py)
