@@ -56,7 +56,7 @@ pub use form::parts::{PART_ROWS, TableParts, TableWriter, write_table};
 pub use form::read::{
     read_channels, read_entries, read_parquet, read_trial, read_trial_and_channels, read_trial_from,
 };
-pub use form::samples_table::{Lasting, SamplesWriter};
+pub use form::samples_table::{Lasting, SampleColumns, SamplesWriter};
 pub use form::seen::Seen;
 pub use form::session_record::read_records;
 pub use form::signal::{COLUMNS, Column, Signal, Storage};

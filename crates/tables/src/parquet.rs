@@ -31,8 +31,11 @@ impl Table {
         Ok(write_table(&self.batch(path)?, self.footer(provenance), path)?)
     }
 
-    /// The rows.
-    fn batch(&self, path: &Path) -> Result<RecordBatch, TableError> {
+    /// The rows as a record batch: what the file at `path`, which is for errors, has.
+    ///
+    /// # Errors
+    /// None that a table can cause.
+    pub fn batch(&self, path: &Path) -> Result<RecordBatch, TableError> {
         let arrays = self.columns().iter().map(|c| array(&c.values)).collect();
         Ok(RecordBatch::try_new(self.schema(), arrays).map_err(|e| defect(path, &e))?)
     }

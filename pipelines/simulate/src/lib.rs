@@ -22,7 +22,7 @@ pub use bow_tie::{BOW_TIE_NOTE, bow_tie};
 pub use chattering::{CHATTERING_NOTE, CHATTERING_STEPS_S, chattering};
 pub use error::SimulateError;
 pub use others::{OtherFile, OtherFormat, OtherScene, write_as};
-pub use run::{MOST_SAMPLES, Run, simulate};
+pub use run::{MOST_SAMPLES, Run, highest, simulate, unjudged};
 pub use solvers::{DEFAULT_SOLVER, DEFAULT_TOLERANCE, SOLVERS, solver};
 pub use summary::{Energy, KnownMotion, StepSwings, Summary, Work};
 pub use trajectory::{model_events, model_run};

@@ -24,11 +24,24 @@ pub struct Run {
 /// # Errors
 /// A scene that makes no sense, one the solver cannot run, or more than [`MOST_SAMPLES`] samples.
 pub fn simulate(scene: ModelScene, solver: &dyn Solver) -> Result<Run, SimulateError> {
-    let system = System::new(scene)?;
-    let step_s = system.scene().step_s;
-    let trajectory = solver.run(&system, &grid(&system, step_s)?)?;
-    let judgement = judge(solver, &system, step_s);
+    let (system, trajectory) = unjudged(scene, solver)?;
+    let judgement = judge(solver, &system, system.scene().step_s);
     Ok(Run { system, solver: solver.name(), trajectory, judgement })
+}
+
+/// Runs a scene over its own duration and step. Nothing is said of what the run is worth, which takes
+/// several more runs.
+///
+/// # Errors
+/// Those of [`simulate`].
+pub fn unjudged(
+    scene: ModelScene,
+    solver: &dyn Solver,
+) -> Result<(System, Trajectory), SimulateError> {
+    let system = System::new(scene)?;
+    let grid = grid(&system, system.scene().step_s)?;
+    let trajectory = solver.run(&system, &grid)?;
+    Ok((system, trajectory))
 }
 
 /// The grid that fills the scene's duration, if it is not too long.
@@ -42,7 +55,7 @@ pub(crate) fn grid(system: &System, step_s: f64) -> Result<Grid, SimulateError> 
 
 /// The largest θ, rad, and when it was reached first, s: over samples and events, so that a peak
 /// between samples is not missed.
-pub(crate) fn highest(run: &Trajectory) -> (f64, f64) {
+pub fn highest(run: &Trajectory) -> (f64, f64) {
     let samples = run.theta_rad().zip(run.t_s.iter().copied());
     let all = samples.chain(run.events.iter().map(|event| (event.theta_rad, event.t_s)));
     // Times the other way round: of equal angles the earliest counts.

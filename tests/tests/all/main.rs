@@ -59,6 +59,7 @@ mod story;
 mod survey;
 #[cfg(unix)]
 mod terminals;
+mod versions;
 mod whole_run;
 #[cfg(unix)]
 mod wire;

@@ -2,6 +2,7 @@
 //! value, and one run of its index. The writer of the library looks each row up in the dictionary, which
 //! for a dozen keys of a dozen million samples takes longer than all else.
 
+use arrow::array::{ArrayRef, Float64Array, Int32Array, StringArray};
 use parquet::basic::{Compression, Encoding};
 use parquet::column::page::{CompressedPage, Page, PageWriter as _};
 use parquet::column::writer::ColumnCloseResult;
@@ -13,6 +14,7 @@ use parquet::file::statistics::Statistics;
 use parquet::file::writer::{SerializedPageWriter, SerializedRowGroupWriter, TrackedWrite};
 use parquet::schema::types::ColumnDescPtr;
 use std::io::Write;
+use std::sync::Arc;
 
 /// The one value of a column.
 #[derive(Debug, Clone, PartialEq)]
@@ -86,6 +88,15 @@ impl Constant {
         group.append_column(&bytes::Bytes::from(bytes), close)
     }
 
+    /// `rows` rows of it as an array.
+    pub(crate) fn array(&self, rows: usize) -> ArrayRef {
+        match self {
+            Self::Text(value) => Arc::new(StringArray::from(vec![value.as_deref(); rows])),
+            Self::Whole(value) => Arc::new(Int32Array::from(vec![*value; rows])),
+            Self::Number(value) => Arc::new(Float64Array::from(vec![*value; rows])),
+        }
+    }
+
     /// The value in the encoding PLAIN.
     fn plain(&self) -> Result<Option<Vec<u8>>, ParquetError> {
         Ok(match self {
@@ -146,13 +157,12 @@ fn general(error: &dyn std::fmt::Display) -> ParquetError {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use arrow::array::{ArrayRef, Float64Array, Int32Array, RecordBatch, StringArray};
+    use arrow::array::RecordBatch;
     use arrow::datatypes::{DataType, Field, Schema};
     use parquet::arrow::ArrowSchemaConverter;
     use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
     use parquet::file::properties::WriterProperties;
     use parquet::file::writer::SerializedFileWriter;
-    use std::sync::Arc;
 
     #[test]
     fn a_reader_finds_the_one_value_in_every_row_and_its_statistics_and_null_where_there_is_none() {
@@ -199,6 +209,9 @@ mod tests {
             let whole: ArrayRef = Arc::new(Int32Array::from(vec![there.then_some(-7); n]));
             let number: ArrayRef = Arc::new(Float64Array::from(vec![there.then_some(0.25); n]));
             assert_eq!(batch.columns(), [text, whole, number]);
+            for (column, (_, values)) in batch.columns().iter().zip(&columns) {
+                assert_eq!(column, &values[place % 2].array(n));
+            }
             assert!(batches.next().is_none());
         }
     }

@@ -5,7 +5,7 @@ use crate::form::constant::Constant;
 use crate::form::encode::{GROUP_ROWS, read_once, recorded};
 use crate::form::write::{all_entries, cannot_encode, channel_column, described, signal_column};
 use crate::{Samples, Signal, StoreError};
-use arrow::array::{Array as _, ArrayRef};
+use arrow::array::{Array as _, ArrayRef, RecordBatch};
 use arrow::datatypes::{DataType, Field, Schema, SchemaRef};
 use parquet::arrow::ArrowWriter;
 use parquet::arrow::arrow_writer::{
@@ -31,12 +31,63 @@ pub enum Lasting {
 /// Writes the samples of trials into one Parquet file.
 pub struct SamplesWriter<W: Write + Send> {
     path: PathBuf,
+    columns: SampleColumns,
+    writer: SerializedFileWriter<W>,
+    column_writers: ArrowRowGroupWriterFactory,
+}
+
+/// The columns of a table of samples: the keys of each sample's trial, then signals and channels.
+#[derive(Debug, Clone)]
+pub struct SampleColumns {
     schema: SchemaRef,
     signals: Vec<Signal>,
     channels: Vec<Channel>,
     tasks: bool,
-    writer: SerializedFileWriter<W>,
-    columns: ArrowRowGroupWriterFactory,
+}
+
+impl SampleColumns {
+    /// A column for each of these signals and channels, and for what was presented where there are
+    /// `tasks`.
+    pub fn new(signals: &[Signal], channels: &[Channel], tasks: bool) -> Self {
+        let signals = signals.to_vec();
+        let channels = channels.to_vec();
+        let fields = keys(None, tasks).into_iter().map(|(field, _)| field);
+        let own = sample_columns(&Samples::default(), &signals, &channels).into_iter();
+        let fields: Vec<Field> = fields.chain(own.map(|(field, _)| field)).collect();
+        Self { schema: Arc::new(Schema::new(fields)), signals, channels, tasks }
+    }
+
+    /// What the columns are: names, types, units, descriptions.
+    pub fn schema(&self) -> &SchemaRef {
+        &self.schema
+    }
+
+    /// The signals among them.
+    pub fn signals(&self) -> &[Signal] {
+        &self.signals
+    }
+
+    /// The study's own channels among them.
+    pub fn channels(&self) -> &[Channel] {
+        &self.channels
+    }
+
+    /// The samples of a trial; null throughout where it lacks a signal. `path` is for errors.
+    ///
+    /// # Errors
+    /// Columns of different lengths, which no trial that was read has.
+    pub fn batch(
+        &self,
+        meta: &TrialMeta,
+        samples: &Samples,
+        path: &Path,
+    ) -> Result<RecordBatch, StoreError> {
+        let keys = keys(Some(meta), self.tasks).into_iter();
+        let keys = keys.map(|(_, constant)| constant.array(samples.len()));
+        let own = sample_columns(samples, &self.signals, &self.channels);
+        let arrays = keys.chain(own.into_iter().map(|(_, array)| array)).collect();
+        RecordBatch::try_new(self.schema.clone(), arrays).map_err(|e| StoreError::defect(path, &e))
+    }
 }
 
 impl<W: Write + Send> SamplesWriter<W> {
@@ -53,12 +104,8 @@ impl<W: Write + Send> SamplesWriter<W> {
         lasting: Lasting,
         path: &Path,
     ) -> Result<Self, StoreError> {
-        let signals = signals.to_vec();
-        let channels = channels.to_vec();
-        let fields = keys(None, tasks).into_iter().map(|(field, _)| field);
-        let own = sample_columns(&Samples::default(), &signals, &channels).into_iter();
-        let fields: Vec<Field> = fields.chain(own.map(|(field, _)| field)).collect();
-        let schema = Arc::new(Schema::new(fields));
+        let columns = SampleColumns::new(signals, channels, tasks);
+        let schema = columns.schema.clone();
         let encoded = |e| cannot_encode(path, &e);
         let properties = match lasting {
             Lasting::Kept => recorded(&schema, Vec::new(), None).map_err(encoded)?,
@@ -67,14 +114,14 @@ impl<W: Write + Send> SamplesWriter<W> {
         let options = ArrowWriterOptions::new().with_properties(properties);
         let options = options.with_skip_arrow_metadata(true); // it is among the entries
         let writer = ArrowWriter::try_new_with_options(out, schema.clone(), options);
-        let (writer, columns) =
+        let (writer, column_writers) =
             writer.and_then(ArrowWriter::into_serialized_writer).map_err(encoded)?;
-        Ok(Self { path: path.to_owned(), schema, signals, channels, tasks, writer, columns })
+        Ok(Self { path: path.to_owned(), columns, writer, column_writers })
     }
 
     /// The columns of the file: name, unit, description, type in Arrow.
     pub fn fields(&self) -> impl Iterator<Item = (&str, &str, &str, String)> {
-        self.schema.fields().iter().map(|field| {
+        self.columns.schema.fields().iter().map(|field| {
             let said = |key| field.metadata().get(key).map_or("", String::as_str);
             let kind = field.data_type().to_string();
             (field.name().as_str(), said("unit"), said("description"), kind)
@@ -86,8 +133,8 @@ impl<W: Write + Send> SamplesWriter<W> {
     /// # Errors
     /// Those of `out`.
     pub fn add(&mut self, meta: &TrialMeta, samples: &Samples) -> Result<(), StoreError> {
-        let keys = keys(Some(meta), self.tasks);
-        let own = sample_columns(samples, &self.signals, &self.channels);
+        let keys = keys(Some(meta), self.columns.tasks);
+        let own = sample_columns(samples, &self.columns.signals, &self.columns.channels);
         for first in (0..samples.len()).step_by(GROUP_ROWS) {
             let rows = GROUP_ROWS.min(samples.len() - first);
             self.add_group(&keys, &own, first, rows).map_err(|e| cannot_encode(&self.path, &e))?;
@@ -102,7 +149,7 @@ impl<W: Write + Send> SamplesWriter<W> {
         first: usize,
         rows: usize,
     ) -> Result<(), ParquetError> {
-        let writers = self.columns.create_column_writers(0)?; // the number serves encryption alone
+        let writers = self.column_writers.create_column_writers(0)?; // the number serves encryption alone
         let described = self.writer.schema_descr().columns().to_vec();
         let mut group = self.writer.next_row_group()?;
         let n = u32::try_from(rows).map_err(|e| ParquetError::External(e.into()))?;
@@ -123,7 +170,7 @@ impl<W: Write + Send> SamplesWriter<W> {
     /// # Errors
     /// Those of `out`.
     pub fn end(mut self, footer: BTreeMap<String, String>) -> Result<(), StoreError> {
-        for entry in all_entries(&self.schema, footer) {
+        for entry in all_entries(&self.columns.schema, footer) {
             self.writer.append_key_value_metadata(entry);
         }
         self.writer.close().map(drop).map_err(|e| cannot_encode(&self.path, &e))
@@ -176,7 +223,7 @@ fn keys(meta: Option<&TrialMeta>, tasks: bool) -> Vec<(Field, Constant)> {
 mod tests {
     use super::*;
     use crate::form::read::tests::{sample_trial, written};
-    use arrow::array::{AsArray as _, RecordBatch};
+    use arrow::array::AsArray as _;
     use arrow::datatypes::{Float32Type, Float64Type, Int32Type};
     use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 
