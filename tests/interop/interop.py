@@ -22,6 +22,7 @@ import made
 import mixed
 import others
 import outside
+import peers
 import people
 import recordings
 import results
@@ -50,6 +51,7 @@ def main():
     made.check_all(zwidth)
     others.check_all(zwidth)
     outside.check_all(zwidth)
+    peers.check_all(zwidth)
     axes.check_all(zwidth)
     real = os.environ.get("ZWIDTH_REAL_DATA")
     if real:

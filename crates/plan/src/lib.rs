@@ -36,7 +36,7 @@ mod thresholds;
 mod trade;
 
 pub use compare::{
-    By, answers, asked_in_vain, claims, compared, comparison, effects, inflation_by_groups,
+    By, answers, asked_in_vain, claims, compared, comparison, effects, inflation_by_groups, peers,
     spreads, verdicts,
 };
 pub use curves::{compared_curves, spreads_of_curve};

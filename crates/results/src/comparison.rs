@@ -44,6 +44,47 @@ words! {
         /// By the likelihood ratio over F.
         F = "F",
     }
+    /// A program that compares modes, by the call that is usual.
+    Program {
+        /// The paired differences, on which claims rest.
+        Zwidth = "zwidth",
+        /// The mixed model beside them.
+        ZwidthModel = "zwidth, mixed model",
+        /// R's lmerTest with a random effect of participant.
+        LmerTest = "lmerTest",
+        /// The same with one of participant × mode.
+        LmerTestModes = "lmerTest, with participant:mode",
+        /// That model by R's pbkrtest.
+        Pbkrtest = "pbkrtest, with participant:mode",
+        /// That model by R's emmeans.
+        Emmeans = "emmeans, with participant:mode",
+        /// Python's statsmodels.
+        Statsmodels = "statsmodels",
+        /// Python's pingouin.
+        Pingouin = "pingouin",
+        /// Python's pyfixest.
+        Pyfixest = "pyfixest",
+        /// The same with errors clustered by participant.
+        PyfixestClustered = "pyfixest, clustered",
+    }
+    /// What a statistic is referred to.
+    Distribution {
+        /// Student's t.
+        T = "t",
+        /// The normal distribution.
+        Normal = "normal",
+        /// The Studentised range.
+        StudentisedRange = "Studentised range",
+    }
+    /// What an effect size is.
+    EffectKind {
+        /// g_av.
+        GAv = "g_av",
+        /// g_av with an approximation in the place of J.
+        GAvApproximate = "g_av, J = 1 − 3 / (8 n − 9)",
+        /// The difference in standard deviations of the residual.
+        ResidualDeviations = "difference / residual SD",
+    }
     /// What an interval says of whether a difference is felt: a description, no claim.
     Size {
         /// All of it is beyond one just noticeable difference.
@@ -444,6 +485,43 @@ rows! {
         singular: Option<bool>,
         /// why there is no test
         remark: Option<Sentence>,
+    }
+
+    /// The difference of two modes as a program prints it.
+    ProgramDifference = "peers", "The same differences by other programs" {
+        ..of_metric,
+        /// the modes compared: the one minus the other
+        contrast: Contrast,
+        /// the program
+        program: Program,
+        /// participants whose trials it uses
+        n: Option<usize>,
+        /// trials
+        trials: Option<usize>,
+        /// participants with a value who are left out
+        left_out: Option<String>,
+        /// mean difference
+        difference: Option<f64> = UNIT_OF_ROW,
+        /// its standard error
+        difference_std_error: Option<f64> = UNIT_OF_ROW,
+        /// lower end of its interval
+        difference_ci_low: Option<f64> = UNIT_OF_ROW,
+        /// upper end of its interval
+        difference_ci_high: Option<f64> = UNIT_OF_ROW,
+        /// the difference divided by its standard error
+        statistic: Option<f64>,
+        /// what the statistic is referred to
+        distribution: Option<Distribution>,
+        /// degrees of freedom; none of the normal distribution, which are infinite
+        df: Option<f64>,
+        /// p value of no difference
+        p_value: Option<f64>,
+        /// the effect size that is printed beside
+        effect_size: Option<f64>,
+        /// what that is
+        effect: Option<EffectKind>,
+        /// why it differs, or why there is no number
+        why: Sentence,
     }
 
     /// One participant's own difference between two modes.

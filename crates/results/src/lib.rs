@@ -23,6 +23,7 @@
 //! | [`PrintedDifference`] | metric, environment, contrast | `compare` | printed tables |
 //! | [`Omnibus`] | metric, environment | `compare` | printed tables |
 //! | [`Model`] | metric, environment, contrast | `compare` | `power` |
+//! | [`ProgramDifference`] | metric, environment, contrast, program | `zwidth compare --peers` | printed tables |
 //! | [`PersonDifference`] | metric, environment, contrast, participant | `compare` | figures |
 //! | [`CovariateSlope`] | metric, environment, contrast, covariate | `compare` | printed tables |
 //! | [`TrialSlope`] | metric, environment | `compare` | printed tables |

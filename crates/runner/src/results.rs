@@ -25,8 +25,8 @@ pub(crate) struct Hold(File);
 
 impl Drop for Hold {
     fn drop(&mut self) {
-        // A program that is being started meanwhile has the open folder until it runs, and the lock
-        // is the folder's: closing it here alone would not give it back. If that fails, closing has
+        // A program that is being started meanwhile has what is open until it runs, and the lock is
+        // that of what is open: closing it here alone would not give it back. If that fails, closing has
         // to do.
         let _ = self.0.unlock();
     }
@@ -230,9 +230,9 @@ impl<'a> Results<'a> {
         try_lock: fn(&File) -> Result<(), TryLockError>,
         who: &str,
     ) -> Result<Option<Hold>, StoreError> {
-        let Some(folder) = self.open_derived() else { return Ok(None) };
-        match try_lock(&folder) {
-            Ok(()) => Ok(Some(Hold(folder))),
+        let Some(locked) = self.open_derived() else { return Ok(None) };
+        match try_lock(&locked) {
+            Ok(()) => Ok(Some(Hold(locked))),
             Err(TryLockError::WouldBlock) => {
                 let remedy = "wait for its end, then try again";
                 Err(StoreError::new(&self.layout.derived(), who, remedy))
@@ -242,7 +242,8 @@ impl<'a> Results<'a> {
         }
     }
 
-    /// The study's derived folder, which is created if there is none.
+    /// The study's derived folder, which is created if there is none; where no folder can be opened, on Windows, a file
+    /// in it that nothing is written to.
     fn open_derived(&self) -> Option<File> {
         let folder = self.layout.derived();
         self.check_way(&folder).ok()?;
@@ -251,7 +252,15 @@ impl<'a> Results<'a> {
                 self.files.create_folder(&folder).ok()?;
             }
         }
-        File::open(&folder).ok()
+        if cfg!(unix) {
+            return File::open(&folder).ok();
+        }
+        let file = folder.join(".lock");
+        let is_ours = matches!(self.files.kind(&file), None | Some(Entry::File));
+        let mut options = File::options();
+        // `LockFileEx` asks for a file that may be read or written.
+        options.read(true).write(true).create(true).truncate(false);
+        if is_ours { options.open(&file).ok() } else { None }
     }
 
     /// Whether a path is below the study's results, by its text and by every folder on the way.

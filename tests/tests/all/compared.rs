@@ -41,6 +41,40 @@ fn compare_gives_machines_every_row_in_si_units() {
 }
 
 #[test]
+fn what_other_programs_print_stands_beside_each_difference() {
+    let folder = tempfile::tempdir().unwrap();
+    let root = folder.path();
+    zwidth_line(root, "twin several --participants 4 --sessions 1 --rate 100 --quiet").exits(0);
+    let ran = zwidth_line(root, "compare several --peers --metric duration_s --json").exits(0);
+    let json = ran.json();
+    assert_eq!(json[0]["table"], "peers_duration_s");
+    let rows = json[0]["rows"].as_array().unwrap();
+    // Two environments, two contrasts, ten programs.
+    assert_eq!(rows.len(), 40);
+    for row in rows {
+        assert!(row["why"].as_str().is_some_and(|why| !why.is_empty()), "{row}");
+        assert!(row["difference_s"].as_f64().is_some(), "{row}");
+        let is_normal = row["distribution"] == "normal";
+        assert_eq!(row["df"].is_null(), is_normal, "{row}");
+    }
+    let df = |program: &str| {
+        let row = rows.iter().find(|row| row["program"] == program).unwrap();
+        row["df"].as_f64().unwrap().round()
+    };
+    assert_eq!([df("zwidth"), df("pingouin"), df("pyfixest, clustered")], [3.0; 3]);
+    let as_text = zwidth_line(root, "compare several --peers --metric duration_s").exits(0);
+    as_text.prints(&["The same differences by other programs", "statsmodels", "docs/analysis.md"]);
+    zwidth_line(root, "compare several --peers --by mode").exits(2);
+}
+
+#[test]
+fn other_programs_have_nothing_to_say_of_one_participant() {
+    let root = shipped::finished();
+    let ran = zwidth_line(root.path(), "compare thesis-twin --peers").exits(1);
+    ran.says(&["P01 alone took part: the other programs compare several people"]);
+}
+
+#[test]
 fn a_table_is_printed_with_the_columns_and_digits_that_are_asked_for() {
     let root = shipped::finished();
     let table = "table thesis-twin contrasts_discrepancy_user_mean_n";

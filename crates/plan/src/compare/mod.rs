@@ -35,8 +35,9 @@ use zwidth_results::{
     AnswerDifference, AnyGroup, Cell, Compared, CovariateSlope, DoseModel, DosePoint,
     EffectDifference, FactorTest, GivenAnswer, GroupDifference, GroupMean, GroupMember,
     GroupModeDifference, GroupModel, GroupModelTest, Learning, Mean, MetricNote, ModeDifference,
-    Model, Omnibus, OrderTest, PersonDifference, PersonSuperiority, PersonValue, PrintedDifference,
-    PsychometricFit, RedrawnDifference, RepeatMean, Row, SessionChange, TrialScore, TrialSlope,
+    Model, NoteKind, Omnibus, OrderTest, PersonDifference, PersonSuperiority, PersonValue,
+    PrintedDifference, PsychometricFit, RedrawnDifference, RepeatMean, Row, SessionChange,
+    TrialScore, TrialSlope, UnitOfAnalysis,
 };
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, Stage};
 use zwidth_store::{Answer, Layout, StudyData};
@@ -246,6 +247,47 @@ pub fn spreads(
     Ok((tables.table().read_of(metric)?, tables.table().read_of(metric)?))
 }
 
+/// The contrasts of a metric as other programs print them, beside zwidth's own, as a table. They are computed from the
+/// table of metrics when they are asked for: no figure or page shows them.
+///
+/// # Errors
+/// Tables that do not exist; a metric that is not compared.
+pub fn peers(data: &StudyData, metric: &str) -> Result<Table, JobError> {
+    let metric: MetricId = metric.parse()?;
+    let Comparing { stage, simulated } = Comparing::<OfMetrics>::of(data)?;
+    let tables = read_measured(&stage, &compares(data, &stage))?;
+    let (contrasts, models) = spreads(data, &metric)?;
+    let compared = Comparison::of(data).table::<Compared>().read_of(&metric)?;
+    let compared =
+        compared.first().ok_or_else(|| format!("the metric {metric} was not compared"))?;
+    if let UnitOfAnalysis::TrialsOf(who) = &compared.unit_of_analysis {
+        return Err(
+            format!("{who} alone took part: the other programs compare several people").into()
+        );
+    }
+    let rows = zwidth_compare::peers(&tables, &metric, &contrasts, &models, &stage.parameters)?;
+    let table =
+        zwidth_tables::of_metric(&Table::of_rows(&rows)?, compared, &[])?.with_mark(simulated);
+    let table = table.with_note(
+        "All numbers are computed by zwidth, as the programs print them with their own defaults; docs/analysis.md \
+         (\"What other programs print\") has the calls.",
+    );
+    let table = match stage.parameters.groups {
+        Some(_) => table.with_note_of(
+            NoteKind::Care,
+            "zwidth's own differences give groups of people the same weight; the other programs are told of no groups.",
+        ),
+        None => table,
+    };
+    Ok(match stage.parameters.over {
+        Some(_) => table.with_note_of(
+            NoteKind::Care,
+            "zwidth's own differences are adjusted along lines over trials; the other programs are told of none.",
+        ),
+        None => table,
+    })
+}
+
 /// How participants differ in the effects of factors on a metric.
 ///
 /// # Errors
@@ -349,13 +391,17 @@ fn answers_of(layout: &Layout) -> AnswersOf {
 /// The metrics of trials, the scores of answers, and what tasks tell.
 type Compares = (Option<PathBuf>, Option<Derived<TrialScore>>, Option<Derived<PsychometricFit>>);
 
+fn compares(data: &StudyData, stage: &OfMetrics) -> Compares {
+    let scores = likert::scores(data).map(|(scores, _)| scores);
+    let fits = thresholds::fits(data).filter(|_| !stage.thresholds.is_empty());
+    (metrics::of_study(data), scores, fits)
+}
+
 pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
     let mut jobs = Vec::new();
     // Every metric that there is has a name that is an id: the parameters are never an error.
     if let (Some(tables), Ok(parameters)) = (of_study(data), Comparing::of(data)) {
-        let scores = likert::scores(data).map(|(scores, _)| scores);
-        let fits = thresholds::fits(data).filter(|_| !parameters.stage.thresholds.is_empty());
-        let inputs = (metrics::of_study(data), scores, fits);
+        let inputs = compares(data, &parameters.stage);
         jobs.push(Job::new(STAGE, "compare metrics", parameters, inputs, tables.files(), make));
     }
     if answers(data).is_some() {
@@ -376,11 +422,11 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
     jobs
 }
 
-fn make(
-    Comparing { stage, simulated }: &Comparing<OfMetrics>,
+/// The values of the metrics, each in one of several tables.
+fn read_measured(
+    stage: &OfMetrics,
     (metrics, scores, fits): &Compares,
-    making: &Making,
-) -> Result<Made, JobError> {
+) -> Result<Vec<Measured>, JobError> {
     let mut tables = Vec::new();
     if let Some(scores) = scores {
         let rows = scores.read()?;
@@ -399,6 +445,15 @@ fn make(
         let names: Vec<&str> = names.filter(|name| !stage.is_of_answers(name)).collect();
         tables.push(Measured::read(metrics, &names)?);
     }
+    Ok(tables)
+}
+
+fn make(
+    Comparing { stage, simulated }: &Comparing<OfMetrics>,
+    compares: &Compares,
+    making: &Making,
+) -> Result<Made, JobError> {
+    let tables = read_measured(stage, compares)?;
     let stage = &stage.parameters;
     let results = zwidth_compare::compare_tables(&tables, stage)?;
     let has_groups = stage.groups.is_some();

@@ -149,6 +149,10 @@ impl Files for RealFiles {
     }
 
     fn sync_folder(&self, path: &Path) -> io::Result<()> {
+        // Windows opens no folder as a file (error 5). Its file system keeps a journal of names itself.
+        if cfg!(windows) {
+            return Ok(());
+        }
         File::open(path)?.sync_all()
     }
 

@@ -61,6 +61,9 @@ pub(crate) struct CompareArgs {
     /// The metric's column in the table of metrics [default: the first primary one, and whole curves that are primary]
     #[arg(long, value_name = "METRIC")]
     pub(crate) metric: Option<String>,
+    /// The differences between modes as lmerTest, pbkrtest, emmeans, statsmodels, pingouin and pyfixest print them, and why
+    #[arg(long, conflicts_with = "by")]
+    pub(crate) peers: bool,
 }
 
 pub(crate) fn compare(root: &Path, command: &CompareArgs, screen: &Screen) -> anyhow::Result<Exit> {
@@ -82,7 +85,28 @@ pub(crate) fn compare(root: &Path, command: &CompareArgs, screen: &Screen) -> an
             data.layout.shown(&data.layout.study_toml()).display()
         );
     }
+    if command.peers && by == By::Answer {
+        bail!(
+            "{} compares answers alone; --peers is of metrics, which are numbers of trials",
+            data.layout.study()
+        );
+    }
+    if command.peers && data.study.compare.contrasts.is_empty() {
+        bail!(
+            "{} compares no two modes; --peers is of differences between modes",
+            data.layout.study()
+        );
+    }
     let mut exit = make(&data, screen)?;
+    if command.peers {
+        let table = plan::peers(&data, &metric).map_err(|e| anyhow!("{e}"))?;
+        if table.height() == 0 {
+            screen.warn(format!("there is nothing to compare: nobody has {metric} in two modes"));
+            exit = Exit::Partly;
+        }
+        print(&data, &[table], screen)?;
+        return Ok(exit);
+    }
     let is_all = command.by.is_none() && command.metric.is_none();
     let mut printed = plan::comparison(&data, by.into(), &metric);
     if is_all && data.study.compare.primary.curves().next().is_some() {
@@ -106,14 +130,8 @@ pub(crate) fn compare(root: &Path, command: &CompareArgs, screen: &Screen) -> an
         let why = table.notes_by_kind().filter(|(kind, _)| *kind == NoteKind::LeftOut);
         why.for_each(|(_, note)| screen.warn(format!("{}: {note}", table.title())));
     }
-    if screen.json {
-        let listed = tables.iter().map(listing).collect::<Result<Vec<_>, _>>()?;
-        screen.listing(&listed)?;
-        return Ok(exit);
-    }
-    let wording = Wording::of(&data.study);
     let width = screen.width();
-    if is_all && by == By::Mode {
+    if is_all && by == By::Mode && !screen.json {
         let rows = plan::verdicts(&data).map_err(|e| anyhow!("{e}"))?;
         if !rows.is_empty() {
             let lines = verdict_lines(&rows, width.unwrap_or(WIDTH));
@@ -124,6 +142,18 @@ pub(crate) fn compare(root: &Path, command: &CompareArgs, screen: &Screen) -> an
             }
         }
     }
+    print(&data, &tables, screen)?;
+    Ok(exit)
+}
+
+/// Tables for people, or for machines.
+fn print(data: &StudyData, tables: &[Table], screen: &Screen) -> anyhow::Result<()> {
+    if screen.json {
+        let listed = tables.iter().map(listing).collect::<Result<Vec<_>, _>>()?;
+        return screen.listing(&listed);
+    }
+    let wording = Wording::of(&data.study);
+    let width = screen.width();
     for table in tables.iter().filter(|table| table.height() > 0) {
         if let Some(width) = width {
             screen.result(table.for_terminal(&wording, width, &LEAST)? + "\n");
@@ -134,7 +164,7 @@ pub(crate) fn compare(root: &Path, command: &CompareArgs, screen: &Screen) -> an
             screen.file(&String::from_utf8(bytes)?);
         }
     }
-    Ok(exit)
+    Ok(())
 }
 
 /// Characters in a line where the window does not say.
