@@ -2,11 +2,14 @@
 
 use crate::board::{NEWTONS_PER_COUNT, ZERO_COUNTS};
 use crate::check::{positive, require, unable, within};
+use crate::framed::frame::Frames;
+use crate::framed::wording::Wording;
+use crate::process::{HostLines, STEP_N};
 use crate::rate::{LOOKS_PER_READING, line_rate_hz};
 use crate::streams::Streams;
 use crate::talk::Talk;
 use crate::text::{Field, Template, named};
-use crate::{AngleAt, Firmata, Text};
+use crate::{AngleAt, Firmata, Process, Text};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use zwidth_device::{Capabilities, DeviceError};
@@ -34,14 +37,24 @@ pub enum Link {
     Firmata,
     /// Lines of text.
     Text,
+    /// Lines of JSON, of a program.
+    Process,
+}
+
+impl Link {
+    /// Whether the host asks for each reading, of a board that has a watchdog.
+    pub fn is_asked(self) -> bool {
+        matches!(self, Self::Framed | Self::Process)
+    }
 }
 
 /// The links as boards in software and soaks try them, by the words of their chores.
-pub const LINKS: [(&str, Link, AngleAt); 4] = [
+pub const LINKS: [(&str, Link, AngleAt); 5] = [
     ("framed", Link::Framed, AngleAt::I2c),
     ("firmata", Link::Firmata, AngleAt::Analog(0)),
     ("firmata-i2c", Link::Firmata, AngleAt::I2c),
     ("text", Link::Text, AngleAt::I2c),
+    ("process", Link::Process, AngleAt::I2c),
 ];
 
 /// The content of `rig.toml`.
@@ -55,7 +68,9 @@ pub struct Settings {
     pub link: Link,
     /// Bits per second on the wire, unless it is the link's usual number.
     pub baud: Option<u32>,
-    /// Force of one count of the load cell, N; below 0 where a push into the object counts down.
+    /// Force of one count of the load cell, N; below 0 where a push into the object counts down. A
+    /// program gives newtons itself.
+    #[serde(default)]
     pub newtons_per_count: f64,
     /// What the load cell counts without a force.
     #[serde(default)]
@@ -73,6 +88,8 @@ pub struct Settings {
     pub firmata: Option<Firmata>,
     /// Of a board that prints lines.
     pub text: Option<Text>,
+    /// A program that is the device.
+    pub process: Option<Process>,
     /// Of a load cell at a port of its own.
     pub hx711: Option<Hx711>,
 }
@@ -136,14 +153,19 @@ impl Settings {
             port: None,
             link,
             baud: None,
-            newtons_per_count: NEWTONS_PER_COUNT,
-            zero_counts: ZERO_COUNTS,
+            newtons_per_count: if link == Link::Process { 0.0 } else { NEWTONS_PER_COUNT },
+            zero_counts: if link == Link::Process { 0.0 } else { ZERO_COUNTS },
             shaft_per_lever: can.shaft_per_lever,
             turning: Turning::Up,
-            // Neither frames nor Firmata need it: there the board says so itself.
+            // Only lines of text need it: any other board says so itself.
             simulated: link == Link::Text,
             firmata: (link == Link::Firmata).then(|| Firmata::usual(rate_hz, angle, can)),
             text: (link == Link::Text).then(|| Text::usual(rate_hz, can)),
+            // In software there is nothing to start.
+            process: (link == Link::Process).then(|| Process {
+                command: vec!["board in software".to_owned()],
+                ..Process::default()
+            }),
             hx711: (link == Link::Firmata).then(|| Hx711 {
                 port: cell.to_owned(),
                 baud: usual_hx711_baud(),
@@ -160,7 +182,41 @@ impl Settings {
             Link::Framed => 500_000,
             Link::Firmata => 57_600,
             Link::Text => 115_200,
+            // A pipe is never what limits a program.
+            Link::Process => 100_000_000,
         })
+    }
+
+    /// How the messages of a link that is asked are written.
+    pub(crate) fn asks(&self) -> Box<dyn Wording> {
+        match self.link {
+            Link::Process => Box::new(HostLines::new()),
+            _ => Box::new(Frames::default()),
+        }
+    }
+
+    /// The program that is the device, where one is.
+    ///
+    /// # Errors
+    /// No such table.
+    pub fn program(&self) -> Result<Option<&Process>, DeviceError> {
+        if self.link != Link::Process {
+            return Ok(None);
+        }
+        self.process.as_ref().map(Some).ok_or_else(|| {
+            unable(
+                "link is \"process\", and there is no table [process]".to_owned(),
+                "write it, with command = [\"python3\", \"lever.py\"]",
+            )
+        })
+    }
+
+    /// Force of one count as the host has it, N, and the count without a force.
+    pub(crate) fn scale(&self) -> (f64, f64) {
+        match self.link {
+            Link::Process => (STEP_N, 0.0),
+            _ => (self.newtons_per_count, self.zero_counts),
+        }
     }
 
     /// The table of a link that streams; none of one that is asked.
@@ -169,7 +225,7 @@ impl Settings {
     /// No such table.
     pub(crate) fn streams(&self) -> Result<Option<&dyn Streams>, DeviceError> {
         let (name, table) = match self.link {
-            Link::Framed => return Ok(None),
+            Link::Framed | Link::Process => return Ok(None),
             Link::Firmata => ("firmata", table_of(&self.firmata)),
             Link::Text => ("text", table_of(&self.text)),
         };
@@ -192,6 +248,9 @@ impl Settings {
     /// # Errors
     /// The first that does not.
     pub fn check(&self) -> Result<(), DeviceError> {
+        if let Some(program) = self.program()? {
+            return self.check_program(program);
+        }
         let force_n = self.newtons_per_count;
         let is_force = force_n.is_finite() && force_n != 0.0;
         require(is_force, "newtons_per_count", force_n, "finite and not 0")?;
@@ -213,6 +272,25 @@ impl Settings {
         positive("hx711.baud", cell.baud.into())?;
         let most_hz = line_rate_hz(cell.baud, cell.template()?.longest());
         within("the load cell's lines", cell.rate_hz, most_hz, cell.baud, "hx711.baud")
+    }
+
+    /// Keys of a board would do nothing for a program.
+    fn check_program(&self, program: &Process) -> Result<(), DeviceError> {
+        program.check()?;
+        let given = [
+            ("newtons_per_count", self.newtons_per_count != 0.0),
+            ("zero_counts", self.zero_counts != 0.0),
+            ("port", self.port.is_some()),
+            ("baud", self.baud.is_some()),
+            ("[hx711]", self.hx711.is_some()),
+        ];
+        if let Some((key, _)) = given.into_iter().find(|(_, given)| *given) {
+            return Err(unable(
+                format!("{key} is of a board, and link is \"process\""),
+                "take it out: a program has no port, and gives newtons itself",
+            ));
+        }
+        positive("shaft_per_lever", self.shaft_per_lever)
     }
 
     /// Whether a loop of this rate takes every reading of a link that streams.

@@ -51,7 +51,7 @@ pub use rehearsed::{OtherSetups, Rehearsal, TwinOf, rehearsal, rehearsed, rehear
 pub use replay::oscillations::{Oscillations, oscillations};
 pub use report::built_in;
 pub use responses::{Responses, responses};
-pub use stages::{ReadScript, read_script};
+pub use stages::{ReadScript, read_program, read_script};
 pub use tables::printed::Printed;
 pub use tables::{printed as printed_tables, write as write_table};
 pub use thresholds::perception;

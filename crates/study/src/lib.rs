@@ -78,7 +78,7 @@ pub use model::{
 };
 pub use outside::{OutsideMetric, is_unit, unit_in_names};
 pub use own_metric::{OwnMetric, Statistic, TrialPart};
-pub use own_stage::{GivenFigure, GivenMetric, OwnStage, StageFormat};
+pub use own_stage::{GivenFigure, GivenMetric, OwnStage, StageFormat, command_line};
 pub use people::{Known, People, PeopleForm, Person, PersonColumn, PersonValue};
 pub use perception::{Measured, MeasuredJnd, Perception, VibrationCurve, is_felt};
 pub use printable::{printable, printable_lines};

@@ -87,17 +87,22 @@ pub struct GivenFigure {
     pub caption: String,
 }
 
+/// A command as a person reads it: arguments with blanks in quotation marks.
+pub fn command_line(command: &[String]) -> String {
+    let words = command.iter().map(|word| match word {
+        plain if !plain.is_empty() && !plain.contains([' ', '"', '\'']) => plain.clone(),
+        other => format!("{other:?}"),
+    });
+    words.collect::<Vec<_>>().join(" ")
+}
+
 impl OwnStage {
     /// Inputs that are not the tables of other stages.
     pub const INPUTS: [&str; 3] = ["samples", "metrics", "answers"];
 
-    /// The command as a person reads it: arguments with blanks in quotation marks.
+    /// The command as a person reads it ([`command_line`]).
     pub fn command_line(&self) -> String {
-        let words = self.command.iter().map(|word| match word {
-            plain if !plain.is_empty() && !plain.contains([' ', '"', '\'']) => plain.clone(),
-            other => format!("{other:?}"),
-        });
-        words.collect::<Vec<_>>().join(" ")
+        command_line(&self.command)
     }
 
     /// Who it is, in words: `stage grip of the study: python3 grip.py`.

@@ -1,6 +1,6 @@
 //! The devices by the names that they have on the command line: the one list.
 
-use crate::commands::device::Bench;
+use crate::commands::device::{Bench, check_allowed};
 use crate::screen::Screen;
 use anyhow::{Context as _, anyhow};
 use std::fmt;
@@ -68,6 +68,7 @@ pub(crate) fn open(
                 "a rig needs its load cell's scale: write newtons_per_count = … into rig.toml beside study.toml (docs/rig.md)",
             )?;
             settings.check_loop(study.control.rate_hz)?;
+            check_allowed(bench)?;
             let environments = study.environments.iter().map(|e| e.id.clone()).collect();
             Ok(zwidth_link::open(port.as_deref(), settings, environments)?)
         }

@@ -10,7 +10,17 @@ use std::path::Path;
 /// it.
 const FLOORS: [(u8, &[&str]); 8] = [
     (0, &["crates/study", "crates/numerics", "crates/arrow"]),
-    (1, &["crates/dynamics", "crates/results", "crates/store", "crates/stats", "crates/testing"]),
+    (
+        1,
+        &[
+            "crates/dynamics",
+            "crates/programs",
+            "crates/results",
+            "crates/store",
+            "crates/stats",
+            "crates/testing",
+        ],
+    ),
     (2, &["crates/device", "crates/draw", "crates/tables", "crates/import", "crates/judge"]),
     (3, &["crates/export", "crates/frames", "crates/link"]),
     (4, &["crates/runner", "pipelines/*"]),

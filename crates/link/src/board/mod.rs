@@ -11,8 +11,10 @@ pub(crate) use device::{Behind, Speech, counts, force_counts};
 pub use device::{NEWTONS_PER_COUNT, ZERO_COUNTS};
 
 use crate::firmata::Uno;
-use crate::framed::Framed;
-use crate::{Drive, Firmata, Settings};
+use crate::framed::Asked;
+use crate::framed::frame::Frames;
+use crate::process::BoardLines;
+use crate::{Drive, Firmata, Link, Settings};
 use zwidth_device::{Device, DeviceError, Reading};
 use zwidth_study::Environment;
 
@@ -31,7 +33,7 @@ impl Board {
     /// A board that speaks frames; the host marks the environments by their places.
     pub fn new(device: impl Device + 'static, environments: Vec<Environment>) -> Self {
         let behind = Behind::new(Box::new(device), environments, true);
-        Self::with(behind, Box::new(Framed::default()))
+        Self::with(behind, Box::new(Asked::new(Frames::default())))
     }
 
     /// A board that speaks Firmata, with the device at these pins and an analog input of this many
@@ -56,6 +58,10 @@ impl Board {
         device: impl Device + 'static,
         environments: Vec<Environment>,
     ) -> Result<Self, DeviceError> {
+        if settings.link == Link::Process {
+            let behind = Behind::new(Box::new(device), environments, true);
+            return Ok(Self::with(behind, Box::new(Asked::new(BoardLines::new()))));
+        }
         let Some(streams) = settings.streams()? else { return Ok(Self::new(device, environments)) };
         let behind = Behind::new(Box::new(device), environments, false);
         Ok(Self::with(behind, streams.board()?))

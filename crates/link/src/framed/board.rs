@@ -1,22 +1,28 @@
-//! The board's end of frames.
+//! The board's end of a link whose host asks.
 
-use super::frame::Frames;
 use super::message::{Description, FromBoard, PROTOCOL, Seen, ToBoard, UNASKED, status};
+use super::wording::BoardWording;
 use crate::board::{Behind, Speech, counts, force_counts};
 use zwidth_device::{DeviceError, Reading};
 use zwidth_study::Source;
 
 /// What it hears, and whether it has just begun.
-#[derive(Default)]
-pub(crate) struct Framed {
-    frames: Frames,
+pub(crate) struct Asked<W> {
+    wording: W,
     /// What is said when it has begun: of a board that was reset unasked.
     begins: bool,
 }
 
-impl Speech for Framed {
+impl<W> Asked<W> {
+    pub(crate) fn new(wording: W) -> Self {
+        Self { wording, begins: false }
+    }
+}
+
+impl<W: BoardWording> Speech for Asked<W> {
     fn reset(&mut self, _: f64) {
-        *self = Self { begins: true, ..Self::default() };
+        self.wording.reset();
+        self.begins = true;
     }
 
     fn take(
@@ -27,21 +33,22 @@ impl Speech for Framed {
         out: &mut Vec<u8>,
     ) -> Result<(), DeviceError> {
         if std::mem::take(&mut self.begins) {
-            send(&FromBoard::Description(description(behind)), UNASKED, out);
+            self.wording.answer(&FromBoard::Description(description(behind)), UNASKED, out);
         }
         for byte in bytes {
-            let Some(frame) = self.frames.push(*byte) else { continue };
-            match ToBoard::read(&frame) {
-                Some(ToBoard::Hello) => {
-                    send(&FromBoard::Description(description(behind)), frame.sequence, out);
+            let Some((number, message)) = self.wording.hear(*byte) else { continue };
+            match message {
+                ToBoard::Hello => {
+                    let board = FromBoard::Description(description(behind));
+                    self.wording.answer(&board, number, out);
                 }
-                Some(ToBoard::Poll) => {
+                ToBoard::Poll => {
                     let reading = behind.tell(now_s)?;
-                    send(&FromBoard::Seen(seen(behind, now_s, &reading)), frame.sequence, out);
+                    let seen = FromBoard::Seen(seen(behind, now_s, &reading));
+                    self.wording.answer(&seen, number, out);
                 }
-                Some(ToBoard::Write(drive)) => behind.write(now_s, drive)?,
-                Some(ToBoard::Mark { code, number }) => behind.mark(now_s, code, number)?,
-                None => {}
+                ToBoard::Write(drive) => behind.write(now_s, drive)?,
+                ToBoard::Mark { code, number } => behind.mark(now_s, code, number)?,
             }
         }
         Ok(())
@@ -92,9 +99,4 @@ fn seen(behind: &Behind, now_s: f64, reading: &Reading) -> Seen {
 /// A time in whole microseconds.
 fn micros(time_s: f64) -> f64 {
     (time_s * 1e6).round()
-}
-
-fn send(message: &FromBoard, sequence: u16, out: &mut Vec<u8>) {
-    let (bytes, length) = message.frame(sequence).encode();
-    out.extend(&bytes[..length]);
 }

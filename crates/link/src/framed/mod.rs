@@ -6,6 +6,7 @@ pub mod frame;
 pub mod message;
 pub(crate) mod patience;
 mod rig;
+pub(crate) mod wording;
 
-pub(crate) use board::Framed;
+pub(crate) use board::Asked;
 pub use rig::Rig;

@@ -1,8 +1,9 @@
 //! A board as a device: one question per reading, one write per command.
 
-use super::frame::{Frames, MOST_WIRE};
+use super::frame::MOST_WIRE;
 use super::message::{Description, FromBoard, PROTOCOL, Seen, ToBoard, UNASKED, status};
 use super::patience::{Patience, wire_rate_hz};
+use super::wording::Wording;
 use crate::shaft::Shaft;
 use crate::{Drive, Settings, Wire, mark};
 use std::io;
@@ -10,8 +11,6 @@ use std::time::Duration;
 use zwidth_device::{Angle, Capabilities, Cue, Device, DeviceError, Reading};
 use zwidth_study::{EnvironmentId, Extra, Moment, Source, Voltages};
 
-/// A board may take so long to begin after its port was opened: many reset themselves then.
-const BEGIN: Duration = Duration::from_secs(4);
 /// So often it is asked who it is meanwhile.
 const HELLO_EVERY: Duration = Duration::from_millis(200);
 /// At homing the board is asked for so long.
@@ -34,7 +33,9 @@ pub struct Rig<W> {
     bytes: [u8; MOST_WIRE],
     taken: usize,
     came: usize,
-    frames: Frames,
+    wording: Box<dyn Wording>,
+    /// What is said at once.
+    out: Vec<u8>,
     sequence: u16,
     /// The last questions, by their number, and when they were asked, host time, s.
     questions: [(u16, f64); KEPT],
@@ -42,6 +43,8 @@ pub struct Rig<W> {
     question_s: f64,
     patience: Patience,
     last: Option<Answer>,
+    /// Answers since the newest that nobody waited for.
+    unasked: usize,
     /// What was commanded last.
     drive: Drive,
     /// The board has begun anew since the last homing.
@@ -83,12 +86,14 @@ impl<W: Wire> Rig<W> {
             bytes: [0; MOST_WIRE],
             taken: 0,
             came: 0,
-            frames: Frames::default(),
+            wording: settings.asks(),
+            out: Vec::with_capacity(256),
             sequence: 0,
             questions: [(0, 0.0); KEPT],
             question_s: 0.0,
             patience: Patience::at(settings.baud()),
             last: None,
+            unasked: 0,
             drive: Drive::default(),
             reset: false,
             gone: false,
@@ -98,7 +103,7 @@ impl<W: Wire> Rig<W> {
         let board = rig.introduce()?;
         rig.full = Voltages { motor_v: volts(board.motor_mv), brake_v: volts(board.brake_mv) };
         rig.shaft.counts_per_turn = board.counts_per_turn;
-        rig.capabilities = capabilities(&board, &rig.settings)?;
+        rig.capabilities = rig.capabilities_of(&board)?;
         // A board that begins when its port is opened says so; that is no restart in a session.
         rig.reset = false;
         Ok(rig)
@@ -107,7 +112,7 @@ impl<W: Wire> Rig<W> {
     /// Looks that found no newer answer than before, and pieces on the wire that were not a
     /// message.
     pub fn faults(&self) -> [u64; 2] {
-        [self.late, self.frames.damaged()]
+        [self.late, self.wording.damaged()]
     }
 
     /// As if the stop had been at another count at the first homing.
@@ -119,7 +124,7 @@ impl<W: Wire> Rig<W> {
     /// Asks until the board says who it is.
     fn introduce(&mut self) -> Result<Description, DeviceError> {
         let began = self.wire.now();
-        while self.wire.now() - began < BEGIN {
+        while self.wire.now() - began < self.wording.begins_within() {
             self.send(&ToBoard::Hello)?;
             let until = self.wire.now() + HELLO_EVERY;
             while let Some(wait) = until.checked_sub(self.wire.now()).filter(|wait| !wait.is_zero())
@@ -129,8 +134,7 @@ impl<W: Wire> Rig<W> {
                 }
             }
         }
-        let what = format!("nothing answers at {} baud", self.settings.baud());
-        let remedy = "check port and baud in rig.toml, and that the board runs the framed firmware (docs/rig.md); `zwidth ports PORT` asks who is there";
+        let (what, remedy) = self.wording.silent(self.settings.baud());
         Err(self.unable(what, remedy))
     }
 
@@ -142,8 +146,9 @@ impl<W: Wire> Rig<W> {
 
     fn send(&mut self, message: &ToBoard) -> Result<(), DeviceError> {
         self.sequence = self.next();
-        let (bytes, length) = message.frame(self.sequence).encode();
-        self.wire.send(&bytes[..length]).map_err(|e| self.break_off(&e))
+        self.out.clear();
+        self.wording.say(message, self.sequence, &mut self.out);
+        self.wire.send(&self.out).map_err(|e| self.break_off(&e))
     }
 
     /// The wire failed.
@@ -160,9 +165,9 @@ impl<W: Wire> Rig<W> {
             self.unable(format!("the port cannot be opened again: {e}"), remedy)
         })?;
         (self.gone, self.taken, self.came) = (false, 0, 0);
-        self.frames.begin_anew();
+        self.wording.begin_anew();
         let board = self.introduce()?;
-        if capabilities(&board, &self.settings)? != self.capabilities {
+        if self.capabilities_of(&board)? != self.capabilities {
             self.gone = true;
             let what = format!("another board is at the port now, {}", board.name);
             return Err(self.unable(what, "plug in the one that the session began with"));
@@ -176,14 +181,14 @@ impl<W: Wire> Rig<W> {
         let until = self.wire.now() + wait;
         for _ in 0..MOST_BYTES {
             let Some(byte) = self.byte(until)? else { return Ok(None) };
-            let Some(frame) = self.frames.push(byte) else { continue };
-            match FromBoard::read(&frame) {
-                Some(FromBoard::Seen(seen)) => self.take_answer(frame.sequence, seen),
+            let Some(heard) = self.wording.push(byte) else { continue };
+            let (number, message) = heard.map_err(|why| self.lost(&why))?;
+            match &message {
+                FromBoard::Seen(seen) => self.take_answer(number, *seen),
                 // What it was asked for may come late, when it has said who it is by itself.
-                Some(FromBoard::Description(_)) => self.reset |= frame.sequence == UNASKED,
-                None => continue,
+                FromBoard::Description(_) => self.reset |= number == UNASKED,
             }
-            return Ok(FromBoard::read(&frame));
+            return Ok(Some(message));
         }
         Err(self.lost("it keeps sending, and nothing that it sends is a message of this link"))
     }
@@ -204,8 +209,10 @@ impl<W: Wire> Rig<W> {
     fn take_answer(&mut self, sequence: u16, seen: Seen) {
         let (question, question_s) = self.questions[usize::from(sequence) % KEPT];
         if question != sequence || self.last.is_some_and(|last| last.question_s > question_s) {
+            self.unasked += 1;
             return;
         }
+        self.unasked = 0;
         let passed_us = self.last.map_or(0, |last| seen.t_us.wrapping_sub(last.seen.t_us));
         // A clock that goes back has begun anew, though nobody said so.
         self.reset |= passed_us > u32::MAX / 2;
@@ -224,8 +231,11 @@ impl<W: Wire> Rig<W> {
         while self.last.is_none_or(|last| last.question_s < now_s) {
             let left = until.saturating_sub(self.wire.now());
             let came = self.receive(left)?;
+            if self.unasked > MOST_UNASKED {
+                return Err(self.lost("it keeps sending messages that nobody asked for"));
+            }
             if self.reset {
-                return Err(self.lost("the board has begun anew"));
+                return Err(self.lost("the board has begun anew, or its clock went back"));
             }
             if came.is_none() {
                 let newest_s = self.last.map(|last| last.question_s);
@@ -234,6 +244,13 @@ impl<W: Wire> Rig<W> {
             }
         }
         Ok(true)
+    }
+
+    /// What a board can do behind this wire.
+    fn capabilities_of(&self, board: &Description) -> Result<Capabilities, DeviceError> {
+        let can = capabilities(board, &self.settings)?;
+        let shaft_per_lever = self.wording.shaft_per_lever().unwrap_or(can.shaft_per_lever);
+        Ok(Capabilities { shaft_per_lever, ..can })
     }
 
     /// The newest answer as a reading.
@@ -249,12 +266,13 @@ impl<W: Wire> Rig<W> {
             return Err(self.lost("its watchdog took the voltages away"));
         }
         let since_s = (now_s - question_s).max(0.0);
-        let force = f64::from(seen.force) - self.settings.zero_counts;
+        let (newtons_per_count, zero_counts) = self.settings.scale();
+        let force = f64::from(seen.force) - zero_counts;
         Ok(Reading {
             t_device_s: Some(t_us as f64 * 1e-6),
             angle: Angle::Counts(self.shaft.upwards(seen.counts)),
             angle_age_s: since_s + f64::from(seen.angle_age_us) * 1e-6,
-            force_n: force * self.settings.newtons_per_count,
+            force_n: force * newtons_per_count,
             force_age_s: Some(since_s + f64::from(seen.force_age_us) * 1e-6),
             extra: Extra::default(),
         })
@@ -272,6 +290,9 @@ impl<W: Wire> Rig<W> {
 
 /// Messages from before homing that are dropped there at most.
 const MOST_OLD: usize = 64;
+/// So many answers to questions of long ago may come one after the other, after a long pause of the
+/// host.
+const MOST_UNASKED: usize = 1024;
 
 /// A reading is not looked for in more bytes than this: no wire brings them in a tick.
 const MOST_BYTES: usize = 64 * MOST_WIRE;
@@ -292,7 +313,7 @@ impl<W: Wire> Device for Rig<W> {
                 break;
             }
         }
-        (self.last, self.reset) = (None, false);
+        (self.last, self.reset, self.unasked) = (None, false, 0);
         self.send(&ToBoard::Mark { code: mark::HOMING, number: 0 })?;
         let began = self.wire.now();
         let mut first = None;

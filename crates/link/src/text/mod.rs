@@ -22,8 +22,8 @@ pub const MOST_LINE: usize = 128;
 /// A line ends with `\n`; a `\r` before it is not part of it. Bytes before the first end are
 /// dropped, because they may be half a line.
 #[derive(Debug, Clone)]
-pub struct Lines {
-    bytes: [u8; MOST_LINE],
+pub struct Lines<const MOST: usize = MOST_LINE> {
+    bytes: [u8; MOST],
     length: usize,
     /// What comes until the next end is too long, or has no beginning.
     dropped: bool,
@@ -36,12 +36,19 @@ pub struct Lines {
 impl Lines {
     /// Of a board: a host begins anywhere in what it prints.
     pub fn from_anywhere() -> Self {
-        Self { bytes: [0; MOST_LINE], length: 0, dropped: true, handed_out: false, damaged: 0 }
+        Self { dropped: true, ..Self::whole() }
     }
 
     /// Of a host: a board hears it from its first byte on.
     pub fn from_start() -> Self {
-        Self { dropped: false, ..Self::from_anywhere() }
+        Self::whole()
+    }
+}
+
+impl<const MOST: usize> Lines<MOST> {
+    /// Heard from the first byte on.
+    pub fn whole() -> Self {
+        Self { bytes: [0; MOST], length: 0, dropped: false, handed_out: false, damaged: 0 }
     }
 
     /// Takes one byte; the line that it ends.

@@ -7,7 +7,7 @@ mod inputs;
 mod parameters;
 mod script;
 
-pub use script::{ReadScript, read_script};
+pub use script::{ReadScript, read_program, read_script};
 
 use crate::shared::conditions::{repeats, trial_sources};
 use crate::shared::own_stages::{figure_files, values};

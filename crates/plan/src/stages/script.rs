@@ -42,9 +42,24 @@ pub fn read_script(
     study: &StudyId,
     stage: &OwnStage,
 ) -> Result<ReadScript, StoreError> {
+    read_program(root, study, stage.id.as_str(), &stage.command, &stage.files)
+}
+
+/// Reads the files of any program of a study, likewise: `name` is what it is for.
+///
+/// # Errors
+/// As [`read_script`].
+pub fn read_program(
+    root: &Path,
+    study: &StudyId,
+    name: &str,
+    command: &[String],
+    files: &[String],
+) -> Result<ReadScript, StoreError> {
+    let named = files;
     let folder = Layout::new(root, study.clone()).analysis();
     let mut files = Vec::new();
-    for file in &stage.files {
+    for file in named {
         let path = folder.join(file);
         check_way(root, &path)?;
         let bytes =
@@ -57,8 +72,8 @@ pub fn read_script(
     let root = if root.as_os_str().is_empty() { Path::new(".") } else { root };
     let place = real_path(root).map_err(|e| StoreError::io(root, "find", &e))?;
     let place = place.to_string_lossy();
-    let mut parts = vec![&*place, study.as_str(), stage.id.as_str()];
-    parts.extend(stage.command.iter().map(String::as_str));
+    let mut parts = vec![&*place, study.as_str(), name];
+    parts.extend(command.iter().map(String::as_str));
     parts.push("files");
     for file in &files {
         let executable = if file.is_executable { "executable" } else { "plain" };

@@ -7,18 +7,17 @@
 //! itself is told to end, the whole group is killed: the program and its children. This is no
 //! sandbox: what the program may do, the user may do.
 
-mod group;
 mod signals;
 
 pub use signals::HeldSignals;
 
-use group::Group;
 use std::collections::BTreeSet;
 use std::fs::{File, OpenOptions};
 use std::io::{self, Read as _, Seek as _, SeekFrom};
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
+use zwidth_programs::{Group, program_at, signal_of};
 
 /// Which programs of a study may be started.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -99,13 +98,7 @@ pub fn run_script(script: &Script, signals: &HeldSignals) -> Result<(), ScriptEr
     };
     let printed = OpenOptions::new().create(true).append(true).open(script.printed);
     let printed = printed.map_err(not_started)?;
-    // A path of several parts is one of the program's own files; where the system would begin it is not
-    // the same everywhere. A name is looked up on the path.
-    let program = match Path::new(program).components().count() {
-        0 | 1 => program.into(),
-        _ => script.folder.join(program),
-    };
-    let mut command = Command::new(program);
+    let mut command = Command::new(program_at(program, script.folder));
     command.args(arguments).current_dir(script.folder).env_clear().envs(ENVIRONMENT);
     for name in ["PATH", "HOME"] {
         command.envs(std::env::var_os(name).map(|value| (name, value)));
@@ -146,7 +139,7 @@ pub fn run_script(script: &Script, signals: &HeldSignals) -> Result<(), ScriptEr
     match (status.success(), status.code()) {
         (true, _) => Ok(()),
         (false, Some(code)) => Err(ScriptError::ExitCode(code)),
-        (false, None) => Err(ScriptError::Signal(group::signal_of(status))),
+        (false, None) => Err(ScriptError::Signal(signal_of(status))),
     }
 }
 

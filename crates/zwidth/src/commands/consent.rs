@@ -22,6 +22,9 @@ pub(super) struct Consent {
     pub(super) study: String,
     /// The digest of each stage that was allowed ([`zwidth_plan::ReadScript`]).
     pub(super) stages: BTreeMap<StageId, String>,
+    /// That of the program that is its device.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) device: Option<String>,
 }
 
 /// No file of ours has more bytes.
@@ -46,29 +49,45 @@ fn file(layout: &Layout) -> anyhow::Result<PathBuf> {
     Ok(folder.join("allowed").join(format!("{name}.json")))
 }
 
-/// The programs of a study that may be started. A user without a state folder has allowed none.
+/// The programs of a study that a run may start. A user without a state folder has allowed none.
 pub(super) fn scripts(layout: &Layout) -> anyhow::Result<Scripts> {
+    let allowed = consent(layout)?;
+    let digests = |consent: Consent| Scripts::Allowed(consent.stages.into_values().collect());
+    Ok(allowed.map_or(Scripts::None, digests))
+}
+
+/// Whether the program that is a study's device, with that digest, may be started.
+pub(super) fn device_may_start(layout: &Layout, digest: &str) -> anyhow::Result<bool> {
+    Ok(consent(layout)?.is_some_and(|consent| consent.device.as_deref() == Some(digest)))
+}
+
+/// What was allowed of a study.
+fn consent(layout: &Layout) -> anyhow::Result<Option<Consent>> {
     if state_folder().is_none() {
-        return Ok(Scripts::None);
+        return Ok(None);
     }
     let file = file(layout)?;
     if RealFiles.kind(&file).is_none() {
-        return Ok(Scripts::None);
+        return Ok(None);
     }
     let bytes = read_regular(&file, MOST_BYTES).map_err(|e| StoreError::io(&file, "read", &e))?;
     let Ok(consent) = serde_json::from_slice::<Consent>(&bytes) else {
         let id = layout.study();
         bail!("{} cannot be read; remove it, then `zwidth allow {id}`", file.display());
     };
-    Ok(Scripts::Allowed(consent.stages.into_values().collect()))
+    Ok(Some(consent))
 }
 
 /// Keeps what was allowed, in place of what was before.
-pub(super) fn keep(layout: &Layout, stages: BTreeMap<StageId, String>) -> anyhow::Result<()> {
+pub(super) fn keep(
+    layout: &Layout,
+    stages: BTreeMap<StageId, String>,
+    device: Option<String>,
+) -> anyhow::Result<()> {
     let file = file(layout)?;
     withdraw(layout)?;
     let root = place(layout)?.to_string_lossy().into_owned();
-    let consent = Consent { root, study: layout.study().to_string(), stages };
+    let consent = Consent { root, study: layout.study().to_string(), stages, device };
     Ok(write_private(&RealFiles, &file, &serde_json::to_vec_pretty(&consent)?)?)
 }
 

@@ -1,5 +1,6 @@
 //! What recording needs: the study as it is to be run, the device, seeds, and the folder of seals.
 
+use super::consent::device_may_start;
 use super::{join_findings, study};
 use crate::text::read_beside;
 use anyhow::{Context as _, anyhow, bail};
@@ -7,9 +8,10 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use zwidth_device::{Clock, RealClock, SimulatedClock, TwinParameters, stop_on_signals};
-use zwidth_link::Settings;
+use zwidth_link::{Process, Settings};
+use zwidth_plan::{ReadScript, read_program};
 use zwidth_store::{Layout, MOST_BYTES, read_regular, read_study};
-use zwidth_study::{Calibration, Control, Study, StudyId};
+use zwidth_study::{Calibration, Control, Study, StudyId, command_line};
 
 /// Where seals lie.
 #[derive(Debug, Clone, PartialEq, Eq, clap::Args)]
@@ -46,17 +48,51 @@ pub(super) fn bench(root: &Path, id: StudyId, rate_hz: Option<f64>) -> anyhow::R
     // As bytes: their hash goes into what is recorded.
     let study_toml = read_regular(&layout.study_toml(), MOST_BYTES)?;
     let twin = twin_parameters(&layout, study.device.lever_m)?;
-    let path = layout.raw().join("rig.toml");
-    let rig = match read_beside(&path)? {
-        Some(text) => {
-            let settings: Settings =
-                toml::from_str(&text).map_err(|e| anyhow!("{}: {e}", path.display()))?;
-            settings.check().with_context(|| path.display().to_string())?;
-            Some(settings)
-        }
-        None => None,
-    };
+    let rig = rig(&layout)?;
     Ok(Bench { layout, study, study_toml, calibration, twin, rig })
+}
+
+/// What a host must be told of the study's rig.
+pub(super) fn rig(layout: &Layout) -> anyhow::Result<Option<Settings>> {
+    let path = layout.raw().join("rig.toml");
+    let Some(text) = read_beside(&path)? else { return Ok(None) };
+    let mut settings: Settings =
+        toml::from_str(&text).map_err(|e| anyhow!("{}: {e}", path.display()))?;
+    settings.check().with_context(|| path.display().to_string())?;
+    if let Some(program) = &mut settings.process {
+        program.folder = layout.analysis();
+    }
+    Ok(Some(settings))
+}
+
+/// The program that is the study's device, and its files as they are read now, if it is one.
+pub(super) fn device_program<'a>(
+    layout: &Layout,
+    rig: Option<&'a Settings>,
+) -> anyhow::Result<Option<(&'a Process, ReadScript)>> {
+    /// No stage has such an id.
+    const NAME: &str = "[process]";
+    let Some(program) = rig.map(Settings::program).transpose()?.flatten() else { return Ok(None) };
+    let Process { command, files, .. } = program;
+    let script = read_program(layout.root(), layout.study(), NAME, command, files)?;
+    Ok(Some((program, script)))
+}
+
+/// Refuses to start a program that is the study's device, if this person has not allowed it: a study
+/// may come from anybody.
+pub(crate) fn check_allowed(bench: &Bench) -> anyhow::Result<()> {
+    let Some((program, script)) = device_program(&bench.layout, bench.rig.as_ref())? else {
+        return Ok(());
+    };
+    if device_may_start(&bench.layout, &script.digest)? {
+        return Ok(());
+    }
+    let id = bench.layout.study();
+    bail!(
+        "the device of {id} is a program that you have not allowed, or that has changed since: {}; look at it, \
+         then `zwidth allow {id}`",
+        command_line(&program.command)
+    );
 }
 
 impl Bench {

@@ -17,7 +17,7 @@ pub(super) fn judge(over: Over, trouble: Option<Trouble>, ended: &Ended) -> anyh
     ensure!(done == total, "{done} of {total} trials are done");
     // Without a watchdog and without a cable nobody takes a voltage away, but it is said. Without a
     // check a bit of the very last word may turn 0 V into another voltage, and nobody knows.
-    let unheard = ended.warned && over.link != Link::Framed;
+    let unheard = ended.warned && !over.link.is_asked();
     let misheard =
         ended.was_last && over.believes(Trouble::Corrupt) > 0 && trouble == Some(Trouble::Corrupt);
     ensure!(
@@ -25,7 +25,7 @@ pub(super) fn judge(over: Over, trouble: Option<Trouble>, ended: &Ended) -> anyh
         "the board still gives a voltage: {:?}",
         ended.drive
     );
-    let is_left_on = ended.left_on && over.link == Link::Framed;
+    let is_left_on = ended.left_on && over.link.is_asked();
     ensure!(!is_left_on, "a voltage stayed on without its cable");
     if let Some(finding) = verify_kept(&ended.disk, &ended.layout).first() {
         bail!("verify finds: {finding}");
@@ -63,7 +63,7 @@ pub(super) fn readings(ended: &Ended, path: &Path) -> anyhow::Result<Vec<Recorde
 /// force.
 pub(super) type Recorded = (Option<u64>, u16, i32);
 
-/// The readings of a trial that the board never saw: over frames and lines by its clock, angle and
+/// The readings of a trial that the board never saw: over frames and lines, of text or of a program, by its clock, angle and
 /// force together; over Firmata, which has no clock and brings the force by another way, by each of
 /// the two, and by the angle's way forward.
 fn wrong_readings(
@@ -80,7 +80,7 @@ fn wrong_readings(
         return Ok(wrong_apart(&seen, &readings, forwards));
     }
     // A sketch that begins anew begins its clock anew.
-    let by_clock = over.link == Link::Framed || trouble != Some(Trouble::Reset);
+    let by_clock = over.link.is_asked() || trouble != Some(Trouble::Reset);
     let pairs: BTreeSet<(u16, i32)> = seen.iter().map(|(_, a, f)| (*a, *f)).collect();
     let wrong = readings.into_iter().filter(|(t_us, angle, force)| match t_us {
         Some(t_us) if by_clock => !seen.contains(&(*t_us, *angle, *force)),

@@ -17,11 +17,13 @@ impl Over {
         zwidth_link::LINKS.into_iter().map(|(name, link, angle)| Self { name, link, angle })
     }
 
-    /// Readings of a trial that may be wrong after this happened to a message. Frames have a check.
+    /// Readings of a trial that may be wrong after this happened to a message. Frames have a check, and
+    /// half a line of a program never makes another line of its with the next one.
     /// Without one a turned bit may make another number, and half a message joined to the next one
     /// another message.
     pub(super) fn believes(self, trouble: Trouble) -> usize {
         match trouble {
+            Trouble::Half if self.link == Link::Process => 0,
             Trouble::Corrupt | Trouble::Half if self.link != Link::Framed => 1,
             _ => 0,
         }

@@ -55,17 +55,21 @@ pub(super) struct Ended {
 /// The short session of three trials over a link, of which this message goes wrong; an error if it
 /// does not come to its end.
 pub(super) fn record(link: Over, trouble: Option<(Way, u64, Trouble)>) -> anyhow::Result<Ended> {
-    let is_framed = link.link == Link::Framed;
-    let rate_hz = if is_framed { FRAMED_HZ } else { 1.25 * STREAM_HZ };
-    let baud = is_framed.then_some(FRAMED_BAUD);
+    let rate_hz = if link.link.is_asked() { FRAMED_HZ } else { 1.25 * STREAM_HZ };
+    let baud = (link.link == Link::Framed).then_some(FRAMED_BAUD);
     let rig = settings(link, STREAM_HZ, &mock::capabilities(), baud);
-    played(&short_study(rate_hz, LIMIT_S)?, &rig, lever(), trouble, false)
+    // A pipe has no rate; its lines are about four times as long as frames.
+    let line_baud = if link.link == Link::Process { 4 * FRAMED_BAUD } else { rig.baud() };
+    let study = short_study(rate_hz, LIMIT_S)?;
+    played(&study, &rig, line_baud, lever(), trouble, false)
 }
 
-/// Plays a session to its end; `answers` where the device has a participant.
+/// Plays a session to its end over a line of so many bits a second; `answers` where the device has a
+/// participant.
 pub(super) fn played<D: Device + Told + 'static>(
     study_toml: &str,
     rig: &Settings,
+    line_baud: u32,
     device: D,
     trouble: Option<(Way, u64, Trouble)>,
     answers: bool,
@@ -84,7 +88,7 @@ pub(super) fn played<D: Device + Told + 'static>(
         let counted = counted(*t_us as f64 * 1e-6, reading);
         telling.lock().unwrap_or_else(PoisonError::into_inner).push(counted);
     });
-    let bench = Bench::new(board, rig.baud(), CELL_BAUD, THINKS_S);
+    let bench = Bench::new(board, line_baud, CELL_BAUD, THINKS_S);
     if let Some((way, nth, trouble)) = trouble {
         bench.trouble(way, nth, trouble);
     }

@@ -39,6 +39,7 @@ pub(crate) fn whole() -> anyhow::Result<()> {
 fn session(over: Over, repeats: u32) -> anyhow::Result<usize> {
     let (stream_hz, rate_hz, baud) = match over.link {
         Link::Framed => (100.0, FRAMED.0, Some(FRAMED.1)),
+        Link::Process => (100.0, FRAMED.0, None),
         Link::Firmata => (FIRMATA_HZ, 1.25 * FIRMATA_HZ, None),
         _ => (TEXT_HZ, 1.25 * TEXT_HZ, None),
     };
@@ -48,7 +49,7 @@ fn session(over: Over, repeats: u32) -> anyhow::Result<usize> {
         .replace("\nfamiliarisation = 3\n", "\nfamiliarisation = 0\n")
         .replace("\nrepeats = 6\n", &format!("\nrepeats = {repeats}\n"))
         .replace("\nrate_hz = 1000.0\n", &format!("\nrate_hz = {rate_hz:?}\n"));
-    let ended = played(&study_toml, &rig, twin, None, true)?;
+    let ended = played(&study_toml, &rig, rig.baud(), twin, None, true)?;
     let data = StudyData::load_from(&ended.disk, &ended.layout).map_err(|e| anyhow!("{e:?}"))?;
     let done = data.trials.iter().filter(|trial| trial.meta.status == Status::Complete).count();
     let is_whole = (done, ended.stops) == (6 * repeats as usize, 0);
@@ -64,7 +65,7 @@ fn arrived(over: Over, ended: &Ended, path: &std::path::Path) -> anyhow::Result<
         _ => *t_us == Some(told.0) && (*angle, *force) == (told.1, told.2),
     };
     let mut told = ended.told.clone();
-    if over.link == Link::Framed {
+    if over.link.is_asked() {
         // The markers of its begin hold the first question back, and of two answers in one look the
         // newer counts.
         own.drain(..own.len().min(3));
