@@ -40,7 +40,7 @@ pub use open::{open, over};
 #[cfg(unix)]
 pub use serial::Pair;
 pub use serial::Serial;
-pub use settings::{Hx711, LINKS, Link, Settings, Turning};
+pub use settings::{Hx711, LINKS, Link, Settings, Turning, Windings};
 pub use text::{Templates, Text};
 #[cfg(unix)]
 pub use window::Window;

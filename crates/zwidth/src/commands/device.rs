@@ -9,7 +9,7 @@ use std::sync::atomic::AtomicBool;
 use zwidth_device::{Clock, RealClock, SimulatedClock, TwinParameters, stop_on_signals};
 use zwidth_link::Settings;
 use zwidth_store::{Layout, MOST_BYTES, read_regular, read_study};
-use zwidth_study::{Calibration, Control, Study, StudyId};
+use zwidth_study::{Calibration, CalibrationFile, CalibrationOrigin, Control, Study, StudyId};
 
 /// Where seals lie.
 #[derive(Debug, Clone, PartialEq, Eq, clap::Args)]
@@ -25,6 +25,8 @@ pub(crate) struct Bench {
     pub(crate) study: Study,
     pub(crate) study_toml: Vec<u8>,
     pub(crate) calibration: Calibration,
+    /// Where and when it was made, where its file says so.
+    pub(crate) calibration_origin: Option<CalibrationOrigin>,
     pub(crate) twin: TwinParameters,
     pub(crate) rig: Option<Settings>,
 }
@@ -37,11 +39,14 @@ pub(super) fn bench(root: &Path, id: StudyId, rate_hz: Option<f64>) -> anyhow::R
     let mut study = read_study(&layout).map_err(|findings| join_findings(&findings))?;
     study.control.rate_hz = rate_hz.unwrap_or(study.control.rate_hz);
     let path = layout.raw().join("calibration.toml");
-    let calibration = match read_beside(&path)? {
+    let (calibration, calibration_origin) = match read_beside(&path)? {
         Some(text) => {
-            Calibration::from_toml(&text).map_err(|e| anyhow!("{}: {e}", path.display()))?
+            let file = CalibrationFile::from_toml(&text)
+                .map_err(|e| anyhow!("{}: {e}", path.display()))?;
+            let origin = file.origin.clone();
+            (file.calibration(), origin)
         }
-        None => Calibration::thesis(),
+        None => (Calibration::thesis(), None),
     };
     // As bytes: their hash goes into what is recorded.
     let study_toml = read_regular(&layout.study_toml(), MOST_BYTES)?;
@@ -56,7 +61,7 @@ pub(super) fn bench(root: &Path, id: StudyId, rate_hz: Option<f64>) -> anyhow::R
         }
         None => None,
     };
-    Ok(Bench { layout, study, study_toml, calibration, twin, rig })
+    Ok(Bench { layout, study, study_toml, calibration, calibration_origin, twin, rig })
 }
 
 impl Bench {
