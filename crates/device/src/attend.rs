@@ -30,7 +30,7 @@ pub struct Station<'a> {
     /// The guard before its actuators.
     pub guard: Guard,
     /// Ticks per second between tasks, Hz.
-    rate_hz: f64,
+    pub(crate) rate_hz: f64,
     /// The fault that was found between tasks. The device is not homed since.
     fault: Option<Trip>,
 }

@@ -49,6 +49,7 @@ pub mod mock;
 mod participant;
 mod playback;
 mod priority;
+mod ramp;
 mod signals;
 mod timing;
 mod trial;
@@ -65,13 +66,14 @@ pub use guard::{AWAY_S, FORCE_RATE_HZ, Guard, Limits, MOTOR_FORCE_N, Refusal, Se
 pub use participant::{Felt, Goal, HAND_RANGES, Intent, Judged, Person, Task, Truth};
 pub use playback::Playback;
 pub use priority::Priority;
+pub use ramp::{Ramp, RampEnd, Ramped, Weighed};
 pub use signals::stop_on_signals;
 pub use timing::{Histogram, Timing};
 pub use trial::{
     BatchSink, LiveRun, Moments, Sink, TrialEnd, TrialPlan, TrialRun, run_live, run_trial, watch,
 };
 pub use twin::{
-    COUNTS_PER_TURN, SHAFT_PER_LEVER, SweepPoint, Twin, TwinParameter, TwinParameters, brake_sweep,
-    motor_sweep,
+    COUNTS_PER_TURN, Faults, Fixture, Hands, HandsHandle, SHAFT_PER_LEVER, SweepPoint, Twin,
+    TwinParameter, TwinParameters, brake_sweep, motor_sweep,
 };
 pub use velocity::Velocity;

@@ -42,7 +42,7 @@ pub use process::Process;
 #[cfg(unix)]
 pub use serial::Pair;
 pub use serial::Serial;
-pub use settings::{Hx711, LINKS, Link, Settings, Turning};
+pub use settings::{Hx711, LINKS, Link, Settings, Turning, Windings};
 pub use text::{Templates, Text};
 #[cfg(unix)]
 pub use window::Window;

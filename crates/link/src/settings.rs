@@ -84,6 +84,12 @@ pub struct Settings {
     /// What comes is simulated, though the board does not say so.
     #[serde(default)]
     pub simulated: bool,
+    /// A calibration older than this many days is warned of.
+    #[serde(default = "usual_calibration_days")]
+    pub calibration_days: f64,
+    /// What of the actuators gets warm.
+    #[serde(default)]
+    pub heat: Windings,
     /// For a board that speaks Firmata.
     pub firmata: Option<Firmata>,
     /// Of a board that prints lines.
@@ -92,6 +98,37 @@ pub struct Settings {
     pub process: Option<Process>,
     /// Of a load cell at a port of its own.
     pub hx711: Option<Hx711>,
+}
+
+/// The windings of motor and brake: how warm sweeps make them.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Windings {
+    /// Resistance of the motor's winding, Ω.
+    pub motor_ohm: f64,
+    /// Mass of its copper, kg.
+    pub motor_kg: f64,
+    /// Resistance of the brake's winding, Ω.
+    pub brake_ohm: f64,
+    /// Mass of its copper, kg.
+    pub brake_kg: f64,
+    /// Time constant with which either cools, s.
+    pub cooling_s: f64,
+}
+
+impl Default for Windings {
+    /// The prototype's: 30.4 Ω as in docs/twin.md; copper is assumed to be 15 % of the motor's 88 g
+    /// and 30 % of the brake's 27 g (thesis App. A), the brake's resistance and the time constant
+    /// are assumed.
+    fn default() -> Self {
+        Self {
+            motor_ohm: 30.4,
+            motor_kg: 0.0132,
+            brake_ohm: 24.0,
+            brake_kg: 0.0081,
+            cooling_s: 60.0,
+        }
+    }
 }
 
 /// A load cell at a port of its own: an HX711 whose counts a sketch prints, one in a line.
@@ -124,6 +161,10 @@ impl Hx711 {
 
 fn prototype_turns() -> f64 {
     zwidth_device::SHAFT_PER_LEVER
+}
+
+fn usual_calibration_days() -> f64 {
+    90.0
 }
 
 fn usual_hx711_baud() -> u32 {
@@ -159,6 +200,8 @@ impl Settings {
             turning: Turning::Up,
             // Only lines of text need it: any other board says so itself.
             simulated: link == Link::Text,
+            calibration_days: usual_calibration_days(),
+            heat: Windings::default(),
             firmata: (link == Link::Firmata).then(|| Firmata::usual(rate_hz, angle, can)),
             text: (link == Link::Text).then(|| Text::usual(rate_hz, can)),
             // In software there is nothing to start.
@@ -257,6 +300,16 @@ impl Settings {
         require(self.zero_counts.is_finite(), "zero_counts", self.zero_counts, "finite")?;
         positive("shaft_per_lever", self.shaft_per_lever)?;
         require(self.baud != Some(0), "baud", 0.0, "above 0")?;
+        for (name, value) in [
+            ("calibration_days", self.calibration_days),
+            ("heat.motor_ohm", self.heat.motor_ohm),
+            ("heat.motor_kg", self.heat.motor_kg),
+            ("heat.brake_ohm", self.heat.brake_ohm),
+            ("heat.brake_kg", self.heat.brake_kg),
+            ("heat.cooling_s", self.heat.cooling_s),
+        ] {
+            positive(name, value)?;
+        }
         // A load cell at a port of its own brings the force, whatever the board prints.
         let streams = self.streams()?.filter(|_| self.hx711.is_none());
         if !streams.map_or(Ok(true), Streams::brings_force)? {

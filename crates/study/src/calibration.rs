@@ -36,6 +36,75 @@ pub struct Calibration {
     pub brake: Characteristic,
 }
 
+/// Where a calibration that was made at a rig comes from. Forces do not depend on it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CalibrationOrigin {
+    /// When its last sweep ended, UTC, RFC 3339.
+    pub utc: String,
+    /// The device, as it names itself.
+    pub device: String,
+    /// Confidence level of the intervals.
+    pub level: f64,
+    /// Of the motor.
+    pub motor: ForceInterval,
+    /// Of the brake.
+    pub brake: ForceInterval,
+}
+
+/// The interval of the force at each knot of a characteristic.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ForceInterval {
+    /// How many sweeps it rests on.
+    pub sweeps: u32,
+    /// Its lower end, N.
+    pub low_n: Vec<f64>,
+    /// Its upper end, N.
+    pub high_n: Vec<f64>,
+}
+
+/// The content of `calibration.toml`: a calibration and, where it was made at a rig, its origin.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CalibrationFile {
+    /// The motor.
+    pub motor: Characteristic,
+    /// The brake.
+    pub brake: Characteristic,
+    /// Where it comes from.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub origin: Option<CalibrationOrigin>,
+}
+
+impl CalibrationFile {
+    /// Reads the file's text.
+    ///
+    /// # Errors
+    /// Text that is not a calibration, or a characteristic that cannot be inverted.
+    pub fn from_toml(text: &str) -> Result<Self, CalibrationError> {
+        let read: Self = toml::from_str(text)
+            .map_err(|e| CalibrationError { actuator: "file", problem: e.to_string() })?;
+        read.motor.check("motor")?;
+        read.brake.check("brake")?;
+        Ok(read)
+    }
+
+    /// The file's text.
+    ///
+    /// # Errors
+    /// A value that cannot be written.
+    pub fn to_toml(&self) -> Result<String, CalibrationError> {
+        toml::to_string(self)
+            .map_err(|e| CalibrationError { actuator: "file", problem: e.to_string() })
+    }
+
+    /// The calibration alone: sessions are recorded with it, and name it by its hash.
+    pub fn calibration(self) -> Calibration {
+        Calibration { motor: self.motor, brake: self.brake }
+    }
+}
+
 impl Characteristic {
     /// Force of a voltage, N, with the voltage's sign.
     pub fn force_n(&self, voltage_v: f64) -> f64 {
@@ -95,10 +164,7 @@ impl Calibration {
     /// # Errors
     /// Text that is not a calibration, or a characteristic that cannot be inverted.
     pub fn from_toml(text: &str) -> Result<Self, CalibrationError> {
-        let read: Self = toml::from_str(text)
-            .map_err(|e| CalibrationError { actuator: "file", problem: e.to_string() })?;
-        read.check()?;
-        Ok(read)
+        CalibrationFile::from_toml(text).map(|file| file.calibration())
     }
 
     /// The calibration as TOML text, which [`Calibration::from_toml`] reads back.
@@ -188,6 +254,27 @@ mod tests {
             close(motor.force_n(motor.voltage_v(force_n)), force_n);
             close(brake.force_n(brake.voltage_v(force_n)), force_n);
         }
+    }
+
+    #[test]
+    fn its_origin_changes_no_force_and_no_hash() {
+        let interval = ForceInterval { sweeps: 15, low_n: vec![0.0, 4.1], high_n: vec![0.0, 4.2] };
+        let Calibration { motor, brake } = Calibration::thesis();
+        let file = CalibrationFile {
+            motor,
+            brake,
+            origin: Some(CalibrationOrigin {
+                utc: "2026-11-30T12:00:00Z".to_owned(),
+                device: "board".to_owned(),
+                level: 0.95,
+                motor: interval.clone(),
+                brake: interval,
+            }),
+        };
+        let text = file.to_toml().unwrap();
+        assert_eq!(CalibrationFile::from_toml(&text).unwrap(), file);
+        let read = Calibration::from_toml(&text).unwrap();
+        assert_eq!(read.to_toml().unwrap(), Calibration::thesis().to_toml().unwrap());
     }
 
     #[test]

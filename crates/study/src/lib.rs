@@ -51,7 +51,10 @@ mod words;
 
 pub use answer::{AnswerValue, NoAnswer};
 pub use axes::Axes;
-pub use calibration::{Basis, Calibration, CalibrationError, Characteristic};
+pub use calibration::{
+    Basis, Calibration, CalibrationError, CalibrationFile, CalibrationOrigin, Characteristic,
+    ForceInterval,
+};
 pub use changes::{Affects, StudyChange, study_changes};
 pub use compare::{
     Better, Bound, Compare, Contrast, Curve, EffectSize, Families, GroupContrast, GroupsCompared,

@@ -3,9 +3,11 @@
 use crate::commands::device::{Bench, check_allowed};
 use crate::screen::Screen;
 use anyhow::{Context as _, anyhow};
+use jiff::Timestamp;
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
+use std::time::SystemTime;
 use zwidth_acquire::number;
 use zwidth_device::check::{Step, steps};
 use zwidth_device::{Device, Person, Playback, Twin};
@@ -81,17 +83,45 @@ pub(crate) fn open(
     }
 }
 
-/// Warns of a rig that is about to be used with another device's calibration: forces would be
-/// wrong.
-pub(crate) fn warn_of_calibration(bench: &Bench, device: &DeviceSpec, screen: &Screen) {
+/// Warns of a rig that is about to be used with another device's calibration, or an old one: forces
+/// would be wrong. `name` is what the device calls itself.
+pub(crate) fn warn_of_calibration(bench: &Bench, device: &DeviceSpec, name: &str, screen: &Screen) {
+    if !matches!(device, DeviceSpec::Rig(_)) {
+        return;
+    }
     let path = bench.layout.raw().join("calibration.toml");
-    if matches!(device, DeviceSpec::Rig(_)) && !path.exists() {
+    let file = path.display();
+    if !path.exists() {
         screen.warn(format!(
-            "{} is missing, so the nominal calibration of the thesis' prototype is used: forces of another rig come out \
-             wrong; make one from sweeps and copy it there (docs/session.md)",
-            path.display()
+            "{file} is missing, so the nominal calibration of the thesis' prototype is used: forces of another rig come out \
+             wrong; make one with `zwidth characterise` (docs/session.md)"
+        ));
+        return;
+    }
+    // One that was imported or written by hand does not say where it comes from.
+    let Some(origin) = &bench.calibration_origin else { return };
+    if origin.device != name {
+        screen.warn(format!(
+            "{file} was made with {}, and this is {name}: forces may come out wrong; characterise this rig (docs/session.md)",
+            origin.device
         ));
     }
+    let days = days_since(&origin.utc);
+    let most = bench.rig.as_ref().map_or(f64::INFINITY, |rig| rig.calibration_days);
+    if days.is_none_or(|days| days > most) {
+        let age = days.map_or("of an unknown day".to_owned(), |days| format!("{days:.0} days old"));
+        screen.warn(format!(
+            "{file} is {age}, and rig.toml allows {most} days (calibration_days): characterise the rig again"
+        ));
+    }
+}
+
+/// How many days ago a moment was, RFC 3339; none of what is no moment.
+pub(crate) fn days_since(utc: &str) -> Option<f64> {
+    const DAY_S: f64 = 86_400.0;
+    let then: Timestamp = utc.parse().ok()?;
+    let now = Timestamp::try_from(SystemTime::now()).unwrap_or(Timestamp::MAX);
+    Some(now.duration_since(then).as_secs_f64() / DAY_S)
 }
 
 /// Whether a device's lever needs a hand to get to its stop.

@@ -24,7 +24,7 @@ const FLOORS: [(u8, &[&str]); 8] = [
     (2, &["crates/device", "crates/draw", "crates/tables", "crates/import", "crates/judge"]),
     (3, &["crates/export", "crates/frames", "crates/link"]),
     (4, &["crates/runner", "pipelines/*"]),
-    (5, &["crates/plan", "crates/acquire"]),
+    (5, &["crates/plan", "crates/acquire", "crates/rig"]),
     (6, &["crates/zwidth"]),
     (TOP, &["tests", "benches", "xtask"]),
 ];

@@ -240,7 +240,7 @@ pub(crate) fn read_on(
             return Ok(());
         }
         // No time counts as missed: a machine that stalls between trials must not lose the turn.
-        let looked = output.look(&Tick { missed_s: 0.0, ..tick });
+        let looked = output.look_unhurried(&tick);
         // In every tick, whatever was seen: a board's watchdog waits for a write.
         output.off(clock.now_s())?;
         match looked {

@@ -50,6 +50,17 @@ impl<'a> Output<'a> {
         Ok((reading, seen))
     }
 
+    /// The same without a voltage, where a late tick does no harm.
+    pub(crate) fn look_unhurried(&mut self, tick: &Tick) -> Result<(Reading, Seen), Trip> {
+        self.look(&Tick { missed_s: 0.0, ..*tick })
+    }
+
+    /// Reads a device whose turn is not known.
+    pub(crate) fn read(&mut self, tick: &Tick) -> Result<Reading, Trip> {
+        self.now_s = tick.now_s;
+        Ok(self.device.read(tick.now_s)?)
+    }
+
     /// Whether the loop came to this tick in time: one that slept through the rest of a trial has
     /// not recorded it.
     pub(crate) fn in_time(&mut self, tick: &Tick) -> Result<(), Trip> {

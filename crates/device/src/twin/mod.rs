@@ -15,6 +15,7 @@
 //! of the HX711.
 
 mod board;
+mod fixture;
 mod parameters;
 mod sensors;
 mod sweep;
@@ -23,6 +24,7 @@ mod tests;
 mod trial;
 
 pub use board::Twin;
+pub use fixture::{Faults, Fixture, Hands, HandsHandle};
 pub use parameters::{TwinParameter, TwinParameters};
 pub use sensors::{COUNTS_PER_TURN, SHAFT_PER_LEVER};
 pub use sweep::{SweepPoint, brake_sweep, motor_sweep};

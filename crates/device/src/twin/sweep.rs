@@ -13,16 +13,16 @@ use crate::participant::draw::{Draw, Purpose};
 use zwidth_dynamics::{Aim, Command, Driven, Hand, Tissue};
 
 /// How long a sweep takes, s: up in half of it, and down.
-const SWEEP_S: f64 = 8.0;
+pub(super) const SWEEP_S: f64 = 8.0;
 /// Highest voltages of a sweep, V (thesis App. D).
 const MOTOR_V: f64 = 16.0;
 const BRAKE_V: f64 = 8.0;
 /// The voltage is set anew so many times between two force values.
 const STEPS_PER_VALUE: u32 = 5;
 /// Where a driven lever starts above its lower stop, and how far from the upper one it ends, rad.
-const CLEARANCE_RAD: f64 = 0.05;
+pub(super) const CLEARANCE_RAD: f64 = 0.05;
 /// The pusher: heavy and stiff beside a finger, so that it holds a place and not a force. Ours.
-const PUSHER: Hand = Hand {
+pub(super) const PUSHER: Hand = Hand {
     mass_kg: 0.5,
     stiffness_n_per_m: 2e5,
     damping_ns_per_m: 600.0,

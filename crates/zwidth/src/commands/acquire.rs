@@ -102,7 +102,7 @@ pub(crate) fn acquire(root: &Path, command: &AcquireArgs, screen: &Screen) -> an
         bail!("--fast: a rig runs in real time; leave it out");
     }
     let mut device = open(&command.device, &bench, seed, participant, session)?;
-    warn_of_calibration(&bench, &command.device, screen);
+    warn_of_calibration(&bench, &command.device, &device.capabilities().name, screen);
     if by_hand && command.auto && device.capabilities().source != Source::Twin {
         bail!("--auto: nobody would hold the lever against its stop; leave it out");
     }

@@ -1,11 +1,12 @@
 //! `zwidth characterise`: sweeps of an actuator, or the Z-width of the device.
 
+use super::bench::sweep_at_rig;
 use super::device::{Bench, bench};
 use super::impedance::impedance;
 use super::recover::{lock, now, put_in_order_and_tell};
 use crate::devices::DeviceSpec;
 use crate::exit::Exit;
-use crate::limits::MOST_SWEEPS;
+use crate::limits::{MOST_SWEEPS, positive};
 use crate::screen::Screen;
 use anyhow::bail;
 use clap::ValueEnum;
@@ -33,12 +34,25 @@ pub(crate) struct CharacteriseArgs {
     pub(crate) study: StudyId,
     /// The actuator, or the impedance of the whole device
     pub(crate) actuator: Subject,
-    /// The device: the simulated one alone can be characterised
-    #[arg(long, default_value = "twin", value_name = "twin")]
+    /// The device; the impedance is that of the simulated one alone
+    #[arg(long, default_value = "twin", value_name = "twin|rig[:PORT]")]
     pub(crate) device: DeviceSpec,
-    /// Number of sweeps
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=MOST_SWEEPS))]
-    pub(crate) sweeps: u32,
+    /// Number of sweeps [default: 1 more on the simulated device; at a rig 15 of a motor and 30 of a
+    /// brake in the end]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MOST_SWEEPS))]
+    pub(crate) sweeps: Option<u32>,
+    /// At a rig: a known mass for the load cell, kg; two at least, three say which of them is wrong
+    #[arg(long, value_name = "KG", value_parser = positive)]
+    pub(crate) mass: Vec<f64>,
+    /// At a rig: highest voltage, V [default: 16, or what the board gives]
+    #[arg(long, value_name = "V", value_parser = positive)]
+    pub(crate) to: Option<f64>,
+    /// At a rig: how long a sweep takes, up and down, s
+    #[arg(long, value_name = "S", default_value_t = 8.0, value_parser = positive)]
+    pub(crate) seconds: f64,
+    /// At a rig: allow the motor of a board without a watchdog; this is written into each sweep
+    #[arg(long)]
+    pub(crate) no_watchdog: bool,
     /// Seed of the simulated device
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub(crate) seed: u64,
@@ -51,11 +65,12 @@ pub(crate) fn characterise(
 ) -> anyhow::Result<Exit> {
     let bench = bench(root, command.study.clone(), None)?;
     let lock = lock(&bench.layout, "zwidth characterise")?;
-    if command.device != DeviceSpec::Twin {
-        bail!(
-            "`zwidth characterise` works on the simulated device only; use --device twin, or import sweeps of your \
-             own (docs/import.md)"
-        );
+    if matches!(command.device, DeviceSpec::Playback(_)) {
+        bail!("a recording cannot be characterised; use --device twin or rig");
+    }
+    let is_rig = matches!(command.device, DeviceSpec::Rig(_));
+    if is_rig && command.actuator == Subject::Impedance {
+        bail!("the Z-width is measured on the simulated device only; use --device twin");
     }
     put_in_order_and_tell(&bench.layout, &lock, screen);
     let raw = Raw::adds(&RealFiles, &bench.layout, &lock);
@@ -67,10 +82,13 @@ pub(crate) fn characterise(
             return Ok(Exit::Fine);
         }
     };
+    if is_rig {
+        return sweep_at_rig(&bench, command, actuator, &raw, screen);
+    }
     let id = actuator.as_str().parse()?;
     // Earlier sweeps stay: numbering goes on at the first number without a file.
     let first = (1..).find(|number| !bench.layout.sweep(&id, *number).exists()).unwrap_or(u32::MAX);
-    for number in first..first.saturating_add(command.sweeps) {
+    for number in first..first.saturating_add(command.sweeps.unwrap_or(1)) {
         let software = super::acquire::SOFTWARE;
         let sweep = simulated_sweep(&bench, actuator, command.seed, number, software)?;
         let path = record_sweep(&raw, &bench.layout, &now(), &sweep)?;

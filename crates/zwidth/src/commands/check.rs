@@ -56,7 +56,7 @@ pub(crate) fn check(root: &Path, command: &CheckArgs, screen: &Screen) -> anyhow
     let participant = "check".parse()?;
     let session = "check".parse()?;
     let mut device = open(&command.device, &bench, SEED, &participant, &session)?;
-    warn_of_calibration(&bench, &command.device, screen);
+    warn_of_calibration(&bench, &command.device, &device.capabilities().name, screen);
     let capabilities = device.capabilities().clone();
     let rate_hz = bench.study.control.rate_hz.min(capabilities.rate_hz);
     let mut guard = Guard::new(&capabilities, Limits::of(&bench.study)?, false);

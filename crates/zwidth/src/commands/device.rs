@@ -11,7 +11,9 @@ use zwidth_device::{Clock, RealClock, SimulatedClock, TwinParameters, stop_on_si
 use zwidth_link::{Process, Settings};
 use zwidth_plan::{ReadScript, read_program};
 use zwidth_store::{Layout, MOST_BYTES, read_regular, read_study};
-use zwidth_study::{Calibration, Control, Study, StudyId, command_line};
+use zwidth_study::{
+    Calibration, CalibrationFile, CalibrationOrigin, Control, Study, StudyId, command_line,
+};
 
 /// Where seals lie.
 #[derive(Debug, Clone, PartialEq, Eq, clap::Args)]
@@ -27,6 +29,8 @@ pub(crate) struct Bench {
     pub(crate) study: Study,
     pub(crate) study_toml: Vec<u8>,
     pub(crate) calibration: Calibration,
+    /// Where and when it was made, where its file says so.
+    pub(crate) calibration_origin: Option<CalibrationOrigin>,
     pub(crate) twin: TwinParameters,
     pub(crate) rig: Option<Settings>,
 }
@@ -39,17 +43,20 @@ pub(super) fn bench(root: &Path, id: StudyId, rate_hz: Option<f64>) -> anyhow::R
     let mut study = read_study(&layout).map_err(|findings| join_findings(&findings))?;
     study.control.rate_hz = rate_hz.unwrap_or(study.control.rate_hz);
     let path = layout.raw().join("calibration.toml");
-    let calibration = match read_beside(&path)? {
+    let (calibration, calibration_origin) = match read_beside(&path)? {
         Some(text) => {
-            Calibration::from_toml(&text).map_err(|e| anyhow!("{}: {e}", path.display()))?
+            let file = CalibrationFile::from_toml(&text)
+                .map_err(|e| anyhow!("{}: {e}", path.display()))?;
+            let origin = file.origin.clone();
+            (file.calibration(), origin)
         }
-        None => Calibration::thesis(),
+        None => (Calibration::thesis(), None),
     };
     // As bytes: their hash goes into what is recorded.
     let study_toml = read_regular(&layout.study_toml(), MOST_BYTES)?;
     let twin = twin_parameters(&layout, study.device.lever_m)?;
     let rig = rig(&layout)?;
-    Ok(Bench { layout, study, study_toml, calibration, twin, rig })
+    Ok(Bench { layout, study, study_toml, calibration, calibration_origin, twin, rig })
 }
 
 /// What a host must be told of the study's rig.

@@ -3,6 +3,8 @@
 pub(crate) mod acquire;
 mod alike;
 pub(crate) mod allow;
+mod bench;
+mod calibrate;
 pub(crate) mod characterise;
 pub(crate) mod check;
 mod cluster;
