@@ -98,6 +98,7 @@ pub fn write() -> Result<(), Any> {
     put("calibration", "thesis", Calibration::thesis().to_toml()?.as_bytes())?;
     put("twin", "default", toml::to_string(&TwinParameters::default())?.as_bytes())?;
     put("mapping", "axes", AXES.as_bytes())?;
+    put("mapping", "joined", JOINED.as_bytes())?;
     for (target, file) in [
         ("mapping", "studies/brake_b5zd/map.toml"),
         ("mapping", "studies/tsa/map.toml"),
@@ -427,6 +428,49 @@ origin = [0.0, 0.1, -0.2]
 [[column]]
 to = "force_ex_n"
 derive = "along push"
+"#;
+
+/// A mapping that joins a log and a second file to recordings.
+const JOINED: &str = r#"kind = "trials"
+[name]
+pattern = '(?<n>\d+)'
+[log]
+path = "{n}.csv"
+trial = "n"
+number = { name = "n" }
+add = 1
+where = { who = "7" }
+when = { screen = ["test"] }
+unmatched = "drop"
+[[with]]
+id = "b"
+path = "{n}.c3d"
+file = { group = "points" }
+time = "time_s"
+unit = "s"
+offset_s = 0.5
+resample = "linear"
+[trial]
+participant = "P01"
+session = "S01"
+environment = "spring"
+mode = { column = "m@log" }
+[questions]
+lowest = 0
+[questions.columns]
+easy = { column = "a@log", key = "Q0" }
+[task]
+id = "stiffer"
+level = "k@log"
+unit = "N/mm"
+answer = { column = "r@log" }
+[time]
+from = 1
+unit = "s"
+[[column]]
+to = "theta_rad"
+from = "x@b"
+unit = "deg"
 "#;
 
 /// What a session says to a participant's screen.

@@ -442,6 +442,7 @@ fn convert(
     // Counted before anything is made of them.
     budget.trials(&recording.path, pieces().count())?;
     let begins: Vec<usize> = pieces().map(|rows| rows[0]).collect();
+    uses.check_begins(recording, &begins)?;
     let mut sayings = Sayings::new(context, beside);
     let trials = all(pieces().enumerate().map(|(i, stretch)| {
         let identity = identity(who, recording, stretch[0], context.study)?;

@@ -25,6 +25,7 @@ pub(super) struct Bench {
 
 const PEERS: &str = "benches/peers/RESULTS.md";
 const LONG: &str = "benches/long/RESULTS.md";
+const FORMATS: &str = "benches/formats/RESULTS.md";
 const STATISTICS: &str = "benches/statistics/RESULTS.md";
 const PAGE: &str = "benches/page/RESULTS.md";
 const SCALE: &str = "benches/scale/RESULTS.md";
@@ -43,7 +44,7 @@ pub(super) const ALONE: [(&str, &str); 3] = [
 ];
 
 /// All others: the quick ones first.
-pub(super) const BENCHES: [Bench; 11] = [
+pub(super) const BENCHES: [Bench; 12] = [
     criterion(
         "store",
         ["measure --bench reference --bench store", "measure --bench store -- --test"],
@@ -109,6 +110,21 @@ pub(super) const BENCHES: [Bench; 11] = [
     page_of("long", ["benches/long/run.sh", "benches/long/run.sh --rows 10000"], (LONG, 0), |_| {
         side_by_side(LONG, &["rows"], "the three, s", "pandas, s", "pandas, a part of it", 1.0)
     }),
+    page_of(
+        "formats",
+        ["benches/formats/run.sh", "benches/formats/run.sh --mb 1 --turns 1"],
+        (FORMATS, 0),
+        |_| {
+            side_by_side(
+                FORMATS,
+                &["format", "beside"],
+                "zwidth, s",
+                "its time, s",
+                "its own library",
+                1.0,
+            )
+        },
+    ),
     page_of(
         "page",
         ["benches/page/run.sh", "benches/page/run.sh --participants 10 --repeats 1"],

@@ -359,7 +359,8 @@ fn by_time(
         moment.map_or(NO_ROW, |moment| moment.row)
     };
     if at != At::Within {
-        return Ok(times.iter().map(|time| row_at(*time)).collect());
+        let row_of = |time: &f64| if time.is_nan() { NO_ROW } else { row_at(*time) };
+        return Ok(times.iter().map(row_of).collect());
     }
     let rows: Vec<usize> = (0..times.len()).collect();
     let mut of = Vec::with_capacity(rows.len());

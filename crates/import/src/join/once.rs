@@ -1,6 +1,7 @@
 //! What recordings use of the files that are joined to them, and whether the rows of a log and the samples of second files are joined once, and all of them.
 
 use super::super::errors::Errors;
+use super::super::recording::Recording;
 use super::super::table::NO_ROW;
 use super::log::LogUse;
 use super::second::SecondUse;
@@ -21,6 +22,29 @@ impl Uses {
     pub(crate) fn words(&self, row: usize) -> Vec<String> {
         let log = self.log.as_ref().and_then(|log| log.words(row));
         log.into_iter().chain(self.seconds.iter().map(SecondUse::words)).collect()
+    }
+
+    /// Checks that no two trials of a recording, which begin with these rows, have one row of the log.
+    ///
+    /// # Errors
+    /// Two have.
+    pub(crate) fn check_begins(
+        &self,
+        recording: &Recording,
+        begins: &[usize],
+    ) -> Result<(), StoreError> {
+        let Some(log) = &self.log else { return Ok(()) };
+        let of = |begin: &usize| log.of.get(*begin).copied().unwrap_or(NO_ROW);
+        let same =
+            begins.windows(2).find(|pair| of(&pair[0]) != NO_ROW && of(&pair[0]) == of(&pair[1]));
+        let Some([_, second]) = same else { return Ok(()) };
+        let what = format!(
+            "the trial has {} of the log {}, which is that of the trial before it too",
+            log.log.row_name(of(second) as usize),
+            log.log.path.display()
+        );
+        let remedy = "name in number of [log] what tells the trials of the recording apart, or leave it out: then they are counted";
+        Err(recording.row_error(*second, &what, remedy))
     }
 }
 

@@ -121,6 +121,20 @@ fn rows_without_a_trial_trials_without_a_row_and_two_rows_are_refused_with_their
 }
 
 #[test]
+fn trials_of_one_recording_are_counted_where_nothing_numbers_them_and_have_no_row_in_common() {
+    let world = World::new();
+    world.file("log/P07.csv", PSYCHOPY);
+    let file = world.file("rig/P07_01.csv", "t,f\n0,1\n1,1\n0,2\n1,2\n0,3\n1,3\n");
+    let map = NUMBERED.replace("trial = { name = \"n\" }\n", "");
+    let split = trials_map(&["[file]\nsplit = \"time\"\n", &map, FORCE]);
+    let errors = refused(&world, &split, std::slice::from_ref(&file));
+    says(&errors, "the trial has line 3 of the log");
+    let counted = split.replace("number = { name = \"n\" }\n", "");
+    assert_eq!(world.import(&counted, &[file]).unwrap().trials, 3);
+    assert_eq!(world.trial("P07", "S01", 3).meta.mode.as_str(), "hybrid");
+}
+
+#[test]
 fn where_and_when_choose_the_rows_of_a_person_and_of_a_screen() {
     let world = World::new();
     world.file(

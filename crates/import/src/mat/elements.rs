@@ -3,7 +3,7 @@
 use super::super::limits::MOST_NAME;
 use super::super::table::{Number, NumberKind};
 use super::mi;
-use flate2::read::ZlibDecoder;
+use flate2::bufread::ZlibDecoder;
 use std::io::Read as _;
 
 /// Elements begin at multiples of this many bytes.
@@ -27,11 +27,14 @@ pub(super) struct Numbers<'a> {
 /// Stands for the error of the budget, which takes its place.
 pub(super) const TOO_MUCH: &str = "it has more values than are read";
 
-/// The first bytes of a compressed element, at most `most`: what it claims of its size decides
+/// The bytes of a compressed element behind the first `skip`, at most `most`: what it claims of its size decides
 /// nothing.
-pub(super) fn inflate(data: &[u8], most: u64) -> Option<Vec<u8>> {
-    let mut plain = Vec::new();
-    ZlibDecoder::new(data).take(most).read_to_end(&mut plain).ok()?;
+pub(super) fn inflate(data: &[u8], skip: usize, most: u64) -> Option<Vec<u8>> {
+    let mut unpacked = ZlibDecoder::new(data);
+    std::io::copy(&mut unpacked.by_ref().take(skip as u64), &mut std::io::sink()).ok()?;
+    // Numbers unpack to as much at the least; more grows as it comes.
+    let mut plain = Vec::with_capacity(data.len().min(usize::try_from(most).unwrap_or(0)));
+    unpacked.take(most).read_to_end(&mut plain).ok()?;
     Some(plain)
 }
 
@@ -118,6 +121,8 @@ impl<'a> Numbers<'a> {
         let width = self.written.size;
         let data =
             self.data.get(from.checked_mul(width)?..from.checked_add(n)?.checked_mul(width)?)?;
-        Some(data.chunks_exact(width).map(|bytes| self.written.read(bytes)).collect())
+        let mut values = Vec::with_capacity(n);
+        self.written.read_each(data, |value| values.push(value));
+        Some(values)
     }
 }

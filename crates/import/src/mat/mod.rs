@@ -270,7 +270,7 @@ fn variables(
         // Of a compressed variable only the beginning is unpacked, until its values are asked for.
         let beginning = match kind {
             mi::MATRIX => Vec::new(),
-            mi::COMPRESSED => inflate(data, HEAD).ok_or_else(damaged)?,
+            mi::COMPRESSED => inflate(data, 0, HEAD).ok_or_else(damaged)?,
             _ => return Err(damaged()),
         };
         let (size, plain) = match kind {
@@ -288,9 +288,8 @@ fn variables(
                     "variable '{name}' unpacks to {size} bytes, and at most {MOST_UNPACKED} are read"
                 ));
             }
-            let mut plain = inflate(data, ALIGN as u64 + size).ok_or_else(damaged)?;
             // Its tag was read before.
-            plain.drain(..ALIGN.min(plain.len()));
+            let plain = inflate(data, ALIGN, size).ok_or_else(damaged)?;
             if plain.len() as u64 == size { Ok(Cow::Owned(plain)) } else { Err(damaged()) }
         };
         if head.is_struct {

@@ -72,7 +72,7 @@ pub(super) fn subsystem(bytes: &[u8], at: usize, big: bool, most: u64) -> Option
     let matrix = match kind {
         mi::MATRIX => data,
         mi::COMPRESSED => {
-            unpacked = inflate(data, most)?;
+            unpacked = inflate(data, 0, most)?;
             unpacked.get(ALIGN..)?
         }
         _ => return None,
