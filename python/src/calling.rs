@@ -115,6 +115,14 @@ pub(crate) fn call<T: Send + 'static>(
     py: Python<'_>,
     compute: impl FnOnce(&Stop) -> Result<T, Fault> + Send + 'static,
 ) -> PyResult<T> {
+    Ok(computed(py, compute)??)
+}
+
+/// What `compute` gives, or that it panicked; the outer error is Ctrl-C.
+fn computed<T: Send + 'static>(
+    py: Python<'_>,
+    compute: impl FnOnce(&Stop) -> Result<T, Fault> + Send + 'static,
+) -> PyResult<Result<T, Fault>> {
     let stop = Stop::default();
     let (give, given) = channel();
     let told = stop.clone();
@@ -133,7 +141,7 @@ pub(crate) fn call<T: Send + 'static>(
             (given, received)
         });
         match received {
-            Ok(result) => return Ok(result?),
+            Ok(result) => return Ok(result),
             Err(RecvTimeoutError::Timeout) => {
                 if let Err(interrupt) = py.check_signals() {
                     stop.0.store(true, Ordering::Relaxed);
@@ -144,11 +152,10 @@ pub(crate) fn call<T: Send + 'static>(
             Err(RecvTimeoutError::Disconnected) => {
                 let why = thread.join().err().map(|panic| words(&*panic)).unwrap_or_default();
                 let what = format!("zwidth met a case that it does not know ({why})");
-                return Err(Fault::new(
+                return Ok(Err(Fault::new(
                     what,
                     "this is a defect of zwidth; please report it with the call",
-                )
-                .into());
+                )));
             }
         }
     }
@@ -158,4 +165,28 @@ pub(crate) fn call<T: Send + 'static>(
 fn words(panic: &(dyn std::any::Any + Send)) -> String {
     let text = panic.downcast_ref::<&str>().map(|text| (*text).to_owned());
     text.or_else(|| panic.downcast_ref::<String>().cloned()).unwrap_or_default()
+}
+
+#[cfg(test)]
+#[allow(clippy::panic, clippy::unwrap_used)] // of a test
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_panic_ends_as_a_fault_that_says_what_it_said() {
+        Python::attach(|py| {
+            let fault = computed(py, |_| -> Result<u8, Fault> { panic!("boom") }).unwrap();
+            let text = fault.unwrap_err().text();
+            assert!(text.contains("boom") && text.contains("defect of zwidth"), "{text}");
+            assert_eq!(computed(py, |_| Ok(7)).unwrap(), Ok(7), "and the next call is as any");
+        });
+    }
+
+    #[test]
+    fn a_fault_says_where_what_and_what_to_do() {
+        let fault = Fault::new("it is not there", "look elsewhere");
+        let fault = fault.in_file("a.toml").in_column("mass").in_row0(4);
+        assert_eq!(fault.text(), "a.toml, column mass, row 5: it is not there; look elsewhere");
+        assert_eq!(Fault::said("it is not there").text(), "it is not there");
+    }
 }

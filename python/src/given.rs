@@ -1,6 +1,7 @@
 //! Arrays that are given: float64, one dimension, numbers.
 
 use crate::calling::Fault;
+use crate::table::Column;
 use pyo3::buffer::PyBuffer;
 use pyo3::prelude::*;
 
@@ -26,6 +27,10 @@ pub(crate) fn numbers(name: &str, given: &Bound<'_, PyAny>) -> PyResult<Vec<f64>
 
 fn floats(name: &str, given: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
     let py = given.py();
+    // Without NumPy, which `__array__` would need.
+    if let Some(values) = given.cast::<Column>().ok().and_then(|column| column.get().floats()) {
+        return Ok(values);
+    }
     let buffer = PyBuffer::<f64>::get(given).or_else(|error| match given.getattr("__array__") {
         Ok(array) => PyBuffer::<f64>::get(&array.call0()?),
         Err(_) => Err(error),

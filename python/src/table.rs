@@ -169,6 +169,12 @@ impl Column {
         Ok(Self { field: field.clone(), array: batch.column(place).clone() })
     }
 
+    /// Its numbers as float64, NaN where one is missing; none of another type.
+    pub(crate) fn floats(&self) -> Option<Vec<f64>> {
+        let values = self.array.as_primitive_opt::<Float64Type>()?;
+        Some(values.iter().map(|value| value.unwrap_or(f64::NAN)).collect())
+    }
+
     fn said(&self, key: &str) -> &str {
         self.field.metadata().get(key).map_or("", String::as_str)
     }
@@ -236,14 +242,12 @@ impl Column {
     ) -> PyResult<Bound<'py, PyAny>> {
         let _ = copy; // it always is one
         let numpy = py.import("numpy")?;
-        let array = match self.array.data_type() {
-            DataType::Float64 => {
-                let values = self.array.as_primitive::<Float64Type>();
-                let bytes: Vec<u8> =
-                    values.iter().flat_map(|v| v.unwrap_or(f64::NAN).to_ne_bytes()).collect();
+        let array = match self.floats() {
+            Some(values) => {
+                let bytes: Vec<u8> = values.into_iter().flat_map(f64::to_ne_bytes).collect();
                 numpy.call_method1("frombuffer", (PyBytes::new(py, &bytes), "f8"))?
             }
-            _ => numpy.call_method1("array", (list(py, &self.array)?,))?,
+            None => numpy.call_method1("array", (list(py, &self.array)?,))?,
         };
         match dtype {
             Some(dtype) => array.call_method1("astype", (dtype,)),

@@ -1,11 +1,14 @@
 """The command that comes with the module."""
 
-import importlib.metadata
-import os
-import pathlib
-import subprocess
+from __future__ import annotations
 
 from zwidth._errors import ZwidthError
+
+TYPE_CHECKING = False  # that of typing, whose import takes longer than ours
+if TYPE_CHECKING:
+    import os
+    import pathlib
+    import subprocess
 
 
 def command(*arguments: str | os.PathLike[str]) -> pathlib.Path | subprocess.CompletedProcess[str]:
@@ -15,6 +18,8 @@ def command(*arguments: str | os.PathLike[str]) -> pathlib.Path | subprocess.Com
     and 3 (done but for something, which it says) raises `ZwidthError` with what it said. Commands that only it has, and all
     that write, are reached like this.
     """
+    import subprocess  # here, because it takes longer to import than all else that the module needs
+
     program = _program()
     if not arguments:
         return program
@@ -26,6 +31,9 @@ def command(*arguments: str | os.PathLike[str]) -> pathlib.Path | subprocess.Com
 
 def _program() -> pathlib.Path:
     """Where the installer has put it: it is among the files of the package."""
+    import importlib.metadata
+    import pathlib
+
     for file in importlib.metadata.files("zwidth") or []:
         if file.stem == "zwidth" and file.suffix in ("", ".exe") and file.parent.name in ("bin", "Scripts", "scripts"):
             found = pathlib.Path(file.locate()).resolve()

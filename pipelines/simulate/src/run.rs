@@ -78,6 +78,13 @@ mod tests {
     }
 
     #[test]
+    fn a_run_that_is_not_judged_is_the_one_that_is_judged() {
+        let solver = solver("exact", DEFAULT_TOLERANCE).unwrap();
+        let (_, trajectory) = unjudged(sticking(), solver.as_ref()).unwrap();
+        assert_eq!(trajectory, run(sticking(), "exact").trajectory);
+    }
+
+    #[test]
     fn the_largest_angle_and_its_time_do_not_depend_on_the_samples() {
         for step_s in [1e-3, 8.3e-3, 0.9] {
             let run = run(ModelScene { step_s, ..sticking() }, "exact");
