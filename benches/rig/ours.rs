@@ -7,8 +7,12 @@
 
 use std::path::Path;
 use std::time::{Duration, Instant};
-use zwidth_device::{Clock, Person, Priority, RealClock, Twin, TwinParameters};
-use zwidth_link::{Board, Pair, Serial, Settings, Wire as _, over};
+use zwidth_device::{Clock, Priority, RealClock};
+#[cfg(unix)]
+use zwidth_device::{Person, Twin, TwinParameters};
+#[cfg(unix)]
+use zwidth_link::{Board, Pair, Wire as _};
+use zwidth_link::{Serial, Settings, over};
 use zwidth_study::Voltages;
 
 /// Each answer comes in its own tick at 1 kHz.
@@ -18,6 +22,7 @@ fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
     match words.as_slice() {
+        #[cfg(unix)]
         ["board"] => board(),
         ["loop", port, rate_hz, ticks] => {
             hold(Path::new(port), rate_hz.parse().unwrap(), ticks.parse().unwrap());
@@ -30,6 +35,7 @@ fn main() {
 }
 
 /// Until it is stopped.
+#[cfg(unix)]
 fn board() {
     let twin = Twin::new(TwinParameters::default(), Person::draw(3), 5).unwrap();
     let mut board = Board::new(twin, zwidth_testing::study().environments);

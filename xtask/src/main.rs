@@ -3,12 +3,14 @@
 
 mod bench;
 mod bits;
+#[cfg(unix)]
 mod board;
 mod emulator;
 mod encodings;
 mod firmware;
 mod fuzz;
 mod hx711;
+mod licences;
 mod messages;
 mod pictures;
 mod played;
@@ -25,8 +27,10 @@ use soak::compared::{From, compared};
 use soak::simulate::{With, simulate};
 use soak::{
     coverage, extremes, faults, judge, kill, kill_tasks, live, loops, mistakes, properties,
-    statistics, terminals, thesis, watchdog, wire,
+    statistics, thesis, wire,
 };
+#[cfg(unix)]
+use soak::{terminals, watchdog};
 use std::path::Path;
 
 const CHORES: &str =
@@ -65,6 +69,7 @@ cargo xtask soak extremes [SCENES]      scenes, answers and paths at the extreme
 cargo xtask soak r [SETS [SEED]]       statistics against R, SciPy and statsmodels on so many random data sets [1000]
 cargo xtask soak null [STUDIES [PART]] tests, intervals and power on studies without an effect, or those tests of null_studies whose names have PART [40000, all]
 cargo xtask fuzz TARGET|all|seeds [RUNS] any bytes for a reader, or for all of them; or the files they begin from, anew [10000000 or 1000000]
+cargo xtask licences                   the notices of what is linked into the program, anew, for `zwidth licences`
 cargo xtask messages                   every text that a person can be told, with its file and line
 cargo xtask reliability                write what was tried into docs/reliability.md
 cargo xtask encodings STUDY            measure column encodings on a study under raw/: size and speed";
@@ -74,6 +79,7 @@ fn main() -> anyhow::Result<()> {
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
     match words.as_slice() {
         ["thesis-twin"] => twin::write(Path::new(".")),
+        #[cfg(unix)]
         ["board", study, rest @ ..] => {
             let link = rest.first().copied().unwrap_or("framed");
             board::run(Path::new(study), link, number(rest, 1, 1)?)
@@ -101,6 +107,7 @@ fn main() -> anyhow::Result<()> {
             let runs = rest.first().map(|_| number(rest, 0, 0)).transpose()?;
             fuzz::fuzz(which, runs)
         }
+        ["licences"] => licences::write(),
         ["messages"] => messages::list(Path::new(".")),
         ["reliability"] => tried::reliability(),
         ["encodings", study] => encodings::measure(Path::new("."), study),
@@ -116,11 +123,14 @@ fn soak_by_word(chore: &str, rest: &[&str]) -> anyhow::Result<()> {
         "faults" => faults::faults(number(rest, 0, 1)?, rest.get(1..).unwrap_or_default()),
         "mistakes" => mistakes::mistakes(number(rest, 0, 10_000)?, number(rest, 1, 0)?),
         "live" => live::live(number(rest, 0, 10.0)?, rest.get(1).copied()),
+        #[cfg(unix)]
         "watchdog" => watchdog::watchdog(number(rest, 0, 100)?, number(rest, 1, 1)?),
+        #[cfg(unix)]
         "terminals" => terminals::terminals(number(rest, 0, 100)?, number(rest, 1, 1)?),
         "wire" => wire::wire(number(rest, 0, 1)?),
         "wire-sessions" => wire::whole(),
         // What `soak watchdog` runs and cuts off.
+        #[cfg(unix)]
         "host" => watchdog::host(Path::new(rest.first().copied().unwrap_or_default())),
         "coverage" => coverage::coverage(number(rest, 0, 400)?),
         "loops" => loops::loops(number(rest, 0, 1000)?),

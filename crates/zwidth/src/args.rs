@@ -220,9 +220,16 @@ pub(crate) enum Command {
         /// The shell
         shell: clap_complete::Shell,
     },
-    /// The manual page
-    #[command(after_help = "Example:\n  zwidth man")]
-    Man,
+    /// The manual page, or a page for each command
+    #[command(after_help = "Examples:\n  zwidth man\n  zwidth man --out ~/.local/share/man/man1")]
+    Man {
+        /// Write a page for each command into this folder, which is created if there is none
+        #[arg(long, value_name = "DIR")]
+        out: Option<PathBuf>,
+    },
+    /// The licences of everything that this program is made of
+    #[command(after_help = "Example:\n  zwidth licences | less")]
+    Licences,
 }
 
 #[cfg(test)]

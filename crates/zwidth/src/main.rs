@@ -129,6 +129,7 @@ fn run(args: Args, screen: &screen::Screen) -> anyhow::Result<Exit> {
         Command::Why(command) => commands::why::why(root, &command, screen),
         Command::Trace(command) => commands::trace::trace(root, &command, screen),
         Command::Completions { shell } => commands::shell::completions(shell, screen),
-        Command::Man => commands::shell::man(screen),
+        Command::Man { out } => commands::shell::man(out.as_deref(), screen),
+        Command::Licences => commands::shell::licences(screen),
     }
 }

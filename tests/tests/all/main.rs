@@ -29,6 +29,7 @@ mod folders;
 mod formulas;
 mod groups;
 mod hostile_import;
+mod itself;
 mod little_memory;
 mod logs;
 mod others;

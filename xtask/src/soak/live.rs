@@ -3,6 +3,7 @@
 //! missed deadlines are reported, and every missed deadline is flagged in the data.
 
 use super::{SESSION, STUDY, fresh, run};
+#[cfg(unix)]
 use crate::board::Plugged;
 use crate::shell::{program, scratch, words};
 use crate::tried::held;
@@ -21,9 +22,11 @@ const MOST_STOPS: u32 = 50;
 const TICK_S: f64 = 1e-3;
 
 /// At this rate an answer of the framed link comes in the tick that asked for it.
+#[cfg(unix)]
 const BAUD: u32 = 1_000_000;
 
 /// A board at the end of a line, until this process ends; what `acquire` calls it.
+#[cfg(unix)]
 fn plugged(layout: &Layout, link: &str) -> anyhow::Result<String> {
     let mut board = Plugged::new(&layout.study_toml(), link, 1)?;
     board.settings.baud = Some(BAUD);
@@ -32,6 +35,12 @@ fn plugged(layout: &Layout, link: &str) -> anyhow::Result<String> {
     // A session at a board that fails says so.
     std::thread::spawn(|| board.serve());
     Ok(device)
+}
+
+/// A line of a board in software is a pseudo-terminal.
+#[cfg(not(unix))]
+fn plugged(_layout: &Layout, _link: &str) -> anyhow::Result<String> {
+    anyhow::bail!("this system has no pseudo-terminals; leave the link out")
 }
 
 /// `link`: of the board, where the device is one.

@@ -1,5 +1,6 @@
 //! `cargo xtask soak`: checks that take too long for the tests; CI runs a short version of them.
 
+#[cfg(unix)]
 mod cable;
 pub(crate) mod compared;
 pub(crate) mod coverage;
@@ -17,6 +18,7 @@ pub(crate) mod statistics;
 #[cfg(unix)]
 pub(crate) mod terminals;
 pub(crate) mod thesis;
+#[cfg(unix)]
 pub(crate) mod watchdog;
 pub(crate) mod wire;
 

@@ -104,7 +104,7 @@ pub(crate) fn compare(root: &Path, command: &CompareArgs, screen: &Screen) -> an
             screen.warn(format!("there is nothing to compare: nobody has {metric} in two modes"));
             exit = Exit::Partly;
         }
-        print(&data, &[table], screen)?;
+        print(&data, &[table], &LEAST_OF_PEERS, screen)?;
         return Ok(exit);
     }
     let is_all = command.by.is_none() && command.metric.is_none();
@@ -142,12 +142,17 @@ pub(crate) fn compare(root: &Path, command: &CompareArgs, screen: &Screen) -> an
             }
         }
     }
-    print(&data, &tables, screen)?;
+    print(&data, &tables, &LEAST, screen)?;
     Ok(exit)
 }
 
 /// Tables for people, or for machines.
-fn print(data: &StudyData, tables: &[Table], screen: &Screen) -> anyhow::Result<()> {
+fn print(
+    data: &StudyData,
+    tables: &[Table],
+    least: &[&str],
+    screen: &Screen,
+) -> anyhow::Result<()> {
     if screen.json {
         let listed = tables.iter().map(listing).collect::<Result<Vec<_>, _>>()?;
         return screen.listing(&listed);
@@ -156,7 +161,7 @@ fn print(data: &StudyData, tables: &[Table], screen: &Screen) -> anyhow::Result<
     let width = screen.width();
     for table in tables.iter().filter(|table| table.height() > 0) {
         if let Some(width) = width {
-            screen.result(table.for_terminal(&wording, width, &LEAST)? + "\n");
+            screen.result(table.for_terminal(&wording, width, least)? + "\n");
             continue;
         }
         let wanted = [(Format::Markdown, Path::new(table.name()))];
@@ -267,6 +272,18 @@ const LEAST: [&str; 26] = [
     "trials first",
     "sessions",
     "trials",
+];
+
+/// The same of what other programs print, which differ most in degrees of freedom and p values.
+const LEAST_OF_PEERS: [&str; 8] = [
+    "why",
+    "effect",
+    "effect size",
+    "left out",
+    "trials",
+    "statistic",
+    "distribution",
+    "difference std. error",
 ];
 
 /// The metric that the command names, or the first.
