@@ -7,7 +7,7 @@ use super::errors::{Errors, all};
 use super::growing::{Growing, Part};
 use super::identity::{Identity, identity, number_trials, tell_labels};
 use super::join::{self, Joiner, Uses};
-use super::limits::Budget;
+use super::limits::{Budget, MOST_FILE};
 use super::mapping::{TrialsFrom, Who};
 use super::outline::Outline;
 use super::plan::{Plan, plan};
@@ -164,7 +164,12 @@ fn convert_files(
     let (long, short): (Vec<PathBuf>, Vec<PathBuf>) =
         files.iter().cloned().partition(|path| is_long(path, &context.mapping.file));
     // Columns that no mapping names may count the samples that the times pass over.
-    let looked_at: Vec<ColumnRef> = counter::looked_at().collect();
+    // Of a file as large as no other is read, there is room for those that are mapped alone.
+    let is_large = |path: &PathBuf| path.metadata().is_ok_and(|file| file.len() > MOST_FILE);
+    let looked_at: Vec<ColumnRef> = match short.iter().any(is_large) {
+        true => Vec::new(),
+        false => counter::looked_at().collect(),
+    };
     let TrialsFrom { who, beside, .. } = from;
     let named = plan.columns().chain(who.columns()).chain(beside.columns());
     let own = named.filter(|column| !beside.is_of_file(column));
