@@ -39,7 +39,9 @@ impl Plugged {
     pub(crate) fn new(study: &Path, link: &str, seed: u64) -> anyhow::Result<Self> {
         let text = std::fs::read_to_string(study).with_context(|| study.display().to_string())?;
         let study = Study::from_toml(&text).map_err(|faults| anyhow::anyhow!("{faults:?}"))?;
-        let links = [&LINKS[..], &[(UNO, Link::Firmata, AngleAt::Analog(0))]].concat();
+        let mut links = [&LINKS[..], &[(UNO, Link::Firmata, AngleAt::Analog(0))]].concat();
+        // A program is no board, and has no line: examples/device/lever.py is one.
+        links.retain(|(_, link, _)| *link != Link::Process);
         let Some((word, link, angle)) = links.iter().find(|(word, _, _)| *word == link) else {
             let words: Vec<&str> = links.iter().map(|(word, _, _)| *word).collect();
             bail!("a board speaks {}", words.join(", "));

@@ -47,5 +47,6 @@ pub use tasks::{Counted, Progress, TaskNow};
 pub use told::{check_value, step_words};
 pub use unsynced::Unsynced;
 pub use view::{
-    Cell, CheckLine, Course, Current, MESSAGES, Phase, Point, TRACE_HZ, TRACE_POINTS, Timing, View,
+    Cell, CheckLine, Course, Current, EARLIER, Earlier, Labels, MESSAGES, Phase, Point, TRACE_HZ,
+    TRACE_POINTS, Timing, View,
 };

@@ -58,6 +58,13 @@ pub struct View {
     pub wall_rad: Option<f64>,
     /// The trial's course so far, oldest first; it stays until the next trial begins.
     pub trace: VecDeque<Point>,
+    /// The condition of that trial, by its labels; none of a presentation of a task, whose levels differ.
+    pub traced: Option<Labels>,
+    /// The force that the environment of that trial commands at each angle, rad and N; none of a task's
+    /// presentation, whose level is for the participant to find, and where there is no law.
+    pub law: Vec<(f64, f64)>,
+    /// The courses of trials before, oldest first.
+    pub earlier: VecDeque<Earlier>,
     /// The least and the greatest user force of the trials before this one, N; none before the
     /// first. By these the scale of the force stays as it is within a trial.
     pub force_before_n: Option<[f64; 2]>,
@@ -161,6 +168,27 @@ pub struct Current {
     pub repeats: Option<u32>,
 }
 
+/// A condition by its labels; the mode is hidden in a blinded session.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Labels {
+    /// The environment's.
+    pub environment: String,
+    /// The mode's.
+    pub mode: Option<String>,
+}
+
+/// The course of a trial before.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Earlier {
+    /// Its condition.
+    pub labels: Labels,
+    /// Its points, oldest first.
+    pub points: Vec<Point>,
+}
+
+/// Trials before of one condition that are kept.
+pub const EARLIER: usize = 3;
+
 /// One point of a trace, SI.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Point {
@@ -216,8 +244,34 @@ impl View {
         self.said += 1;
     }
 
-    /// Makes room for the trace of the next trial; the forces of this one are kept.
-    pub(crate) fn clear_trace(&mut self) {
+    /// The courses of trials before of the condition that is shown.
+    pub(crate) fn earlier_alike(&self) -> impl Iterator<Item = &[Point]> {
+        let alike = |earlier: &&Earlier| Some(&earlier.labels) == self.traced.as_ref();
+        self.earlier.iter().filter(alike).map(|earlier| &*earlier.points)
+    }
+
+    /// Keeps the course that is shown beside those of its condition, of which the oldest goes.
+    fn keep_course(&mut self) {
+        let Some(labels) = self.traced.take().filter(|_| !self.trace.is_empty()) else { return };
+        let alike = self.earlier.iter().filter(|earlier| earlier.labels == labels).count();
+        let oldest = self.earlier.iter().position(|earlier| earlier.labels == labels);
+        if let Some(oldest) = oldest.filter(|_| alike >= EARLIER) {
+            self.earlier.remove(oldest);
+        }
+        let finite = self.trace.iter().filter(|point| point.force_ex_n.is_finite());
+        self.earlier.push_back(Earlier { labels, points: finite.copied().collect() });
+    }
+
+    /// Makes room for the trace of the next trial, whose environment commands this force; the course of
+    /// the one before is kept, and so are its forces.
+    pub(crate) fn begin_trace(&mut self, law: Vec<(f64, f64)>) {
+        self.keep_course();
+        self.law = law;
+        let trial = self.trial.as_ref().filter(|_| self.task.is_none());
+        self.traced = trial.map(|trial| Labels {
+            environment: trial.environment.clone(),
+            mode: trial.mode.clone(),
+        });
         let forces = self.trace.iter().map(|point| point.force_ex_n).filter(|n| n.is_finite());
         self.force_before_n = forces.fold(self.force_before_n, |before, n| {
             let [low, high] = before.unwrap_or([n, n]);
@@ -243,6 +297,31 @@ impl View {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_last_trials_of_a_condition_are_kept_beside_the_one_that_runs() {
+        let current = |mode: &str| Current {
+            trial: 1,
+            place: 1,
+            kind: Kind::Trial,
+            environment: "Spring".into(),
+            mode: Some(mode.into()),
+            repeats: None,
+        };
+        let mut view = View::default();
+        for (i, mode) in ["a", "b", "a", "a", "a", "a", "a"].into_iter().enumerate() {
+            view.trial = Some(current(mode));
+            view.begin_trace(Vec::new());
+            view.trace(Point { force_ex_n: i as f64, ..Point::default() });
+        }
+        let forces = |view: &View| -> Vec<i32> {
+            view.earlier_alike().map(|points| points[0].force_ex_n as i32).collect()
+        };
+        assert_eq!(forces(&view), [3, 4, 5]);
+        view.trial = Some(current("b"));
+        view.begin_trace(Vec::new());
+        assert_eq!(forces(&view), [1]);
+    }
 
     #[test]
     fn a_trace_takes_in_no_more_than_its_rate_and_forgets_its_oldest_points() {

@@ -17,7 +17,9 @@ use zwidth_device::{
     watch,
 };
 use zwidth_store::{Entered, Files, Journal, OpenSession, Protocol, TrialFile};
-use zwidth_study::{Event, Flags, Given, Mode, PlannedTrial, Presented, Sample, Study};
+use zwidth_study::{
+    Environment, Event, Flags, Given, Mode, PlannedTrial, Presented, Sample, Study,
+};
 
 /// Why a trial was cut that a signal ended.
 const SIGNAL: &str = "a signal ended the program";
@@ -81,7 +83,14 @@ impl<'a> Runner<'a> {
         let controller = Controller::new(&self.plan.study.control, rendered, mode, calibration);
         // Made before the loop begins, which waits for no file.
         let journal = self.journal(trial, presented)?;
-        self.view.clear_trace();
+        // The level of a task is not shown.
+        let range_rad = self.view.theta_range_rad;
+        let law = if plan.varied.is_none() {
+            commanded(environment, range_rad.0, range_rad.1)
+        } else {
+            Vec::new()
+        };
+        self.view.begin_trace(law);
         self.show()?;
         let mut live = Live {
             tape: Tape::new(journal, plan.rate_hz),
@@ -443,6 +452,17 @@ impl Desk<'_> {
         }
         Ok(())
     }
+}
+
+/// The force that an environment commands at rest, at angles all over the work space and up to its
+/// wall, rad and N.
+fn commanded(environment: &Environment, from_rad: f64, to_rad: f64) -> Vec<(f64, f64)> {
+    const STEPS: u32 = 60;
+    let Some(law) = environment.scene.law() else { return Vec::new() };
+    let step_rad = (to_rad - from_rad) / f64::from(STEPS);
+    let angles = (0..=STEPS).map(|step| from_rad + f64::from(step) * step_rad);
+    let before_wall = angles.filter(|rad| !law.is_past_wall(*rad));
+    before_wall.map(|rad| (rad, law.force_n(rad, 0.0))).collect()
 }
 
 #[cfg(test)]

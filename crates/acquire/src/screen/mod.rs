@@ -6,6 +6,7 @@
 //! two threads of its own, so that neither a slow line nor a stalled window holds up the session,
 //! nor the stop key.
 
+mod felt;
 mod foot;
 mod keys;
 pub(crate) mod look;

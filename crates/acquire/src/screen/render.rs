@@ -4,7 +4,7 @@ use super::foot;
 use super::keys::Entry;
 use super::look::{Look, Role, to_ascii};
 use super::text::{bar, fit, width, wrap};
-use super::{panel, place, trace};
+use super::{felt, panel, place, trace};
 use crate::course::in_words;
 use crate::{Course, Phase, View};
 use ratatui::Frame;
@@ -41,7 +41,11 @@ pub(super) fn render(view: &View, entry: Option<&Entry>, look: Look, frame: &mut
     title(view, look, rows.title, buffer);
     progress(view, look, rows.progress, buffer);
     headline(view, look, rows.headline, buffer);
-    trace::draw(view, look, rows.traces, buffer);
+    let [traces, felt] = felt::split(rows.traces);
+    trace::draw(view, look, traces, buffer);
+    if !felt.is_empty() {
+        felt::draw(view, look, felt, buffer);
+    }
     let (_, free) = place::cut(rows.talk, cells(talk.len() + 1));
     stack(talk.into_iter(), rows.talk, buffer);
     messages(view, free, buffer);

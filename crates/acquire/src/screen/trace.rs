@@ -12,7 +12,7 @@ use ratatui::widgets::Widget;
 use ratatui::widgets::canvas::{Canvas, Context, Line as Segment};
 
 /// Cells left of a plot: its scale.
-const GUTTER: u16 = 6;
+pub(super) const GUTTER: u16 = 6;
 
 /// Cells between the two columns of plots.
 const COLUMN_GAP: u16 = 2;
@@ -127,17 +127,23 @@ fn velocity(view: &View, look: Look) -> Plot {
 /// While a trial runs, the scale is that of the trials before: one that jumps is mistaken for a
 /// force that does. What lies beyond it stays at its edge until the trial is over. Before the first
 /// trial both directions have room.
-fn force(view: &View) -> Plot {
-    let mut curve = curve(view, |p| Some(p.force_ex_n), Color::Green, '*');
+pub(super) fn force_ends(view: &View) -> (f64, f64) {
     let runs = matches!(view.phase, Phase::Trial { .. });
-    let now = curve.points.iter().map(|(_, n)| *n).filter(|_| !runs);
+    let forces = view.trace.iter().map(|point| point.force_ex_n);
+    let now = forces.filter(|n| n.is_finite() && !runs);
     let ends = now.fold(view.force_before_n, |ends, n| {
         let [low, high] = ends.unwrap_or([n, n]);
         Some([low.min(n), high.max(n)])
     });
     let [least, most] = ends.unwrap_or([-FORCE_SCALE_N, FORCE_SCALE_N]);
     let high = doubled(FORCE_SCALE_N, most.abs().max(least.abs()));
-    let low = if least < NEGATIVE_FORCE_N { -high } else { 0.0 };
+    (if least < NEGATIVE_FORCE_N { -high } else { 0.0 }, high)
+}
+
+/// The user's force on that scale.
+fn force(view: &View) -> Plot {
+    let mut curve = curve(view, |p| Some(p.force_ex_n), Color::Green, '*');
+    let (low, high) = force_ends(view);
     curve.points.iter_mut().for_each(|(_, n)| *n = n.clamp(low, high));
     Plot {
         title: "user force (N)",
@@ -271,11 +277,11 @@ impl Plot {
     }
 }
 
-fn colour(colour: Color, look: Look) -> Color {
+pub(super) fn colour(colour: Color, look: Look) -> Color {
     if look.colour { colour } else { Color::Reset }
 }
 
-fn marker(letter: char, look: Look) -> Marker {
+pub(super) fn marker(letter: char, look: Look) -> Marker {
     if look.ascii { Marker::Custom(letter) } else { Marker::Braille }
 }
 
@@ -331,7 +337,7 @@ mod tests {
         assert!((drawn - 5.0).abs() < 1e-12, "at the edge");
         view.phase = Phase::Ready;
         assert_eq!(ends(&view), [-10, 10]);
-        view.clear_trace();
+        view.begin_trace(Vec::new());
         assert_eq!((view.force_before_n, view.trace.len()), (Some([-1.0, 8.0]), 0));
         view.phase = runs;
         for n in [0.0, 30.0] {

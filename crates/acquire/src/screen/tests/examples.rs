@@ -101,6 +101,14 @@ pub(super) fn view(phase: Phase, blinded: bool) -> View {
         ],
         ..View::default()
     };
+    // One trial before of the same condition, a little weaker.
+    view.begin_trace(Vec::new());
+    for point in course(3.8) {
+        let point = Point { force_ex_n: 0.8 * point.force_ex_n, ..point };
+        view.trace(if blinded { hide(point) } else { point });
+    }
+    view.begin_trace(vec![(-45_f64.to_radians(), 0.0), (26_f64.to_radians(), 2.0)]);
+    view.force_before_n = None;
     course(end_s)
         .into_iter()
         .for_each(|point| view.trace(if blinded { hide(point) } else { point }));

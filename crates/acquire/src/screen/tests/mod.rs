@@ -96,6 +96,26 @@ fn a_blinded_screen_shows_neither_mode_nor_voltage_even_if_the_view_held_them() 
 }
 
 #[test]
+fn a_wide_window_has_the_force_against_the_angle_beside_the_traces_with_the_trial_before() {
+    let running = Phase::Trial { t_s: 1.6, limit_s: 4.0 };
+    let wide = |view: &View, look| rows(view, None, look, (120, 40)).join("\n");
+    let shown = view(running.clone(), false);
+    let text = wide(&shown, BARE);
+    for words in ["force (N) at angle", "one before", "velocity", "voltage", "45 deg"] {
+        assert!(text.contains(words), "{words}: {text}");
+    }
+    let of = |letter: char, view: &View| wide(view, BARE).matches(letter).count();
+    let alone = View { earlier: std::collections::VecDeque::new(), ..shown.clone() };
+    assert!(of('.', &shown) > of('.', &alone) + 5, "{text}");
+    let lawless = View { law: Vec::new(), ..shown.clone() };
+    assert!(of('-', &shown) > of('-', &lawless) + 3, "{text}");
+    let other = crate::Labels { environment: "Spring".into(), mode: None };
+    let strange = View { traced: Some(other), ..shown };
+    assert!(!wide(&strange, FULL).contains("one before"));
+    assert!(!words(&view(running, false), None).contains("force (N) at"));
+}
+
+#[test]
 fn at_80_by_24_nothing_is_cut() {
     for (phase, entry) in phases().into_iter().flat_map(|p| entries().map(|e| (p.clone(), e))) {
         for blinded in [true, false] {
@@ -197,7 +217,7 @@ fn a_motor_that_pushes_back_is_drawn_below_zero_and_the_brake_above() {
     let rows =
         rows(&view(Phase::Pause { left_s: 1.0, pause_s: 5.0 }, false), None, BARE, (120, 40));
     let row = |what: &str| rows.iter().position(|row| row.contains(what));
-    let (brake, zero, motor) = (row("bbb b"), row("0|bbb"), row("mmmmmmmmmm"));
+    let (brake, zero, motor) = (row("bbbbbbbbb"), row("0|bbb"), row("mmmmmmmmmm"));
     assert!(brake.is_some() && brake < zero && zero < motor, "{}", rows.join("\n"));
 }
 
