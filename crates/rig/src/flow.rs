@@ -12,16 +12,12 @@
 //! once; what was kept is never asked for again. One that does not agree with those before is held
 //! back and repeated: the next one decides which of both was odd.
 
-use crate::cell::SCALE_ERROR;
-use crate::{
-    CellFault, Heat, Judged, Load, LoadCell, Still, SweepFault, Winding, judged, load_cell, still,
-};
+use crate::step::{Action, Ask, Input, Remark, Steps, SweepRun};
+use crate::weighing::{LOAD_S, Weighing};
+use crate::{Heat, LoadCell, SweepFault, Winding, judged};
 use zwidth_device::{Ramp, RampEnd, Ramped, Weighed};
 use zwidth_numerics::order::median;
 use zwidth_study::ActuatorKind;
-
-/// A load is looked at for so long, s.
-const LOAD_S: f64 = 2.0;
 
 /// A lever that was moved is looked at for so long, s.
 const LEVER_S: f64 = 1.0;
@@ -74,115 +70,6 @@ pub struct Recorded {
     pub rested_s: f64,
 }
 
-/// What a person is asked to do.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Ask {
-    /// Nothing touches the load cell.
-    Zero,
-    /// This mass hangs from it, kg, and pulls towards +θ.
-    Mass(f64),
-    /// The lever is held against its lower stop.
-    Home,
-    /// The lever is clamped in its fixture against the load cell.
-    Clamp,
-    /// The lever is back at its lower stop.
-    Back,
-    /// A sweep may begin: a motor is watched, a brake is pushed through.
-    Sweep {
-        /// How it goes.
-        ramp: Ramp,
-        /// Which one it is, from 1.
-        number: u32,
-        /// How many there are to be.
-        of: u32,
-    },
-    /// What stopped it is mended.
-    GoOn,
-}
-
-/// What is told a person.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Remark {
-    /// The load cell is known.
-    Cell {
-        /// What is known of it.
-        cell: LoadCell,
-        /// What `newtons_per_count` of rig.toml should be, N, where it is off.
-        newtons_per_count: Option<f64>,
-    },
-    /// The load does not count.
-    CellFault(CellFault),
-    /// The lever is not at rest yet, or not where it is to be.
-    LeverElsewhere,
-    /// The winding cools for so long, s.
-    Cooling(f64),
-    /// A sweep was kept.
-    Kept(Judged),
-    /// A sweep does not count.
-    SweepFault(SweepFault),
-    /// A sweep does not agree with those before, and is repeated; its gain and theirs, N/V.
-    Odd([f64; 2]),
-    /// The repeat agrees with those before: the odd one is left out.
-    OddLeftOut,
-    /// The repeat agrees with the odd one: the actuator has changed, and both are kept.
-    Changed,
-    /// Nobody watched the motor.
-    Unwatched,
-    /// The lever came off its clamp.
-    Loose,
-    /// The motor was held back, because the lever has not moved since it was homed.
-    HeldBack,
-    /// It was stopped, and why.
-    Stopped(String),
-}
-
-/// What happens.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Input {
-    /// The person has done what they were asked for.
-    Go,
-    /// Readings at 0 V.
-    Weighed(Vec<Weighed>),
-    /// The lever is homed.
-    Homed,
-    /// A sweep has ended.
-    Ramped(Ramped),
-    /// The device failed, in words.
-    Failed(String),
-}
-
-/// A sweep to be kept.
-#[derive(Debug, Clone, PartialEq)]
-pub struct SweepRun {
-    /// What it says.
-    pub judged: Judged,
-    /// How it went.
-    pub ramp: Ramp,
-    /// The load cell that it was measured with.
-    pub cell: LoadCell,
-}
-
-/// What is to be done, in this order.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Action {
-    /// Ask a person; [`Input::Go`] follows.
-    Ask(Ask),
-    /// Tell a person.
-    Tell(Remark),
-    /// Read at 0 V for so long, s; [`Input::Weighed`] or [`Input::Failed`] follows.
-    Weigh(f64),
-    /// Home; [`Input::Homed`] or [`Input::Failed`] follows.
-    Home,
-    /// Drive a sweep; [`Input::Ramped`] follows.
-    Ramp(Ramp),
-    /// Keep the loads as a sweep of the load cell: weight and force shown, N.
-    KeepLoads(Vec<[f64; 2]>),
-    /// Keep a sweep.
-    Keep(SweepRun),
-    /// All is there.
-    Finish,
-}
-
 /// Where it is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Phase {
@@ -203,10 +90,7 @@ pub struct Flow {
     plan: Plan,
     phase: Phase,
     heat: Heat,
-    zero: Option<Still>,
-    loads: Vec<Load>,
-    /// Weight and force shown of every value, N.
-    weighed: Vec<[f64; 2]>,
+    weighing: Weighing,
     cell: Option<LoadCell>,
     is_homed: bool,
     kept: Vec<Kept>,
@@ -221,13 +105,12 @@ impl Flow {
     /// A characterisation that goes on with what is there.
     pub fn new(plan: Plan, recorded: Recorded) -> Self {
         let heat = Heat::at_most(plan.winding, recorded.rested_s);
+        let weighing = Weighing::new(plan.masses_kg.clone(), plan.newtons_per_count);
         Self {
             plan,
             phase: Phase::Cell,
             heat,
-            zero: None,
-            loads: Vec::new(),
-            weighed: Vec::new(),
+            weighing,
             cell: None,
             is_homed: false,
             kept: recorded.kept,
@@ -244,43 +127,6 @@ impl Flow {
 
     fn is_complete(&self) -> bool {
         self.kept.len() >= self.plan.sweeps as usize
-    }
-
-    /// Begins.
-    pub fn begin(&mut self) -> Vec<Action> {
-        if self.is_complete() {
-            self.phase = Phase::Done;
-            return vec![Action::Finish];
-        }
-        self.go_on()
-    }
-
-    /// What follows from an input. One that does not belong to where it is changes nothing.
-    pub fn step(&mut self, input: Input) -> Vec<Action> {
-        match (self.phase, input) {
-            (_, Input::Failed(why)) => self.stop(why),
-            (Phase::Cell, Input::Go) => vec![Action::Weigh(LOAD_S)],
-            (Phase::Cell, Input::Weighed(values)) => self.loaded(&values),
-            (Phase::Home, Input::Go) => vec![Action::Home],
-            (Phase::Home, Input::Homed) => {
-                self.is_homed = true;
-                self.go_on()
-            }
-            (Phase::Place, Input::Go) => vec![Action::Weigh(LEVER_S)],
-            (Phase::Place, Input::Weighed(values)) => self.placed(&values),
-            (Phase::Cooling, Input::Weighed(values)) => {
-                let rested_s = values.last().map_or(0.0, |value| value.t_s);
-                self.heat.rest(rested_s);
-                self.ask_for_sweep()
-            }
-            (Phase::Sweep, Input::Go) => vec![Action::Ramp(self.plan.ramp)],
-            (Phase::Sweep, Input::Ramped(ramped)) => self.ramped(&ramped),
-            (Phase::Stopped, Input::Go) => {
-                self.in_a_row = 0;
-                self.go_on()
-            }
-            _ => Vec::new(),
-        }
     }
 
     fn is_motor(&self) -> bool {
@@ -303,59 +149,17 @@ impl Flow {
     /// The load cell from the beginning.
     fn cell_anew(&mut self) -> Vec<Action> {
         self.phase = Phase::Cell;
-        (self.zero, self.cell, self.rest_n) = (None, None, None);
-        self.loads.clear();
-        self.weighed.clear();
-        vec![Action::Ask(Ask::Zero)]
+        (self.cell, self.rest_n) = (None, None);
+        self.weighing.begin()
     }
 
     fn loaded(&mut self, values: &[Weighed]) -> Vec<Action> {
-        let seen = match still(values) {
-            Ok(seen) => seen,
-            Err(fault) => {
-                let again = self.plan.masses_kg.get(self.loads.len());
-                let ask = match again {
-                    Some(mass_kg) if self.zero.is_some() => Ask::Mass(*mass_kg),
-                    _ => Ask::Zero,
-                };
-                return vec![Action::Tell(Remark::CellFault(fault)), Action::Ask(ask)];
-            }
-        };
-        let mut mass_kg = 0.0;
-        if self.zero.is_none() {
-            self.zero = Some(seen);
-        } else if let Some(next_kg) = self.plan.masses_kg.get(self.loads.len()) {
-            mass_kg = *next_kg;
-            self.loads.push(Load { mass_kg, seen });
+        let (mut actions, cell) = self.weighing.take(values);
+        if cell.is_some() {
+            self.cell = cell;
+            actions.extend(self.go_on());
         }
-        let weight_n = mass_kg * crate::cell::GRAVITY_M_S2;
-        self.weighed.extend(values.iter().map(|value| [weight_n, value.force_n]));
-        match self.plan.masses_kg.get(self.loads.len()) {
-            Some(mass_kg) => vec![Action::Ask(Ask::Mass(*mass_kg))],
-            None => self.cell_known(),
-        }
-    }
-
-    fn cell_known(&mut self) -> Vec<Action> {
-        let Some(zero) = self.zero else { return self.cell_anew() };
-        match load_cell(zero, &self.loads, self.plan.newtons_per_count) {
-            Ok(cell) => {
-                self.cell = Some(cell);
-                let is_off = (cell.scale - 1.0).abs() > SCALE_ERROR;
-                let newtons_per_count = is_off.then_some(self.plan.newtons_per_count / cell.scale);
-                let mut actions = vec![
-                    Action::KeepLoads(std::mem::take(&mut self.weighed)),
-                    Action::Tell(Remark::Cell { cell, newtons_per_count }),
-                ];
-                actions.extend(self.go_on());
-                actions
-            }
-            Err(fault) => {
-                let mut actions = vec![Action::Tell(Remark::CellFault(fault))];
-                actions.extend(self.cell_anew());
-                actions
-            }
-        }
+        actions
     }
 
     /// Asks for the lever in its place.
@@ -525,5 +329,42 @@ impl Flow {
         // Whoever mends something may have moved the lever.
         self.is_homed = false;
         vec![Action::Tell(Remark::Stopped(why)), Action::Ask(Ask::GoOn)]
+    }
+}
+
+impl Steps for Flow {
+    fn begin(&mut self) -> Vec<Action> {
+        if self.is_complete() {
+            self.phase = Phase::Done;
+            return vec![Action::Finish];
+        }
+        self.go_on()
+    }
+
+    fn step(&mut self, input: Input) -> Vec<Action> {
+        match (self.phase, input) {
+            (_, Input::Failed(why)) => self.stop(why),
+            (Phase::Cell, Input::Go) => vec![Action::Weigh(LOAD_S)],
+            (Phase::Cell, Input::Weighed(values)) => self.loaded(&values),
+            (Phase::Home, Input::Go) => vec![Action::Home],
+            (Phase::Home, Input::Homed) => {
+                self.is_homed = true;
+                self.go_on()
+            }
+            (Phase::Place, Input::Go) => vec![Action::Weigh(LEVER_S)],
+            (Phase::Place, Input::Weighed(values)) => self.placed(&values),
+            (Phase::Cooling, Input::Weighed(values)) => {
+                let rested_s = values.last().map_or(0.0, |value| value.t_s);
+                self.heat.rest(rested_s);
+                self.ask_for_sweep()
+            }
+            (Phase::Sweep, Input::Go) => vec![Action::Ramp(self.plan.ramp)],
+            (Phase::Sweep, Input::Ramped(ramped)) => self.ramped(&ramped),
+            (Phase::Stopped, Input::Go) => {
+                self.in_a_row = 0;
+                self.go_on()
+            }
+            _ => Vec::new(),
+        }
     }
 }

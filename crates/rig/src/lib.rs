@@ -1,7 +1,7 @@
 //! A rig characterised by itself: what a person is asked to do, what is recorded, and how it is
 //! judged.
 //!
-//! [`Flow`] is a characterisation as a pure state machine, as a session's flow is one: inputs in,
+//! [`Flow`] is a characterisation of an actuator, [`Sensors`] that of the sensors, as a pure state machine, as a session's flow is one: inputs in,
 //! actions out, without clock, device or file. [`run`] carries its actions out at a rig. What was
 //! recorded is judged by pure functions: [`load_cell`] (masses, zero and creep), [`judged`] (a
 //! sweep: slip of the clamp, drift, the cell's end, a supply that gives no more) and [`Heat`] (how
@@ -14,12 +14,17 @@ mod flow;
 mod heat;
 mod judge;
 mod run;
+mod sensors;
+mod step;
 #[cfg(test)]
 mod tests;
+mod weighing;
 
 pub use calibration::{CalibratedActuator, calibrated_actuator};
 pub use cell::{CellFault, Load, LoadCell, Still, load_cell, still};
-pub use flow::{Action, Ask, Flow, Input, Kept, Plan, Recorded, Remark, SweepRun};
+pub use flow::{Flow, Kept, Plan, Recorded};
 pub use heat::{Heat, Winding};
 pub use judge::{Judged, SweepFault, judged};
 pub use run::{Bench, Left, Operator, Reply, RigError, kept_sweep, run};
+pub use sensors::{SensorPlan, Sensors};
+pub use step::{Action, Ask, Input, Remark, Steps, SweepRun};

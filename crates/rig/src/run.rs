@@ -1,11 +1,13 @@
 //! Carries out what a characterisation asks for: at a person, at the device, on the disk.
 
-use crate::flow::{Action, Ask, Flow, Input, Kept, Remark, SweepRun};
+use crate::flow::Kept;
+use crate::step::{Action, Ask, Input, Remark, Steps, SweepRun};
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
-use zwidth_device::{Attendant, Trip};
+use zwidth_device::check::{Step, check_step};
+use zwidth_device::{Attendant, Station, Trip};
 use zwidth_store::{Files, Layout, Quantity, StoreError, Sweep, record_sweep};
-use zwidth_study::{ActuatorId, Calibration, Source};
+use zwidth_study::{ActuatorId, Calibration, Check, Source};
 
 /// The sweeps of the load cell, by weight.
 const LOAD_CELL: &str = "load_cell";
@@ -47,6 +49,8 @@ pub struct Bench<'a> {
     pub source: Source,
     /// The calibration in force, by which the guard knows what a motor may give.
     pub calibration: &'a Calibration,
+    /// Ticks per second, Hz.
+    pub rate_hz: f64,
     /// Raised to end it.
     pub stop: &'a AtomicBool,
     /// Whether somebody has said since it was asked last that they watch the motor.
@@ -83,10 +87,10 @@ pub enum RigError {
 pub fn run<'a>(
     attendant: &mut Attendant<'a>,
     bench: &Bench<'a>,
-    flow: &mut Flow,
+    flow: &mut dyn Steps,
     operator: &mut dyn Operator,
 ) -> Result<Left, RigError> {
-    let (stop, watched, calibration) = (bench.stop, bench.watched, bench.calibration);
+    let Bench { stop, watched, calibration, rate_hz, .. } = *bench;
     let mut actions = flow.begin();
     loop {
         let mut input = None;
@@ -121,6 +125,14 @@ pub fn run<'a>(
                         Err(error) => Input::Failed(error.to_string()),
                     });
                 }
+                Action::Rest => {
+                    let rested =
+                        attendant.ask(move |station| rest(station, rate_hz, calibration, stop))?;
+                    input = Some(match rested {
+                        Ok(checks) => Input::Rested(checks),
+                        Err(trip) => Input::Failed(trip.to_string()),
+                    });
+                }
                 Action::Ramp(ramp) => {
                     let ramped = attendant.ask(move |station| {
                         station.ramp(&ramp, calibration, &mut || watched(), stop)
@@ -136,6 +148,19 @@ pub fn run<'a>(
         let Some(input) = input else { return Ok(Left::Open) };
         actions = flow.step(input);
     }
+}
+
+/// The device check of a lever at rest.
+fn rest(
+    station: &mut Station<'_>,
+    rate_hz: f64,
+    calibration: &Calibration,
+    stop: &AtomicBool,
+) -> Result<Vec<Check>, Trip> {
+    let Station { device, clock, guard, .. } = station;
+    let step = (Step::Rest, 0.0);
+    let found = check_step(*device, *clock, guard, calibration, rate_hz, step, stop)?;
+    Ok(found.into_iter().map(|finding| finding.check).collect())
 }
 
 fn keep(bench: &Bench<'_>, run: &SweepRun, operator: &mut dyn Operator) -> Result<(), RigError> {

@@ -13,7 +13,7 @@ use zwidth_device::{
 use zwidth_link::simulated::{Bench as Wires, Trouble, Way};
 use zwidth_link::{Board, Drive, LINKS, Settings, over};
 use zwidth_store::{Layout, RealFiles, Sweep, read_sweep};
-use zwidth_study::{ActuatorKind, Calibration, Source};
+use zwidth_study::{ActuatorKind, Calibration, Check, Source};
 
 /// Readings per second of a link that streams, and the loop's ticks for it.
 const STREAM_HZ: f64 = 100.0;
@@ -78,8 +78,28 @@ impl Desk {
         Recorded { kept: sweeps.iter().filter_map(kept_sweep).collect(), rested_s: 0.0 }
     }
 
-    /// One life of the program.
+    /// One life of the program that sweeps an actuator.
     fn run(&self, wrong: Wrong) -> Life {
+        let mut plan = self.plan.clone();
+        if let Some(called_kg) = wrong.called_kg {
+            plan.masses_kg = called_kg.to_vec();
+        }
+        self.carry_out(wrong, &mut Flow::new(plan, self.recorded()))
+    }
+
+    /// One life of the program that looks at the sensors, and what it found.
+    fn look(&self, wrong: Wrong) -> (Life, Vec<Check>) {
+        let mut sensors = Sensors::new(SensorPlan {
+            masses_kg: MASSES_KG.to_vec(),
+            newtons_per_count: 1e-4,
+            creep_s: 20.0,
+            stops_rad: [self.plan.stop_rad, -self.plan.stop_rad],
+        });
+        let life = self.carry_out(wrong, &mut sensors);
+        (life, sensors.found().to_vec())
+    }
+
+    fn carry_out(&self, wrong: Wrong, steps: &mut dyn Steps) -> Life {
         let (fixture, hands) =
             Fixture::new(TwinParameters::default(), wrong.faults, wrong.seed).unwrap();
         let (_, link, angle) = LINKS.into_iter().find(|(word, ..)| *word == self.link).unwrap();
@@ -100,11 +120,6 @@ impl Desk {
         let guard = Guard::new(device.capabilities(), limits, true);
         let mut clock = wires.clone();
         let (stop, calibration) = (AtomicBool::new(false), Calibration::thesis());
-        let mut plan = self.plan.clone();
-        if let Some(called_kg) = wrong.called_kg {
-            plan.masses_kg = called_kg.to_vec();
-        }
-        let mut flow = Flow::new(plan, self.recorded());
         let mut script = Script {
             hands,
             wires: &wires,
@@ -121,12 +136,13 @@ impl Desk {
             about: BTreeMap::new(),
             source: Source::Twin,
             calibration: &calibration,
+            rate_hz,
             stop: &stop,
             watched: &|| true,
         };
         let station = Station::new(&mut *device, &mut clock, guard, rate_hz);
         let mut attendant = Attendant::here(station);
-        let left = run(&mut attendant, &bench, &mut flow, &mut script).unwrap();
+        let left = run(&mut attendant, &bench, steps, &mut script).unwrap();
         let (told, asked) = (script.told, script.asked);
         drop(attendant);
         // The last 0 V is on its way.
@@ -188,6 +204,9 @@ impl Operator for Script<'_> {
                 Hands::Hang(MASSES_KG[place])
             }
             Ask::Home | Ask::Back => Hands::Back,
+            Ask::Up => Hands::Up,
+            // It hangs there already.
+            Ask::Hang(_) => return self.pull(),
             // Never quite where it was.
             Ask::Clamp => Hands::Clamp(1e-4 * self.asked as f64),
             Ask::Sweep { ramp, .. } if ramp.actuator == ActuatorKind::Brake => Hands::Push,
@@ -340,6 +359,58 @@ fn a_scale_that_is_off_is_told_and_the_forces_are_right() {
         _ => None,
     });
     assert!((off.unwrap() - 1e-4 / 1.1).abs() < 1e-7, "{off:?}");
+}
+
+/// The value of what was found under a name, and whether it is good enough.
+#[track_caller]
+fn value(found: &[Check], name: &str) -> (f64, bool) {
+    let check = found.iter().find(|check| check.name == name);
+    let check = check.unwrap_or_else(|| panic!("{name} is not in {found:#?}"));
+    (check.value, check.ok)
+}
+
+#[test]
+fn the_sensors_are_looked_at_over_each_link() {
+    for (link, ..) in LINKS {
+        let desk = Desk::new(link, ActuatorKind::Motor);
+        let (life, found) = desk.look(Wrong::default());
+        assert_eq!((life.left, life.drive), (Left::Finished, Drive::default()), "{link}");
+        let (scale, ok) = value(&found, "load cell scale");
+        assert!(ok && (scale - 1.0).abs() < 1e-3, "{link}: {scale}");
+        let (stroke_rad, ok) = value(&found, "stroke");
+        assert!(ok && (stroke_rad - std::f64::consts::FRAC_PI_2).abs() < 0.01, "{stroke_rad}");
+        assert!(value(&found, "load cell creep").1 && value(&found, "angle noise").1, "{link}");
+        assert!(value(&found, "angle after the way up and back").1, "{link}");
+        for timed in ["jitter, 99 %", "latency, 99 %", "angle rate", "force noise"] {
+            value(&found, timed);
+        }
+        assert_eq!(desk.sweeps("load_cell").len(), 1);
+    }
+}
+
+#[test]
+fn a_cell_that_creeps_and_a_scale_that_is_off_are_not_good_enough() {
+    let desk = Desk::new("framed", ActuatorKind::Motor);
+    let faults = Faults { drift_n_per_s: 0.003, gain_error: 0.1, ..Faults::default() };
+    let (_, found) = desk.look(Wrong { faults, ..Wrong::default() });
+    let (creep, ok) = value(&found, "load cell creep");
+    // 18 s of it, of 0.2 kg as this cell shows them.
+    assert!(!ok && (creep - 0.003 * 18.0 / 1.96).abs() < 0.003, "{creep}");
+    assert!(!value(&found, "load cell scale").1);
+}
+
+#[test]
+fn a_cable_that_is_pulled_while_the_sensors_are_looked_at_costs_a_homing() {
+    for link in ["framed", "text"] {
+        let whole = Desk::new(link, ActuatorKind::Motor).look(Wrong::default()).0.asked;
+        for pulled_at in 1..=whole {
+            let desk = Desk::new(link, ActuatorKind::Motor);
+            let wrong = Wrong { pulled_at: Some(pulled_at), messages: 30, ..Wrong::default() };
+            let (life, found) = desk.look(wrong);
+            assert_eq!(life.left, Left::Finished, "{link} {pulled_at}");
+            assert!(value(&found, "stroke").1 && value(&found, "load cell scale").1);
+        }
+    }
 }
 
 /// How many of `seeds` whole characterisations have the simulated truth in every interval, for each

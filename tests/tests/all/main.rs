@@ -14,6 +14,7 @@ mod auto;
 mod bad_disk;
 mod bad_files;
 mod bad_import;
+mod bench;
 mod binary;
 mod blinding;
 mod circles;

@@ -1,13 +1,14 @@
-//! `zwidth characterise STUDY motor|brake --device rig`: sweeps at a rig, step by step.
+//! `zwidth characterise STUDY motor|brake|rig --device rig`: sweeps and sensors of a rig, step by step.
 
-use super::calibrate::{calibrate, sweeps};
-use super::characterise::CharacteriseArgs;
+use super::calibrate::{calibrate, free_name, sweeps};
 use super::device::{Bench, raised_by_signals};
 use super::recover::now;
-use crate::devices::{days_since, open, warn_of_calibration};
+use crate::devices::{DeviceSpec, days_since, open, warn_of_calibration};
 use crate::exit::Exit;
+use crate::limits::{MOST_SWEEPS, positive};
 use crate::screen::Screen;
-use anyhow::bail;
+use anyhow::{Context as _, bail};
+use serde::Serialize;
 use std::collections::BTreeMap;
 use std::io::{BufRead as _, IsTerminal as _, stdin};
 use std::path::Path;
@@ -16,13 +17,15 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::thread;
 use std::time::Duration;
-use zwidth_device::{Attendant, Capabilities, Guard, Limits, Ramp, RealClock, Station};
+use zwidth_acquire::check_value;
+use zwidth_device::{Attendant, Capabilities, Device, Guard, Limits, Ramp, RealClock, Station};
 use zwidth_link::Settings;
 use zwidth_rig::{
-    Ask, Flow, Kept, Left, Operator, Plan, Recorded, Remark, Reply, Winding, kept_sweep, run,
+    Ask, Flow, Kept, Left, Operator, Plan, Recorded, Remark, Reply, SensorPlan, Sensors, Steps,
+    Winding, kept_sweep, run,
 };
-use zwidth_store::{Raw, hex_blake3};
-use zwidth_study::ActuatorKind;
+use zwidth_store::{Raw, hex_blake3, write_new};
+use zwidth_study::{ActuatorKind, Check};
 
 /// Highest voltage of a sweep, V (thesis App. D: 0 to 16 V of the motor, 1 to 16 V of the brake).
 const TOP_V: f64 = 16.0;
@@ -36,68 +39,58 @@ const PUSH_N: f64 = 30.0;
 const HELD: Duration = Duration::from_millis(700);
 const DAY_S: f64 = 86_400.0;
 
+/// What is characterised, and how.
+#[derive(Debug, clap::Args)]
+pub(crate) struct BenchArgs {
+    /// The device; the impedance is that of the simulated one alone
+    #[arg(long, default_value = "twin", value_name = "twin|rig[:PORT]")]
+    pub(crate) device: DeviceSpec,
+    /// Number of sweeps [default: 1 more on the simulated device; at a rig 15 of a motor and 30 of a
+    /// brake in the end]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MOST_SWEEPS))]
+    pub(crate) sweeps: Option<u32>,
+    /// At a rig: a known mass for the load cell, kg; two at least, three say which of them is wrong
+    #[arg(long, value_name = "KG", value_parser = positive)]
+    pub(crate) mass: Vec<f64>,
+    /// At a rig: highest voltage, V [default: 16, or what the board gives]
+    #[arg(long, value_name = "V", value_parser = positive)]
+    pub(crate) to: Option<f64>,
+    /// At a rig: how long a sweep takes, up and down, s
+    #[arg(long, value_name = "S", default_value_t = 8.0, value_parser = positive)]
+    pub(crate) seconds: f64,
+    /// At a rig, of its sensors: how long the last mass hangs, to see the cell creep, s
+    #[arg(long, value_name = "S", default_value_t = 600.0, value_parser = positive)]
+    pub(crate) creep: f64,
+    /// At a rig: allow the motor of a board without a watchdog; this is written into each sweep
+    #[arg(long)]
+    pub(crate) no_watchdog: bool,
+}
+
 /// Sweeps an actuator of a rig, guided step by step; goes on where it was left.
 pub(super) fn sweep_at_rig(
     bench: &Bench,
-    command: &CharacteriseArgs,
+    command: &BenchArgs,
     actuator: ActuatorKind,
     raw: &Raw,
     screen: &Screen,
 ) -> anyhow::Result<Exit> {
-    if command.mass.len() < 2 {
-        bail!(
-            "a load cell's scale needs two known masses at least: --mass KG --mass KG (three say which of them is wrong)"
-        );
-    }
-    // No session is recorded, and a device cannot be opened without the ids of one.
-    let mut device = open(&command.device, bench, 1, &"bench".parse()?, &"bench".parse()?)?;
+    let device = open_rig(bench, command, screen)?;
     let capabilities = device.capabilities().clone();
     let name = capabilities.name.clone();
-    warn_of_calibration(bench, &command.device, &name, screen);
     let plan = plan(bench, command, actuator, &capabilities)?;
     let recorded = recorded(bench, actuator, &name)?;
-    let force_n = match actuator {
-        ActuatorKind::Motor => Limits::of(&bench.study)?.force_n,
-        ActuatorKind::Brake => PUSH_N,
-    };
-    let limits = Limits { force_n, ..Limits::of(&bench.study)? };
-    let guard = Guard::new(&capabilities, limits, command.no_watchdog);
-    let rate_hz = bench.study.control.rate_hz.min(capabilities.rate_hz);
-    let stop = raised_by_signals()?;
-    let beat = Arc::new(AtomicBool::new(false));
-    let mut at_bench =
-        AtBench { lines: typed(Arc::clone(&beat)), stop: Arc::clone(&stop), screen, held: false };
-    let mut about = BTreeMap::from([
-        ("study_blake3".to_owned(), hex_blake3(&bench.study_toml)),
-        ("device".to_owned(), name.clone()),
-        ("software".to_owned(), super::acquire::SOFTWARE.to_owned()),
-    ]);
     if actuator == ActuatorKind::Motor && capabilities.watchdog_s.is_none() {
-        about.insert("no_watchdog".to_owned(), "true".to_owned());
         screen.warn("the board has no watchdog: if the program or the cable is gone, the motor stays on; keep a hand on its supply");
     }
     let mut flow = Flow::new(plan, recorded);
     if flow.kept() > 0 {
         screen.say(format!("{} sweeps of the {} are there", flow.kept(), actuator.as_str()));
     }
-    let watched = || beat.swap(false, Ordering::Relaxed);
-    let rig = zwidth_rig::Bench {
-        files: raw,
-        layout: &bench.layout,
-        utc: &now,
-        about,
-        source: capabilities.source,
-        calibration: &bench.calibration,
-        stop: &stop,
-        watched: &watched,
+    let force_n = match actuator {
+        ActuatorKind::Motor => Limits::of(&bench.study)?.force_n,
+        ActuatorKind::Brake => PUSH_N,
     };
-    let mut clock = RealClock::new();
-    let left = thread::scope(|scope| {
-        let station = Station::new(&mut *device, &mut clock, guard, rate_hz);
-        let mut attendant = Attendant::in_real_time(scope, station);
-        run(&mut attendant, &rig, &mut flow, &mut at_bench)
-    })?;
-    if left == Left::Open {
+    if carry_out(bench, command, device, force_n, &mut flow, raw, screen)? == Left::Open {
         screen.warn(format!(
             "{} sweeps of the {} are there; the same command goes on",
             flow.kept(),
@@ -110,10 +103,125 @@ pub(super) fn sweep_at_rig(
     Ok(Exit::Fine)
 }
 
+/// What is found of a rig's sensors: kept beside the study's recordings.
+#[derive(Serialize)]
+struct ThisRig {
+    utc: String,
+    device: String,
+    software: &'static str,
+    checks: Vec<Check>,
+}
+
+/// Looks at the sensors of a rig, guided step by step; ends with the page "this rig".
+pub(super) fn sensors_at_rig(
+    bench: &Bench,
+    command: &BenchArgs,
+    raw: &Raw,
+    screen: &Screen,
+) -> anyhow::Result<Exit> {
+    let device = open_rig(bench, command, screen)?;
+    let name = device.capabilities().name.clone();
+    let limits = Limits::of(&bench.study)?;
+    let mut sensors = Sensors::new(SensorPlan {
+        masses_kg: command.mass.clone(),
+        newtons_per_count: settings(bench)?.newtons_per_count,
+        creep_s: command.creep,
+        stops_rad: [limits.theta_min_rad, limits.theta_max_rad],
+    });
+    if carry_out(bench, command, device, PUSH_N, &mut sensors, raw, screen)? == Left::Open {
+        screen.warn(
+            "the rig was not looked at to the end: nothing is written but the loads of its cell",
+        );
+        return Ok(Exit::Partly);
+    }
+    let checks = sensors.found().to_vec();
+    let are_all_good = checks.iter().all(|check| check.ok);
+    let rig = ThisRig { utc: now(), device: name, software: super::acquire::SOFTWARE, checks };
+    let path = free_name(&bench.layout.raw(), "this-rig", "json")?;
+    write_new(raw, &path, serde_json::to_string_pretty(&rig)?.as_bytes())?;
+    screen.give(&rig, || {
+        screen.result(format!("this rig: {}, {}", rig.device, rig.utc));
+        for check in &rig.checks {
+            let verdict = if check.ok { "ok" } else { "NOT GOOD ENOUGH" };
+            screen.result(format!("  {:<32} {:>12}  {verdict}", check.name, check_value(check)));
+        }
+        screen.result(path.display().to_string());
+    })?;
+    Ok(if are_all_good { Exit::Fine } else { Exit::Failed })
+}
+
+/// The rig, and what is to be said of it before anything is asked for.
+fn open_rig(
+    bench: &Bench,
+    command: &BenchArgs,
+    screen: &Screen,
+) -> anyhow::Result<Box<dyn Device>> {
+    if command.mass.len() < 2 {
+        bail!(
+            "a load cell's scale needs two known masses at least: --mass KG --mass KG (three say which of them is wrong)"
+        );
+    }
+    // No session is recorded, and a device cannot be opened without the ids of one.
+    let device = open(&command.device, bench, 1, &"bench".parse()?, &"bench".parse()?)?;
+    warn_of_calibration(bench, &command.device, &device.capabilities().name, screen);
+    Ok(device)
+}
+
+/// Goes through the steps at the rig, with somebody at the bench.
+fn carry_out(
+    bench: &Bench,
+    command: &BenchArgs,
+    mut device: Box<dyn Device>,
+    force_n: f64,
+    steps: &mut dyn Steps,
+    raw: &Raw,
+    screen: &Screen,
+) -> anyhow::Result<Left> {
+    let capabilities = device.capabilities().clone();
+    let limits = Limits { force_n, ..Limits::of(&bench.study)? };
+    let guard = Guard::new(&capabilities, limits, command.no_watchdog);
+    let rate_hz = bench.study.control.rate_hz.min(capabilities.rate_hz);
+    let stop = raised_by_signals()?;
+    let beat = Arc::new(AtomicBool::new(false));
+    let mut at_bench =
+        AtBench { lines: typed(Arc::clone(&beat)), stop: Arc::clone(&stop), screen, held: false };
+    let mut about = BTreeMap::from([
+        ("study_blake3".to_owned(), hex_blake3(&bench.study_toml)),
+        ("device".to_owned(), capabilities.name.clone()),
+        ("software".to_owned(), super::acquire::SOFTWARE.to_owned()),
+    ]);
+    if capabilities.watchdog_s.is_none() {
+        about.insert("no_watchdog".to_owned(), "true".to_owned());
+    }
+    let watched = || beat.swap(false, Ordering::Relaxed);
+    let rig = zwidth_rig::Bench {
+        files: raw,
+        layout: &bench.layout,
+        utc: &now,
+        about,
+        source: capabilities.source,
+        calibration: &bench.calibration,
+        rate_hz,
+        stop: &stop,
+        watched: &watched,
+    };
+    let mut clock = RealClock::new();
+    Ok(thread::scope(|scope| {
+        let station = Station::new(&mut *device, &mut clock, guard, rate_hz);
+        let mut attendant = Attendant::in_real_time(scope, station);
+        run(&mut attendant, &rig, steps, &mut at_bench)
+    })?)
+}
+
+/// A rig cannot be opened without its settings.
+fn settings(bench: &Bench) -> anyhow::Result<&Settings> {
+    bench.rig.as_ref().context("rig.toml is missing (docs/rig.md)")
+}
+
 /// What is to be done, or why it cannot be.
 fn plan(
     bench: &Bench,
-    command: &CharacteriseArgs,
+    command: &BenchArgs,
     actuator: ActuatorKind,
     capabilities: &Capabilities,
 ) -> anyhow::Result<Plan> {
@@ -130,8 +238,7 @@ fn plan(
     if top_v > most_v || top_v <= 0.0 {
         bail!("{name} gives the {} at most {most_v} V: lower --to", actuator.as_str());
     }
-    // A rig cannot be opened without its settings.
-    let Some(rig) = &bench.rig else { bail!("rig.toml is missing (docs/rig.md)") };
+    let rig = settings(bench)?;
     let ramp = Ramp { actuator, top_v, lasts_s: command.seconds };
     let winding = winding(rig, is_motor);
     if let Some(why) = winding.refuses(&ramp) {
@@ -246,8 +353,8 @@ fn words(ask: &Ask) -> String {
         Ask::Home => "Hold the lever still against its lower stop, and press Enter".to_owned(),
         Ask::Zero => "Let nothing touch the load cell, and press Enter".to_owned(),
         Ask::Mass(mass_kg) => format!(
-            "Hang {mass_kg} kg from the load cell, so that it pulls towards the upper stop; wait until it hangs still, and press \
-             Enter"
+            "Hang {mass_kg} kg from the load cell, so that it pulls towards the upper stop, while the lever is held where it is; \
+             wait until it hangs still, and press Enter"
         ),
         Ask::Clamp => {
             "Move the lever to its fixture, clamp it against the load cell, and press Enter"
@@ -257,6 +364,12 @@ fn words(ask: &Ask) -> String {
             "Bring the lever back to its lower stop without lifting it off, and press Enter"
                 .to_owned()
         }
+        Ask::Up => {
+            "Move the lever against its upper stop, hold it there, and press Enter".to_owned()
+        }
+        Ask::Hang(for_s) => format!(
+            "Leave the last mass hanging for {for_s:.0} s: nothing may touch it. Press Enter"
+        ),
         Ask::Sweep { ramp, number, of } if ramp.actuator == ActuatorKind::Motor => format!(
             "Sweep {number} of {of}: the motor goes to {} V and back in {} s. Take your hands off the lever. Press Enter and HOLD IT \
              DOWN: if you let go, the motor goes to 0 V",

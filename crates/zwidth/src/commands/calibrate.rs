@@ -3,7 +3,7 @@
 use super::device::Bench;
 use crate::screen::Screen;
 use anyhow::{Context as _, anyhow};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use zwidth_rig::{CalibratedActuator, calibrated_actuator};
 use zwidth_store::{Raw, Sweep, read_sweep, write_new};
 use zwidth_study::{ActuatorId, ActuatorKind, CalibrationFile, CalibrationOrigin};
@@ -76,10 +76,8 @@ pub(super) fn calibrate(
 
 /// The calibration in force is that of sessions that were begun: it is never written over.
 fn beside(path: &Path, text: &str, raw: &Raw, screen: &Screen) -> anyhow::Result<()> {
-    let other = (2..)
-        .map(|number: u32| path.with_file_name(format!("calibration.{number}.toml")))
-        .find(|other| !other.exists())
-        .context("there are too many calibrations; remove some")?;
+    let folder = path.parent().unwrap_or(path);
+    let other = free_name(folder, "calibration", "toml")?;
     write_new(raw, &other, text.as_bytes())?;
     screen.result(other.display().to_string());
     screen.warn(format!(
@@ -88,6 +86,14 @@ fn beside(path: &Path, text: &str, raw: &Raw, screen: &Screen) -> anyhow::Result
         other.display()
     ));
     Ok(())
+}
+
+/// `name.extension` in a folder, or `name.2.extension` and so on: the first that is not there.
+pub(super) fn free_name(folder: &Path, name: &str, extension: &str) -> anyhow::Result<PathBuf> {
+    let first = std::iter::once(folder.join(format!("{name}.{extension}")));
+    let others = (2..).map(|number: u32| folder.join(format!("{name}.{number}.{extension}")));
+    let free = first.chain(others).find(|path| !path.exists());
+    free.with_context(|| format!("there are too many files {name}.*.{extension}; remove some"))
 }
 
 fn tell(actuator: ActuatorKind, found: &CalibratedActuator, screen: &Screen) {

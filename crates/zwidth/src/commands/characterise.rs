@@ -1,12 +1,11 @@
 //! `zwidth characterise`: sweeps of an actuator, or the Z-width of the device.
 
-use super::bench::sweep_at_rig;
+use super::bench::{BenchArgs, sensors_at_rig, sweep_at_rig};
 use super::device::{Bench, bench};
 use super::impedance::impedance;
 use super::recover::{lock, now, put_in_order_and_tell};
 use crate::devices::DeviceSpec;
 use crate::exit::Exit;
-use crate::limits::{MOST_SWEEPS, positive};
 use crate::screen::Screen;
 use anyhow::bail;
 use clap::ValueEnum;
@@ -23,6 +22,8 @@ pub(crate) enum Subject {
     Motor,
     /// The brake, at a lever that is driven
     Brake,
+    /// The sensors of a rig: its link, the load cell, the angle
+    Rig,
     /// The Z-width: which stiffness and damping of a virtual wall the device renders; goes on where
     /// it was left
     Impedance,
@@ -34,25 +35,8 @@ pub(crate) struct CharacteriseArgs {
     pub(crate) study: StudyId,
     /// The actuator, or the impedance of the whole device
     pub(crate) actuator: Subject,
-    /// The device; the impedance is that of the simulated one alone
-    #[arg(long, default_value = "twin", value_name = "twin|rig[:PORT]")]
-    pub(crate) device: DeviceSpec,
-    /// Number of sweeps [default: 1 more on the simulated device; at a rig 15 of a motor and 30 of a
-    /// brake in the end]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MOST_SWEEPS))]
-    pub(crate) sweeps: Option<u32>,
-    /// At a rig: a known mass for the load cell, kg; two at least, three say which of them is wrong
-    #[arg(long, value_name = "KG", value_parser = positive)]
-    pub(crate) mass: Vec<f64>,
-    /// At a rig: highest voltage, V [default: 16, or what the board gives]
-    #[arg(long, value_name = "V", value_parser = positive)]
-    pub(crate) to: Option<f64>,
-    /// At a rig: how long a sweep takes, up and down, s
-    #[arg(long, value_name = "S", default_value_t = 8.0, value_parser = positive)]
-    pub(crate) seconds: f64,
-    /// At a rig: allow the motor of a board without a watchdog; this is written into each sweep
-    #[arg(long)]
-    pub(crate) no_watchdog: bool,
+    #[command(flatten)]
+    pub(crate) at: BenchArgs,
     /// Seed of the simulated device
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub(crate) seed: u64,
@@ -65,10 +49,10 @@ pub(crate) fn characterise(
 ) -> anyhow::Result<Exit> {
     let bench = bench(root, command.study.clone(), None)?;
     let lock = lock(&bench.layout, "zwidth characterise")?;
-    if matches!(command.device, DeviceSpec::Playback(_)) {
+    if matches!(command.at.device, DeviceSpec::Playback(_)) {
         bail!("a recording cannot be characterised; use --device twin or rig");
     }
-    let is_rig = matches!(command.device, DeviceSpec::Rig(_));
+    let is_rig = matches!(command.at.device, DeviceSpec::Rig(_));
     if is_rig && command.actuator == Subject::Impedance {
         bail!("the Z-width is measured on the simulated device only; use --device twin");
     }
@@ -77,18 +61,20 @@ pub(crate) fn characterise(
     let actuator = match command.actuator {
         Subject::Motor => ActuatorKind::Motor,
         Subject::Brake => ActuatorKind::Brake,
+        Subject::Rig if is_rig => return sensors_at_rig(&bench, &command.at, &raw, screen),
+        Subject::Rig => bail!("the sensors are those of a rig; use --device rig"),
         Subject::Impedance => {
             impedance(root, &bench, &raw, command.seed, screen)?;
             return Ok(Exit::Fine);
         }
     };
     if is_rig {
-        return sweep_at_rig(&bench, command, actuator, &raw, screen);
+        return sweep_at_rig(&bench, &command.at, actuator, &raw, screen);
     }
     let id = actuator.as_str().parse()?;
     // Earlier sweeps stay: numbering goes on at the first number without a file.
     let first = (1..).find(|number| !bench.layout.sweep(&id, *number).exists()).unwrap_or(u32::MAX);
-    for number in first..first.saturating_add(command.sweeps.unwrap_or(1)) {
+    for number in first..first.saturating_add(command.at.sweeps.unwrap_or(1)) {
         let software = super::acquire::SOFTWARE;
         let sweep = simulated_sweep(&bench, actuator, command.seed, number, software)?;
         let path = record_sweep(&raw, &bench.layout, &now(), &sweep)?;
