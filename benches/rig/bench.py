@@ -13,6 +13,8 @@ SHARES = [("median", 0.5), ("99 %", 0.99), ("99.9 %", 0.999), ("most", 1.0)]
 BUSY = [sys.executable, "-c", "while True: pass"]
 CORES = os.cpu_count()
 ALONE = "the clock alone"
+PROGRAM = "zwidth, a program in Python"
+LEVER = Path(__file__).resolve().parents[2] / "examples/device/lever.py"
 # Times below are not told apart.
 SHORTEST_US = 1.0
 
@@ -78,6 +80,7 @@ def main(program, number=5, seconds=10):
         port = board.stdout.readline().strip()
         commands = {
             "zwidth": [program, "loop", port, str(RATE_HZ), str(ticks)],
+            PROGRAM: [program, "program", str(RATE_HZ), str(ticks), sys.executable, str(LEVER)],
             "pySerial": [sys.executable, str(Path(__file__).with_name("peer.py")), port, str(RATE_HZ), str(ticks)],
             ALONE: [program, "clock", str(RATE_HZ), str(ticks)],
         }

@@ -1,22 +1,26 @@
 //! Our end of `benches/rig`: `rig-bench board` is a board with the twin behind it at a
 //! pseudo-terminal, which prints its port; `rig-bench loop PORT RATE TICKS` is the loop of a
 //! session on it, and prints when each tick began after its deadline and how long its answer and
-//! command took, µs, a tick in a line. `rig-bench clock RATE TICKS` does the same without a line: it
+//! command took, µs, a tick in a line. `rig-bench program RATE TICKS COMMAND…` is the same with a program as
+//! the device. `rig-bench clock RATE TICKS` does the same without a line: it
 //! looks at the clock and does nothing else, so what is late there the machine itself made late.
 #![allow(clippy::print_stdout, clippy::unwrap_used)] // a program of one page that tells what it measured
 
 use std::path::Path;
 use std::time::{Duration, Instant};
-use zwidth_device::{Clock, Priority, RealClock};
+use zwidth_device::{Clock, Device, Priority, RealClock};
 #[cfg(unix)]
 use zwidth_device::{Person, Twin, TwinParameters};
 #[cfg(unix)]
-use zwidth_link::{Board, Pair, Wire as _};
+use zwidth_link::{Board, Pair, Process, Wire as _, open};
 use zwidth_link::{Serial, Settings, over};
 use zwidth_study::Voltages;
 
 /// Each answer comes in its own tick at 1 kHz.
 const RIG: &str = "newtons_per_count = 1e-4\nbaud = 1000000";
+
+/// The program is named on the command line.
+const PROGRAM: &str = "link = \"process\"\n[process]\ncommand = [\"\"]";
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -27,10 +31,15 @@ fn main() {
         ["loop", port, rate_hz, ticks] => {
             hold(Path::new(port), rate_hz.parse().unwrap(), ticks.parse().unwrap());
         }
+        ["program", rate_hz, ticks, command @ ..] => {
+            ask(command, rate_hz.parse().unwrap(), ticks.parse().unwrap());
+        }
         ["clock", rate_hz, ticks] => {
             watch(rate_hz.parse().unwrap(), ticks.parse().unwrap());
         }
-        _ => println!("rig-bench board | loop PORT RATE TICKS | clock RATE TICKS"),
+        _ => println!(
+            "rig-bench board | loop PORT RATE TICKS | program RATE TICKS COMMAND… | clock RATE TICKS"
+        ),
     }
 }
 
@@ -56,7 +65,20 @@ fn board() {
 fn hold(port: &Path, rate_hz: f64, ticks: u64) {
     let settings: Settings = toml::from_str(RIG).unwrap();
     let wire = Serial::open(port, settings.baud()).unwrap();
-    let mut rig = over(wire, None, &settings, Vec::new()).unwrap();
+    let rig = over(wire, None, &settings, Vec::new()).unwrap();
+    session(rig, rate_hz, ticks);
+}
+
+/// A program is its device.
+fn ask(command: &[&str], rate_hz: f64, ticks: u64) {
+    let command = command.iter().map(|word| (*word).to_owned()).collect();
+    let mut settings: Settings = toml::from_str(PROGRAM).unwrap();
+    settings.process = Some(Process { command, folder: ".".into(), ..Process::default() });
+    session(open(None, &settings, Vec::new()).unwrap(), rate_hz, ticks);
+}
+
+/// The loop of a session.
+fn session(mut rig: Box<dyn Device>, rate_hz: f64, ticks: u64) {
     let mut clock = RealClock::new();
     rig.home(clock.now_s()).unwrap();
     told(&in_time(&mut clock, rate_hz, ticks, |clock, woke_s| {

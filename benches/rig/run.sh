@@ -1,5 +1,5 @@
 #!/bin/sh
-# A loop at 1 kHz over the framed link, by zwidth and plainly by pySerial, at one board in software on one pseudo-terminal; idle, then
+# A loop at 1 kHz over the framed link, by zwidth and plainly by pySerial, and by zwidth with a program as its device, at one board in software on one pseudo-terminal; idle, then
 # with all cores busy. Writes RESULTS.md.
 #
 #   benches/rig/run.sh [ROUNDS [SECONDS]]     5 rounds of 10 s: six minutes
@@ -24,7 +24,8 @@ before="$(load)"
     echo "when the loop is there. Answered: from then until the answer is decoded and the command given to the system. The"
     echo "plain loop sleeps until its deadline; ours sleeps to 0.2 ms before it, looks at the clock from there on, and asks the system for"
     echo "a higher priority. The board has one, too: what runs at a host does not slow a board. The clock alone: a loop without a line,"
-    echo "which looks at the clock and never sleeps; no program on this machine is less late than that. Taken by others: the share of"
+    echo "which looks at the clock and never sleeps; no program on this machine is less late than that. A program in Python: our loop, with"
+    echo "examples/device/lever.py as its device over pipes, which simulates its lever meanwhile. Taken by others: the share of"
     echo "the time that a virtual machine's host gave to others while this one wanted to run (steal)."
     echo
     cat "$target/rig.md"
