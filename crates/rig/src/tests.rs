@@ -440,7 +440,7 @@ fn coverage(seeds: std::ops::Range<u64>) -> [(usize, f64); 2] {
 }
 
 #[test]
-#[ignore = "200 characterisations take an hour; the numbers stand in docs/rig.md"]
+#[ignore = "200 characterisations of each actuator take ten minutes; the numbers stand in docs/rig.md"]
 fn the_calibration_holds_the_simulated_truth_in_93_of_100_seeds() {
     let seeds: u64 = std::env::var("ZWIDTH_SEEDS").map_or(200, |n| n.parse().unwrap());
     for (held, knots) in coverage(1..seeds + 1) {
