@@ -12,8 +12,8 @@ use zwidth_device::{Clock, Device, Priority, RealClock};
 #[cfg(unix)]
 use zwidth_device::{Person, Twin, TwinParameters};
 #[cfg(unix)]
-use zwidth_link::{Board, Pair, Process, Wire as _, open};
-use zwidth_link::{Serial, Settings, over};
+use zwidth_link::{Board, Pair, Wire as _};
+use zwidth_link::{Process, Serial, Settings, open, over};
 use zwidth_study::Voltages;
 
 /// Each answer comes in its own tick at 1 kHz.

@@ -56,7 +56,7 @@ impl Desk {
         self.root().join("keys")
     }
 
-    fn command(&self, more: &[&str]) -> Command {
+    pub(crate) fn command(&self, more: &[&str]) -> Command {
         let mut command = Command::new(binary());
         command
             .arg("--root")

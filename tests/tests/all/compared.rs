@@ -59,9 +59,9 @@ fn what_other_programs_print_stands_beside_each_difference() {
     }
     let df = |program: &str| {
         let row = rows.iter().find(|row| row["program"] == program).unwrap();
-        row["df"].as_f64().unwrap().round()
+        row["df"].as_f64().unwrap().round() as u32
     };
-    assert_eq!([df("zwidth"), df("pingouin"), df("pyfixest, clustered")], [3.0; 3]);
+    assert_eq!([df("zwidth"), df("pingouin"), df("pyfixest, clustered")], [3; 3]);
     let as_text = zwidth_line(root, "compare several --peers --metric duration_s").exits(0);
     as_text.prints(&["The same differences by other programs", "statsmodels", "docs/analysis.md"]);
     zwidth_line(root, "compare several --peers --by mode").exits(2);

@@ -40,6 +40,7 @@ mod page;
 mod participant;
 #[cfg(unix)]
 mod printed;
+mod program_device;
 mod provenance;
 mod real;
 mod records;
