@@ -4,6 +4,7 @@ use crate::calling::Fault;
 use crate::table::Column;
 use pyo3::buffer::PyBuffer;
 use pyo3::prelude::*;
+use pyo3::types::PyMemoryView;
 
 const FLOATS: &str = "give a one-dimensional array of float64, such as numpy.asarray(values, dtype=float) or array.array('d', values)";
 
@@ -31,9 +32,14 @@ fn floats(name: &str, given: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
     if let Some(values) = given.cast::<Column>().ok().and_then(|column| column.get().floats()) {
         return Ok(values);
     }
-    let buffer = PyBuffer::<f64>::get(given).or_else(|error| match given.getattr("__array__") {
-        Ok(array) => PyBuffer::<f64>::get(&array.call0()?),
-        Err(_) => Err(error),
+    let buffer = PyBuffer::<f64>::get(given).or_else(|error| {
+        if let Some(unnamed) = without_named_order(given) {
+            return PyBuffer::<f64>::get(&unnamed);
+        }
+        match given.getattr("__array__") {
+            Ok(array) => PyBuffer::<f64>::get(&array.call0()?),
+            Err(_) => Err(error),
+        }
     });
     let Ok(buffer) = buffer else {
         // Nothing lies nowhere in particular, which no buffer of float64 may.
@@ -55,6 +61,19 @@ fn floats(name: &str, given: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
         return Err(Fault::new(what, FLOATS).in_column(name).into());
     }
     buffer.to_vec(py)
+}
+
+/// A row of float64 whose format names this machine's byte order, as the arrays of ctypes do, in a view that names none:
+/// pyo3 0.30 refuses the name.
+fn without_named_order<'py>(given: &Bound<'py, PyAny>) -> Option<Bound<'py, PyAny>> {
+    let named = if cfg!(target_endian = "little") { "<d" } else { ">d" };
+    let view = PyMemoryView::from(given).ok()?;
+    let is_row = view.getattr("ndim").ok()?.extract::<usize>().ok()? == 1;
+    let is_named = view.getattr("format").ok()?.extract::<String>().ok()? == named;
+    if !(is_row && is_named) {
+        return None;
+    }
+    view.call_method1("cast", ("B",)).ok()?.call_method1("cast", ("d",)).ok()
 }
 
 /// What an object is: its type, and of an array what is in it.

@@ -228,7 +228,7 @@ pub(crate) enum Command {
         out: Option<PathBuf>,
     },
     /// The licences of everything that this program is made of
-    #[command(after_help = "Example:\n  zwidth licences | less")]
+    #[command(after_help = "Example:\n  zwidth licences")]
     Licences,
 }
 

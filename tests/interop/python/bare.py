@@ -4,6 +4,7 @@
 """
 
 import array
+import ctypes
 import math
 import os
 import pathlib
@@ -55,6 +56,16 @@ class Refused(unittest.TestCase):
             error = self.refused("float64", zwidth.trial_metrics, wrong, theta, force)
             self.assertEqual((error.column, error.row), ("t", None))
             self.assertIn("one-dimensional", error.remedy)
+
+    def test_arrays_of_ctypes_are_taken_as_those_of_array(self):
+        given = movement()
+        by_ctypes = [(ctypes.c_double * len(values))(*values) for values in given]
+        t, theta, force, velocity = by_ctypes
+        found = zwidth.trial_metrics(t, theta, force, velocity=velocity)
+        t, theta, force, velocity = given
+        self.assertEqual(found, zwidth.trial_metrics(t, theta, force, velocity=velocity))
+        plane = ((ctypes.c_double * 2) * 3)()
+        self.refused("float64", zwidth.trial_metrics, plane, theta, force)
 
     def test_numbers_that_are_none_unequal_lengths_and_time_that_stands(self):
         t, theta, force, _ = movement()

@@ -220,7 +220,7 @@ fn values(other: &Recording, place: usize, rows: &[usize]) -> Result<Vec<Option<
     {
         return Ok(rows.iter().map(|row| Some(cells.value(*row))).collect());
     }
-    let remedy = "mend the cell; of a second file numbers alone are joined by time";
+    let remedy = "mend the cell; of a second file only numbers are taken";
     let numbers = rows.iter().map(|row| {
         other.number(place, *row).map_err(|what| other.cell_error(place, *row, &what, remedy))
     });
