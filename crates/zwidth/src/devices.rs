@@ -1,8 +1,9 @@
 //! The devices by the names that they have on the command line: the one list.
 
-use crate::commands::device::{Bench, check_allowed};
+use crate::commands::consent::device_may_start;
+use crate::commands::device::{Bench, device_program};
 use crate::screen::Screen;
-use anyhow::{Context as _, anyhow};
+use anyhow::{Context as _, anyhow, bail};
 use jiff::Timestamp;
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -12,7 +13,7 @@ use zwidth_acquire::number;
 use zwidth_device::check::{Step, steps};
 use zwidth_device::{Device, Person, Playback, Twin};
 use zwidth_store::{Samples, Signal, hex_blake3, read_trial};
-use zwidth_study::{Flags, ParticipantId, Sample, SessionId, Voltages};
+use zwidth_study::{Flags, ParticipantId, Sample, SessionId, Voltages, command_line};
 
 /// How devices are written on the command line.
 pub(crate) const DEVICES: &str = "twin|rig[:PORT]|playback:FILE";
@@ -51,6 +52,23 @@ impl FromStr for DeviceSpec {
             _ => Err(format!("it must be {DEVICES}")),
         }
     }
+}
+
+/// Refuses to start a program that is the study's device, if this person has not allowed it: a study
+/// may come from anybody.
+fn check_allowed(bench: &Bench) -> anyhow::Result<()> {
+    let Some((program, script)) = device_program(&bench.layout, bench.rig.as_ref())? else {
+        return Ok(());
+    };
+    if device_may_start(&bench.layout, &script.digest)? {
+        return Ok(());
+    }
+    let id = bench.layout.study();
+    bail!(
+        "the device of {id} is a program that you have not allowed, or that has changed since: {}; look at it, \
+         then `zwidth allow {id}`",
+        command_line(&program.command)
+    );
 }
 
 /// The device of a study, for a session; `seed` is what the simulated one's participant and noise

@@ -5,7 +5,7 @@
 //! frames has a watchdog; sketches that speak Firmata or print lines have none, so these boards
 //! have none either.
 
-mod device;
+pub(crate) mod device;
 
 pub(crate) use device::{Behind, Speech, counts, force_counts};
 pub use device::{NEWTONS_PER_COUNT, ZERO_COUNTS};

@@ -4,10 +4,11 @@
 //! [`STEP_N`], so that everything behind it, from homing at the stop to the recorded count, is as of a
 //! board. A program whose sensor counts may give its counts instead.
 
+use crate::board::device::{NEWTONS_PER_COUNT, ZERO_COUNTS};
 use crate::framed::message::{Description, FromBoard, PROTOCOL, Seen, ToBoard, status};
 use crate::framed::wording::{BoardWording, Wording};
 use crate::text::Lines;
-use crate::{Drive, board, mark};
+use crate::{Drive, mark};
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::f64::consts::TAU;
@@ -364,13 +365,13 @@ impl BoardWording for BoardLines {
                 write(&line, out);
             }
             FromBoard::Seen(seen) => {
-                let force = f64::from(seen.force) - board::ZERO_COUNTS;
+                let force = f64::from(seen.force) - ZERO_COUNTS;
                 let line = SeenLine {
                     n: number,
                     t_s: f64::from(seen.t_us) * 1e-6,
                     angle_rad: None,
                     counts: Some(seen.counts),
-                    force_n: force * board::NEWTONS_PER_COUNT,
+                    force_n: force * NEWTONS_PER_COUNT,
                     angle_age_s: f64::from(seen.angle_age_us) * 1e-6,
                     force_age_s: f64::from(seen.force_age_us) * 1e-6,
                     tripped: seen.status & status::WATCHDOG != 0,

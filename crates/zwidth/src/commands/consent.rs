@@ -57,7 +57,7 @@ pub(super) fn scripts(layout: &Layout) -> anyhow::Result<Scripts> {
 }
 
 /// Whether the program that is a study's device, with that digest, may be started.
-pub(super) fn device_may_start(layout: &Layout, digest: &str) -> anyhow::Result<bool> {
+pub(crate) fn device_may_start(layout: &Layout, digest: &str) -> anyhow::Result<bool> {
     Ok(consent(layout)?.is_some_and(|consent| consent.device.as_deref() == Some(digest)))
 }
 

@@ -1,6 +1,5 @@
 //! What recording needs: the study as it is to be run, the device, seeds, and the folder of seals.
 
-use super::consent::device_may_start;
 use super::{join_findings, study};
 use crate::text::read_beside;
 use anyhow::{Context as _, anyhow, bail};
@@ -11,9 +10,7 @@ use zwidth_device::{Clock, RealClock, SimulatedClock, TwinParameters, stop_on_si
 use zwidth_link::{Process, Settings};
 use zwidth_plan::{ReadScript, read_program};
 use zwidth_store::{Layout, MOST_BYTES, read_regular, read_study};
-use zwidth_study::{
-    Calibration, CalibrationFile, CalibrationOrigin, Control, Study, StudyId, command_line,
-};
+use zwidth_study::{Calibration, CalibrationFile, CalibrationOrigin, Control, Study, StudyId};
 
 /// Where seals lie.
 #[derive(Debug, Clone, PartialEq, Eq, clap::Args)]
@@ -73,7 +70,7 @@ pub(super) fn rig(layout: &Layout) -> anyhow::Result<Option<Settings>> {
 }
 
 /// The program that is the study's device, and its files as they are read now, if it is one.
-pub(super) fn device_program<'a>(
+pub(crate) fn device_program<'a>(
     layout: &Layout,
     rig: Option<&'a Settings>,
 ) -> anyhow::Result<Option<(&'a Process, ReadScript)>> {
@@ -83,23 +80,6 @@ pub(super) fn device_program<'a>(
     let Process { command, files, .. } = program;
     let script = read_program(layout.root(), layout.study(), NAME, command, files)?;
     Ok(Some((program, script)))
-}
-
-/// Refuses to start a program that is the study's device, if this person has not allowed it: a study
-/// may come from anybody.
-pub(crate) fn check_allowed(bench: &Bench) -> anyhow::Result<()> {
-    let Some((program, script)) = device_program(&bench.layout, bench.rig.as_ref())? else {
-        return Ok(());
-    };
-    if device_may_start(&bench.layout, &script.digest)? {
-        return Ok(());
-    }
-    let id = bench.layout.study();
-    bail!(
-        "the device of {id} is a program that you have not allowed, or that has changed since: {}; look at it, \
-         then `zwidth allow {id}`",
-        command_line(&program.command)
-    );
 }
 
 impl Bench {

@@ -9,7 +9,7 @@ pub(crate) mod characterise;
 pub(crate) mod check;
 mod cluster;
 pub(crate) mod compare;
-mod consent;
+pub(crate) mod consent;
 pub(crate) mod device;
 pub(crate) mod export;
 pub(crate) mod figure;
