@@ -52,6 +52,6 @@ fn a_program_that_nobody_allowed_or_that_changed_is_not_started() {
     fs::write(desk.root().join("analysis/small/lever.sh"), format!("{LEVER}\n# other")).unwrap();
     refused();
     fs::write(desk.root().join("analysis/small/lever.sh"), LEVER).unwrap();
-    begin(&desk).exits(1).says(&["it has ended"]);
+    begin(&desk).exits(1).one_error().says(&["rig: lost"]);
     assert!(pid.exists(), "it was not started");
 }

@@ -220,7 +220,7 @@ fn values(other: &Recording, place: usize, rows: &[usize]) -> Result<Vec<Option<
     {
         return Ok(rows.iter().map(|row| Some(cells.value(*row))).collect());
     }
-    let remedy = "mend the cell; of a second file only numbers are taken";
+    let remedy = "correct the cell; only numbers are taken from the other file";
     let numbers = rows.iter().map(|row| {
         other.number(place, *row).map_err(|what| other.cell_error(place, *row, &what, remedy))
     });
