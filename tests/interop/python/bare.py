@@ -63,7 +63,7 @@ class Refused(unittest.TestCase):
         t, theta, force, velocity = by_ctypes
         found = zwidth.trial_metrics(t, theta, force, velocity=velocity)
         t, theta, force, velocity = given
-        self.assertEqual(found, zwidth.trial_metrics(t, theta, force, velocity=velocity))
+        self.assertEqual(found.to_dict(), zwidth.trial_metrics(t, theta, force, velocity=velocity).to_dict())
         plane = ((ctypes.c_double * 2) * 3)()
         self.refused("float64", zwidth.trial_metrics, plane, theta, force)
 
