@@ -27,6 +27,9 @@ const KEPT: usize = 4096;
 pub(crate) struct Program {
     table: Process,
     running: Option<Running>,
+    /// Why it does not run any more: told again whenever it is asked, because who was told first may
+    /// have had nobody to tell it to.
+    ended: String,
 }
 
 struct Running {
@@ -46,19 +49,21 @@ impl Program {
         let running = Running::start(table).map_err(|why| DeviceError::Unable {
             device: table.command.join(" "),
             what: format!("it cannot be started: {why}"),
-            remedy: "correct process.command in rig.toml; a program that lies beside rig.toml is written ./NAME".to_owned(),
+            remedy: "correct process.command in rig.toml; a program of your own in analysis/STUDY is written ./NAME".to_owned(),
         })?;
-        Ok(Self { table: table.clone(), running: Some(running) })
+        Ok(Self { table: table.clone(), running: Some(running), ended: String::new() })
     }
 
     fn running(&mut self) -> io::Result<&mut Running> {
-        self.running.as_mut().ok_or_else(|| io::Error::new(ErrorKind::NotConnected, "it has ended"))
+        let ended = &self.ended;
+        self.running.as_mut().ok_or_else(|| io::Error::new(ErrorKind::BrokenPipe, ended.clone()))
     }
 
     /// Ends it, and says why.
     fn over(&mut self, why: impl Display) -> io::Error {
         let how = self.running.take().map_or_else(String::new, Running::end);
-        io::Error::new(ErrorKind::BrokenPipe, format!("{why}{how}"))
+        self.ended = format!("{why}{how}");
+        io::Error::new(ErrorKind::BrokenPipe, self.ended.clone())
     }
 }
 

@@ -1,10 +1,13 @@
 //! Programs that do what they must not: the reason is told, and nothing of them is left.
 
 use super::{Process, Program};
-use crate::{Settings, over};
+use crate::{Settings, Wire as _, over};
 use std::time::{Duration, Instant};
 use zwidth_device::{AWAY_S, Device, DeviceError, Guard, Limits};
 use zwidth_study::{Source, Voltages};
+
+/// A bound against a test that hangs.
+const FOR_EVER: Duration = Duration::from_secs(300);
 
 /// A program in the shell that answers each question; `$see` is what it does at the third reading.
 const PROGRAM: &str = r#"
@@ -63,10 +66,7 @@ impl Desk {
             if let Err(told) = device.write(now_s(), Voltages { motor_v: 1.0, brake_v: 0.0 }) {
                 break told;
             }
-            assert!(
-                began.elapsed() < Duration::from_secs(20),
-                "no fault is told after {device_fault}"
-            );
+            assert!(began.elapsed() < FOR_EVER, "no fault is told after {device_fault}");
         };
         assert!(matches!(told, DeviceError::Lost { .. }), "{told}");
         told.to_string()
@@ -162,7 +162,7 @@ fn a_device_that_is_dropped_leaves_no_program_even_one_that_does_not_end_by_itse
 /// Whether a process ends, or has ended: a killed one of somebody else's stays for a moment.
 fn ends(number: i32) -> bool {
     let began = Instant::now();
-    while began.elapsed() < Duration::from_secs(20) {
+    while began.elapsed() < FOR_EVER {
         let state = std::fs::read_to_string(format!("/proc/{number}/stat")).unwrap_or_default();
         if state.is_empty() || state.contains(") Z ") {
             return true;
@@ -207,4 +207,19 @@ fn keys_of_a_board_are_refused_beside_a_program() {
         let told = check(toml).unwrap();
         assert!(told.contains(why), "{toml}: {told}");
     }
+}
+
+#[test]
+fn why_a_program_ended_is_told_again_whenever_it_is_asked() {
+    let command = ["sh", "-c", "echo the handle is off >&2; exit 3"].map(str::to_owned).to_vec();
+    let table = Process { command, folder: ".".into(), ..Process::default() };
+    let mut program = Program::start(&table).unwrap();
+    let first = loop {
+        if let Err(why) = program.receive(&mut [0; 64], Duration::from_millis(10)) {
+            break why.to_string();
+        }
+    };
+    assert!(first.contains("exit code 3"), "{first}");
+    assert_eq!(program.send(b"{}\n").unwrap_err().to_string(), first);
+    assert_eq!(program.receive(&mut [0; 64], Duration::ZERO).unwrap_err().to_string(), first);
 }
