@@ -156,6 +156,22 @@ def check_all(zwidth):
         creep(Scene(zwidth, folder, "stick"))
         numbers(zwidth, folder)
         swing(Scene(zwidth, folder, "swing"))
+        at_rest(zwidth, Path(folder))
+
+
+def at_rest(zwidth, folder):
+    """A lever that came back to its stop, where the spring's rest is, and which no force moves: the program ends."""
+    text = (Path(__file__).resolve().parents[2] / "scenes/step.toml").read_text(encoding="utf-8")
+    heavy = text.replace("mass_kg = 0.005 ", "mass_kg = 0.1 ")
+    check("the lever of the step is made heavy", heavy != text)
+    (folder / "heavy.toml").write_text(heavy, encoding="utf-8")
+    run(zwidth, "simulate", folder / "heavy.toml", "--solver", "exact", "--out", folder, "--quiet")
+    exact = pd.read_parquet(folder / "heavy.trajectory.parquet")[["t_s", "theta_rad"]].to_numpy()
+    run(zwidth, "simulate", folder / "heavy.toml", "--as", "python", "--out", folder / "heavy.py", "--quiet")
+    # It looped at the stop for as long as it was let.
+    done = subprocess.run([sys.executable, folder / "heavy.py", folder / "heavy.csv"], timeout=300, check=False)
+    found = off(pd.read_csv(folder / "heavy.csv").to_numpy(), exact) if done.returncode == 0 else np.inf
+    check("a lever at rest on its stop as python: within 1e-9 rad of the exact motion", found < 1e-9, found)
 
 
 def modelica(scene, exact):

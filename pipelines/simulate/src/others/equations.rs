@@ -147,6 +147,9 @@ brake_lag passive   |    rate[LEVEL] = (level - y[LEVEL]) / BRAKE_ON
                     |    return rate
                     |
                     |
+                    |LEAST = 1e-12  # N: less moves no lever at rest, for a function that stays at 0 counts as crossed
+                    |
+                    |
                     |def exits(region):
                     |    """What ends a region: functions that are not below 0 while it holds."""
                     |    side, ends = region.side, {}
@@ -161,10 +164,10 @@ zones               |            ends["zone"] = lambda t, y: side * (ZONES[numbe
 stops               |        ends["stop"] = lambda t, y: side * (stop - y[0])
                     |    else:
                     |        if region.stop != 1:
-                    |            ends["forward"] = lambda t, y: -departing(t, y, 1, region)
+                    |            ends["forward"] = lambda t, y: LEAST - departing(t, y, 1, region)
 let_go              |        if region.stop != -1 and not region.held:
 !let_go             |        if region.stop != -1:
-                    |            ends["backward"] = lambda t, y: departing(t, y, -1, region)
+                    |            ends["backward"] = lambda t, y: LEAST + departing(t, y, -1, region)
 let_go              |        sign = 1 if region.held else -1
 let_go              |        ends["let go"] = lambda t, y: sign * (external(t, region.inside) - LET_GO)
 bottoms             |    if region.contact:
@@ -210,10 +213,10 @@ bottoms             |    region.contact = contact
                     |        region = moving(y, 1 if y[1] > 0 else -1, inside@contact@)
                     |    else:
                     |        region = resting(t, y, inside@contact@@held@)
-let_go              |        if region.stop != -1 and not region.held and departing(t, y, -1, region) < 0:
-!let_go             |        if region.stop != -1 and departing(t, y, -1, region) < 0:
+let_go              |        if region.stop != -1 and not region.held and departing(t, y, -1, region) < -LEAST:
+!let_go             |        if region.stop != -1 and departing(t, y, -1, region) < -LEAST:
                     |            region = moving(y, -1, inside@contact@)
-                    |        elif region.stop != 1 and departing(t, y, 1, region) > 0:
+                    |        elif region.stop != 1 and departing(t, y, 1, region) > LEAST:
                     |            region = moving(y, 1, inside@contact@)
 bottoms             |    if contact and press(t, y, region) < 0:  # a rigid stop that would have to pull
 bottoms             |        return settled(t, y, inside, 0@held@)
