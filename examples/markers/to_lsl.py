@@ -4,9 +4,11 @@
     pip install pylsl
     python examples/markers/to_lsl.py --port 9000
 
-Start it before the session. Each line that arrives is pushed at once as one string sample, with the
-time of its arrival by LSL's clock. What went by between a sample of the trial and that time is not
-known here: the line holds the sample's own times (`t_s`, `t_device_s`), and so does the session's log.
+Start it before the session, on the same machine, and record its stream with LabRecorder: `zwidth beside`
+then finds the trials in the recording. Each line that arrives is pushed at once as one string sample, with
+the time of its arrival by LSL's clock. What went by between a sample of the trial and that time is not
+known here: the line holds the sample's own times (`t_s`, `t_device_s`), and so does the session's log, which
+on Linux has that very clock too.
 """
 
 import argparse

@@ -12,6 +12,7 @@ import os
 from pathlib import Path
 
 import axes
+import beside
 import checks
 import compared
 import folders
@@ -47,6 +48,7 @@ def main():
     foreign.check_all(zwidth)
     laboratory.check_all(zwidth)
     joined.check_all(zwidth)
+    beside.check_all(zwidth)
     walls.frequencies(zwidth)
     made.check_all(zwidth)
     others.check_all(zwidth)

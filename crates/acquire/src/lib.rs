@@ -10,6 +10,7 @@ mod folder;
 mod front;
 mod markers;
 mod number;
+mod outlets;
 mod own;
 mod participant;
 mod plain;
@@ -31,6 +32,7 @@ pub use flow::{About, Input};
 pub use front::Front;
 pub use markers::Target;
 pub use number::number;
+pub use outlets::StreamName;
 pub use own::own_study;
 #[cfg(any(test, feature = "testing"))]
 pub use participant::hostile;

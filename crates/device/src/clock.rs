@@ -13,6 +13,12 @@ pub trait Clock: Send {
     /// Waits for a deadline, s, and returns when it really woke: not before the deadline, and later
     /// by the jitter. A deadline that is past returns at once.
     fn wait_until(&mut self, deadline_s: f64) -> f64;
+
+    /// A moment of this clock by the machine's monotonic clock, s, if it runs with one that other programs can read.
+    fn monotonic_s(&self, at_s: f64) -> Option<f64> {
+        let _ = at_s;
+        None
+    }
 }
 
 /// The last stretch before a deadline is spent looking at the clock, s: a sleeping thread wakes
@@ -23,6 +29,19 @@ const SPIN_S: f64 = 200e-6;
 #[derive(Debug, Clone, Copy)]
 pub struct RealClock {
     origin: Instant,
+    /// The origin by the machine's monotonic clock, s.
+    monotonic_s: Option<f64>,
+}
+
+/// The clock that Linux calls monotonic, which `Instant` reads too, s. Nobody can say what another system's counts from.
+#[cfg(target_os = "linux")]
+fn monotonic_s() -> Option<f64> {
+    let now = rustix::time::clock_gettime(rustix::time::ClockId::Monotonic);
+    Some(now.tv_sec as f64 + now.tv_nsec as f64 * 1e-9)
+}
+#[cfg(not(target_os = "linux"))]
+fn monotonic_s() -> Option<f64> {
+    None
 }
 
 impl RealClock {
@@ -33,7 +52,7 @@ impl RealClock {
         reason = "a clock begins when it is asked to, not by default"
     )]
     pub fn new() -> Self {
-        Self { origin: Instant::now() }
+        Self { origin: Instant::now(), monotonic_s: monotonic_s() }
     }
 }
 
@@ -54,6 +73,10 @@ impl Clock for RealClock {
             }
             std::hint::spin_loop();
         }
+    }
+
+    fn monotonic_s(&self, at_s: f64) -> Option<f64> {
+        self.monotonic_s.map(|origin_s| origin_s + at_s)
     }
 }
 

@@ -10,6 +10,7 @@
 mod added;
 mod axes;
 mod batch;
+mod beside;
 mod blocks;
 mod c3d;
 mod check;
@@ -101,6 +102,7 @@ mod xml;
 mod zero;
 mod zip;
 
+pub use beside::{Beside, Wanted, beside};
 pub use context::{Step, bytes_of};
 pub use guess::{Guess, guess};
 pub use known_trials::{KnownTrial, Labels, SessionTrials, StudyTrials};

@@ -28,6 +28,7 @@ pub(crate) fn data() -> StudyData {
         people: zwidth_study::People::default(),
         sweeps: Vec::new(),
         outside: Vec::new(),
+        beside: Vec::new(),
         sessions: Vec::new(),
         problems: Vec::new(),
         warnings: Vec::new(),

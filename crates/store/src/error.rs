@@ -49,7 +49,7 @@ impl StoreError {
     }
 
     /// An error that nothing but a defect of this program explains.
-    pub(crate) fn defect(path: &Path, error: &impl fmt::Display) -> Self {
+    pub fn defect(path: &Path, error: &impl fmt::Display) -> Self {
         Self::new(path, error.to_string(), "this is a defect of zwidth, please report it")
     }
 

@@ -3,7 +3,7 @@
 use crate::words::words;
 use crate::{
     ActuatorId, AnswerValue, Better, LevelId, MetricId, ModeId, PersonColumnId, QuestionId,
-    TaskLevel,
+    StreamId, TaskLevel,
 };
 use serde::{Deserialize, Serialize};
 
@@ -118,6 +118,29 @@ pub enum Event {
         /// The device's own clock, µs, where it has one and the moment is a sample's.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         device_us: Option<u64>,
+        /// The machine's monotonic clock, µs, in real time where it has one that others can read.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        monotonic_us: Option<u64>,
+    },
+    /// A stream was given that another program recorded beside the session.
+    StreamGiven {
+        /// The stream.
+        stream: StreamId,
+        /// The number of its table, from 1; the last one counts.
+        table: u32,
+        /// The name of the file that was given, without its folder.
+        file: String,
+        /// BLAKE3 of the file that was given, hexadecimal.
+        file_blake3: String,
+        /// BLAKE3 of the table as it is kept, hexadecimal.
+        blake3: String,
+    },
+    /// No table of a stream that was given counts, up to here.
+    StreamWithdrawn {
+        /// The stream.
+        stream: StreamId,
+        /// Why, in words.
+        reason: String,
     },
     /// The sealed order of modes was opened. It is true only if it verifies against the session's
     /// commitment ([`crate::Seal`]).
@@ -195,6 +218,8 @@ impl Event {
             | Self::SweepRecorded { .. }
             | Self::MetricGiven { .. }
             | Self::MetricWithdrawn { .. }
+            | Self::StreamGiven { .. }
+            | Self::StreamWithdrawn { .. }
             | Self::Unsealed { .. }
             | Self::StudyAccepted { .. }
             | Self::PersonAccepted { .. } => None,

@@ -197,6 +197,8 @@ ids! {
     ActuatorId = "actuator", unless refused;
     /// A stage of a study's own, such as `grip`, or what it reads: `samples`.
     StageId = "stage", unless refused_as_name;
+    /// A stream that another program recorded beside a session, such as `emg`.
+    StreamId = "stream", unless refused_as_name;
     /// A figure of scenes, such as `figure_8`.
     SceneFigureId = "figure of scenes", unless refused;
 }

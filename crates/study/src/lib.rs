@@ -69,7 +69,8 @@ pub use figures::{Alignment, Figures, OwnFigures};
 pub use form::{CURRENT_BRAKE, CURRENT_MOTOR, Channel, REFERENCE, Schema, TrialForm};
 pub use id::{
     ActuatorId, ChannelId, EnvironmentId, ExperimenterId, FactorId, IdError, LevelId, MetricId,
-    ModeId, ParticipantId, PersonColumnId, QuestionId, SceneFigureId, SessionId, StageId, StudyId,
+    ModeId, ParticipantId, PersonColumnId, QuestionId, SceneFigureId, SessionId, StageId, StreamId,
+    StudyId,
 };
 pub use label::{contrast_label, curve_label, in_a_sentence, ratio_label};
 pub use law::{ActuatorKind, ModeLaw};

@@ -114,6 +114,16 @@ pub(crate) enum Command {
         "  zwidth metric mystudy --withdraw grip_peak \"wrong channel\""
     ))]
     Metric(commands::metric::MetricArgs),
+    /// Keep streams that another program recorded beside a session (EMG, gaze), each sample with its trial and its
+    /// time there
+    #[command(after_help = concat!(
+        "Examples:\n",
+        "  zwidth beside mystudy --from lab.xdf -p P01 -s S01\n",
+        "  zwidth beside mystudy --from lab.xdf -p P01 -s S01 --stream \"EMG of the arm=emg\"\n",
+        "  zwidth beside mystudy --list\n",
+        "  zwidth beside mystudy -p P01 -s S01 --withdraw emg \"electrodes were off\""
+    ))]
+    Beside(commands::beside::BesideArgs),
     /// Open a blinded session's seal: its modes are known from then on
     #[command(after_help = "Example:\n  zwidth unseal mystudy -p P01 -s S01")]
     Unseal(commands::unseal::UnsealArgs),

@@ -108,6 +108,7 @@ fn run(args: Args, screen: &screen::Screen) -> anyhow::Result<Exit> {
         Command::Exclude(command) => commands::said::exclude(root, &command, screen),
         Command::Note(command) => commands::said::note(root, &command, screen),
         Command::Answer(command) => commands::said::answer(root, &command, screen),
+        Command::Beside(command) => commands::beside::beside(root, &command, screen),
         Command::Metric(command) => commands::metric::metric(root, &command, screen),
         Command::Unseal(command) => commands::unseal::unseal(root, &command, screen),
         Command::Recover(command) => commands::recover::recover(root, &command, screen),

@@ -15,6 +15,7 @@ mod bad_disk;
 mod bad_files;
 mod bad_import;
 mod bench;
+mod beside;
 mod binary;
 mod blinding;
 mod circles;

@@ -69,6 +69,7 @@ fn only_the_commands_that_may_hold_a_handle_that_writes_below_raw() {
         holders("Raw::adds("),
         [
             "acquire",
+            "beside",
             "characterise",
             "metric",
             "power",

@@ -124,6 +124,10 @@ pub(super) fn event(event: &Event) -> String {
             format!("table {table} of the metric {metric} given")
         }
         Event::MetricWithdrawn { metric, .. } => format!("the metric {metric} withdrawn"),
+        Event::StreamGiven { stream, table, .. } => {
+            format!("table {table} of the stream {stream} given")
+        }
+        Event::StreamWithdrawn { stream, .. } => format!("the stream {stream} withdrawn"),
         Event::Recorded { trial, .. } => format!("trial {trial} recorded"),
         Event::Answer { trial, value, .. } => format!("trial {trial}: answered {value}"),
         Event::Level { trial, level } => {

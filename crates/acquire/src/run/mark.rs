@@ -45,18 +45,24 @@ impl<'a> Marking<'a> {
 }
 
 impl Runner<'_> {
-    /// Keeps what was sent of a trial.
-    pub(super) fn keep_markers(&mut self, sent: &[Marker]) -> Result<(), AcquireError> {
+    /// Keeps what was sent of a trial that began then by the machine's monotonic clock, s.
+    pub(super) fn keep_markers(
+        &mut self,
+        sent: &[Marker],
+        monotonic_s: Option<f64>,
+    ) -> Result<(), AcquireError> {
         if sent.is_empty() {
             return Ok(());
         }
-        let events: Vec<Event> = sent.iter().map(event).collect();
+        let events: Vec<Event> = sent.iter().map(|marker| event(marker, monotonic_s)).collect();
         self.keep(&events)
     }
 
     /// The answer to the trial that ran last; one that is given later is no moment of a recording.
     pub(super) fn mark_answer(&mut self, trial: u32) -> Result<(), AcquireError> {
-        let Some(Ran { ended_s, last_s, .. }) = self.ran.filter(|ran| ran.trial == trial) else {
+        let Some(Ran { ended_s, last_s, monotonic_s, .. }) =
+            self.ran.filter(|ran| ran.trial == trial)
+        else {
             return Ok(());
         };
         if !self.markers.are_on() {
@@ -69,7 +75,7 @@ impl Runner<'_> {
         let t_s = last_s + (self.attendant.now_s() - ended_s);
         let marker = Marker { trial, moment: Moment::Answer, t_s, t_device_s: None };
         self.markers.send(marker);
-        self.keep_markers(&[marker])
+        self.keep_markers(&[marker], monotonic_s)
     }
 
     /// Tells what could not be sent, and keeps a note of it.
@@ -81,9 +87,15 @@ impl Runner<'_> {
     }
 }
 
-fn event(marker: &Marker) -> Event {
+fn event(marker: &Marker, begun_monotonic_s: Option<f64>) -> Event {
     let Marker { trial, moment, t_s, t_device_s } = *marker;
-    Event::Marker { trial, moment, t_us: micros(t_s), device_us: t_device_s.map(micros) }
+    Event::Marker {
+        trial,
+        moment,
+        t_us: micros(t_s),
+        device_us: t_device_s.map(micros),
+        monotonic_us: begun_monotonic_s.map(|begun_s| micros(begun_s + t_s)),
+    }
 }
 
 /// A time in whole microseconds. One below 0 or past every session has no place in a log: it is held

@@ -19,10 +19,11 @@ use crate::course::{Conditions, course};
 use crate::flow::{Action, Flow, Input, Phase};
 use crate::folder::Within;
 use crate::markers::Markers;
+use crate::outlets::Outlets;
 use crate::plan::Plan;
 use crate::session::Session;
 use crate::tape::Tape;
-use crate::{AcquireError, Course, Front, Target, View};
+use crate::{AcquireError, Course, Front, StreamName, Target, View};
 use lasting::Lasting;
 use std::path::Path;
 use std::sync::Arc;
@@ -77,6 +78,8 @@ pub struct Options {
     pub no_watchdog: bool,
     /// The receivers of each trial's start, contact, end and answer.
     pub markers: Vec<Target>,
+    /// Streams of other programs without which no trial begins.
+    pub streams: Vec<StreamName>,
     /// The operator's code, which is added to each event.
     pub by: Option<ExperimenterId>,
     /// Raised by a stop key: the running trial ends at its next tick.
@@ -126,6 +129,9 @@ struct Runner<'a> {
     view: View,
     timing: Timing,
     markers: Markers,
+    outlets: Outlets,
+    /// Why no trial begins, as it was said last.
+    withheld: Option<String>,
     /// The last trial that ran.
     ran: Option<Ran>,
     /// What stopped the session, while it is stopped.
@@ -146,6 +152,8 @@ struct Ran {
     ended_s: f64,
     /// Its last sample's time, s.
     last_s: f64,
+    /// When it began by the machine's monotonic clock, s.
+    monotonic_s: Option<f64>,
 }
 
 /// Runs a session from its present state to where it is left. The caller holds the study's lock.
@@ -177,6 +185,12 @@ pub fn run<'a>(
         Some(environment) => TrialPlan::new(&plan.study, environment, 0, &capabilities)?.rate_hz,
         None => capabilities.rate_hz,
     };
+    let outlets = Outlets::ask_for(&options.streams).map_err(|error| {
+        AcquireError::refused(
+            format!("--wait-for: the network cannot be asked ({error})"),
+            "connect this machine to a network, or leave it out",
+        )
+    })?;
     let files = Within::open(files, &plan.layout.raw())?;
     let folder = files.clone();
     let (flow, first) = Flow::begin(
@@ -216,6 +230,8 @@ pub fn run<'a>(
             view,
             timing: Timing::default(),
             markers: Markers::to(&options.markers),
+            outlets,
+            withheld: None,
             ran: None,
             stopped: None,
             seen_s,
@@ -275,6 +291,11 @@ impl<'a> Runner<'a> {
             };
             self.files.check()?;
             self.tell_unsent()?;
+            // Before the session is laid down there is no log.
+            let changes = if self.session.laid_down { self.outlets.changes() } else { Vec::new() };
+            for text in changes {
+                self.log(Event::Note { trial: None, text })?;
+            }
             self.show()?;
             let idle = self.idle()?;
             let now_s = self.attendant.now_s();
@@ -282,10 +303,25 @@ impl<'a> Runner<'a> {
             // Before the inputs: the time that an answer took lasts until now.
             self.feed(Input::Elapsed(elapsed_s))?;
             for input in idle {
+                let starts = input == Input::Start && *self.flow.phase() == Phase::Ready;
+                if let Some(missing) = self.outlets.missing().filter(|_| starts) {
+                    self.withhold(missing);
+                    continue;
+                }
+                self.withheld = None;
                 self.feed(input)?;
             }
         }
         self.show()
+    }
+
+    /// Begins no trial, and says once why. A front end that starts trials by itself asks again at once.
+    fn withhold(&mut self, missing: String) {
+        if self.withheld.as_ref() != Some(&missing) {
+            self.view.say(missing.clone());
+            self.withheld = Some(missing);
+        }
+        thread::sleep(WAIT);
     }
 
     fn feed(&mut self, input: Input) -> Result<(), AcquireError> {

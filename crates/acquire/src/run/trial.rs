@@ -132,9 +132,14 @@ impl<'a> Runner<'a> {
             return Err(error.into());
         }
         let now_s = self.attendant.now_s();
-        self.ran = last_s.map(|last_s| Ran { trial: trial.trial, ended_s: now_s, last_s });
+        // A device that is lost tells no time: its trial has the others.
+        let monotonic_s = run.begun_s.and_then(|begun_s| {
+            self.attendant.ask(move |station| station.clock.monotonic_s(begun_s)).ok().flatten()
+        });
+        self.ran =
+            last_s.map(|last_s| Ran { trial: trial.trial, ended_s: now_s, last_s, monotonic_s });
         let end = self.conclude(trial.trial, tape, &run)?;
-        self.keep_markers(&sent)?;
+        self.keep_markers(&sent, monotonic_s)?;
         self.tell_saturated(trial.trial, saturated, run.timing.ticks)?;
         Ok(end)
     }

@@ -287,7 +287,12 @@ mod tests {
         assert!(ring.push(&samples[5]).is_continue());
         collected.hand_over(&mut collect(&mut kept));
         assert!(kept[3].flags.has(Flags::DROPOUT));
-        let run = TrialRun { end: TrialEnd::Limit, timing: Timing::default(), unwatched: false };
+        let run = TrialRun {
+            end: TrialEnd::Limit,
+            begun_s: None,
+            timing: Timing::default(),
+            unwatched: false,
+        };
         assert_eq!(collected.lost(), 2);
         assert_eq!(collected.conclude(run).end, TrialEnd::Tripped(Trip::SamplesLost { lost: 2 }));
     }

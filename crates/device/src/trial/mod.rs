@@ -86,6 +86,8 @@ pub enum TrialEnd {
 pub struct TrialRun {
     /// How it ended.
     pub end: TrialEnd,
+    /// When it began, host time, s: the zero of its samples' times; unknown after a panic.
+    pub begun_s: Option<f64>,
     /// How well it kept its time.
     pub timing: Timing,
     /// The motor could run without a watchdog, as requested: the trial is to be marked.
@@ -95,7 +97,12 @@ pub struct TrialRun {
 impl TrialRun {
     /// A run of which only the end is known.
     pub(crate) fn tripped(trip: Trip) -> Self {
-        Self { end: TrialEnd::Tripped(trip), timing: Timing::default(), unwatched: false }
+        Self {
+            end: TrialEnd::Tripped(trip),
+            begun_s: None,
+            timing: Timing::default(),
+            unwatched: false,
+        }
     }
 }
 
@@ -121,9 +128,10 @@ pub fn run_trial(
     output.shown = plan.shows_moments.then(Moments::default);
     controller.begin(plan.rate_hz);
     let end = ticks(&mut output, clock, controller, plan, stop, sink, &mut timing);
+    let begun_s = Some(output.begun_s);
     // Writes 0 V before anything else is done.
     drop(output);
-    TrialRun { end, timing, unwatched }
+    TrialRun { end, begun_s, timing, unwatched }
 }
 
 fn ticks(

@@ -16,6 +16,8 @@ pub(crate) struct Output<'a> {
     looked_s: f64,
     /// When it last looked or wrote, host time, s: a device's time never runs back.
     now_s: f64,
+    /// When the trial began, host time, s.
+    pub(super) begun_s: f64,
     /// What the device has shown of the trial, where it is to show anything: its moments, and its
     /// end when this goes.
     pub(super) shown: Option<Moments>,
@@ -23,7 +25,7 @@ pub(crate) struct Output<'a> {
 
 impl<'a> Output<'a> {
     pub(crate) fn new(device: &'a mut dyn Device, guard: &'a mut Guard, now_s: f64) -> Self {
-        Self { device, guard, looked_s: now_s, now_s, shown: None }
+        Self { device, guard, looked_s: now_s, now_s, begun_s: now_s, shown: None }
     }
 
     /// Shows the moments that this sample is.
@@ -35,6 +37,7 @@ impl<'a> Output<'a> {
 
     /// Tells the device that a trial begins, if a voltage may be written at all.
     pub(crate) fn begin(&mut self, now_s: f64, cue: &Cue<'_>) -> Result<(), Trip> {
+        self.begun_s = now_s;
         self.guard.permit(Voltages::OFF)?;
         self.device.begin(now_s, cue);
         Ok(())

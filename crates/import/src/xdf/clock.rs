@@ -10,7 +10,7 @@ use std::ops::Range;
 
 /// When the clocks were compared, on the stream's clock, s, and what then lacked to the recorder's,
 /// s.
-pub(super) type Offset = (f64, f64);
+pub(crate) type Offset = (f64, f64);
 
 /// A difference of offsets beyond which one counts as an outlier, s.
 const WINSOR_S: f64 = 1e-4;
@@ -38,11 +38,11 @@ const STEADY: f64 = 0.5;
 const MOST_JUMPS: usize = 100;
 
 /// The result of putting times on the recorder's clock.
-pub(super) struct Synchronised {
+pub(crate) struct Synchronised {
     /// Whether each stretch of offsets had a line; otherwise its times stay as they are.
-    pub(super) all_used: bool,
+    pub(crate) all_used: bool,
     /// Offsets that are left out, and clocks that were set anew.
-    pub(super) doubts: Vec<String>,
+    pub(crate) doubts: Vec<String>,
 }
 
 /// Adds to each time what the offsets say: a line through those between two resets of the clock.
@@ -50,7 +50,7 @@ pub(super) struct Synchronised {
 /// Offsets that jump while the samples' times go on steadily are wrong, and the fewer ones are left
 /// out; pyxdf lets the line run through both, which bends the times. `interval_s` is that of the
 /// samples, or 0.
-pub(super) fn synchronise(times: &mut [f64], offsets: &[Offset], interval_s: f64) -> Synchronised {
+pub(crate) fn synchronise(times: &mut [f64], offsets: &[Offset], interval_s: f64) -> Synchronised {
     // With their numbers in the file, by which they are told.
     let (numbers, sound): (Vec<usize>, Vec<Offset>) = offsets
         .iter()

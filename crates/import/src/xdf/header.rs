@@ -6,7 +6,7 @@ use super::super::xml::{Event, Xml};
 
 /// The format of a stream's values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Written {
+pub(crate) enum Written {
     Number(Number),
     Text,
 }
@@ -29,20 +29,25 @@ impl Written {
 
 /// A channel of a stream.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub(super) struct Channel {
+pub(crate) struct Channel {
     /// Its label, or one of its number where it has none.
-    pub(super) name: String,
+    pub(crate) name: String,
     /// Its unit, empty where there is none.
-    pub(super) unit: String,
+    pub(crate) unit: String,
 }
 
 /// The header of a stream.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Header {
-    pub(super) name: String,
-    pub(super) channels: Vec<Channel>,
+pub(crate) struct Header {
+    pub(crate) name: String,
+    /// What it says it holds (`EEG`), which program or device it names as its source, and the outlet that it came from: each
+    /// start of an outlet has an id of its own.
+    pub(crate) kind: String,
+    pub(crate) source_id: String,
+    pub(crate) uid: String,
+    pub(crate) channels: Vec<Channel>,
     /// Samples a second, 0 where they come as they do.
-    pub(super) rate_hz: f64,
+    pub(crate) rate_hz: f64,
     pub(super) written: Written,
     /// Whether samples may be left out: then its times are not those of a steady clock.
     pub(super) may_drop: bool,
@@ -51,6 +56,7 @@ pub(super) struct Header {
 /// The header in a text; `Err` says what it lacks.
 pub(super) fn header(xml: &str) -> Result<Header, String> {
     let mut name = None;
+    let [mut kind, mut source_id, mut uid] = [const { String::new() }; 3];
     let mut count = None;
     let mut rate = None;
     let mut format = None;
@@ -58,6 +64,9 @@ pub(super) fn header(xml: &str) -> Result<Header, String> {
     let mut may_drop = false;
     elements(xml, &mut |path, text| match (path, text) {
         (["info", "name"], Some(text)) => name = Some(text.to_owned()),
+        (["info", "type"], Some(text)) => text.clone_into(&mut kind),
+        (["info", "source_id"], Some(text)) => text.clone_into(&mut source_id),
+        (["info", "uid"], Some(text)) => text.clone_into(&mut uid),
         (["info", "channel_count"], Some(text)) => count = text.parse::<usize>().ok(),
         (["info", "nominal_srate"], Some(text)) => rate = text.parse::<f64>().ok(),
         (["info", "channel_format"], Some(text)) => format = Written::of(text),
@@ -85,6 +94,9 @@ pub(super) fn header(xml: &str) -> Result<Header, String> {
     }
     Ok(Header {
         name: name.unwrap_or_default(),
+        kind,
+        source_id,
+        uid,
         channels,
         rate_hz: rate
             .filter(|rate| rate.is_finite() && *rate >= 0.0)

@@ -17,8 +17,10 @@ use super::spelling::shown;
 use super::table::{Cells, Declared, Table, listed};
 use arrow::array::Float64Array;
 use chunks::{Bytes, Lost, MAGIC, Tag, walk};
-use clock::{Offset, Synchronised, synchronise};
-use header::{Header, sample_count};
+use clock::Offset;
+pub(super) use clock::{Synchronised, synchronise};
+pub(super) use header::Header;
+use header::sample_count;
 use jitter::remove_jitter;
 use samples::Samples;
 use serde::Deserialize;
@@ -50,19 +52,32 @@ const MOST_OFF: f64 = 0.01;
 const MOST_OFF_S: f64 = 0.1;
 
 /// The parts of a stream that are read before its samples.
-struct Stream {
+pub(super) struct Stream {
     header: Result<Header, String>,
-    offsets: Vec<Offset>,
+    pub(super) offsets: Vec<Offset>,
     /// The samples that its footer counts.
     counted: Option<u64>,
-    has_samples: bool,
+    pub(super) has_samples: bool,
 }
 
 impl Stream {
     /// Its name; none where its header cannot be read.
-    fn name(&self) -> &str {
+    pub(super) fn name(&self) -> &str {
         self.header.as_ref().map_or("", |header| &header.name)
     }
+}
+
+/// The samples of a stream as they were recorded.
+pub(super) struct Recorded<'a> {
+    pub(super) header: &'a Header,
+    /// On the stream's own clock, s.
+    pub(super) times: Vec<f64>,
+    /// Its channels that are taken.
+    pub(super) cells: Vec<Cells>,
+    /// What is to be told of it.
+    pub(super) told: Vec<String>,
+    /// What of it could not be read.
+    pub(super) lost: Option<String>,
 }
 
 /// Reads a stream: its times, then its channels. `wanted` names it, by its name or its number.
@@ -74,33 +89,12 @@ pub(super) fn read(
     dejitter: bool,
     take: &Take,
 ) -> Result<Table, StoreError> {
-    if !bytes.starts_with(MAGIC) {
-        let what = match bytes.starts_with(b"\x1f\x8b") {
-            true => "not an XDF file: it is compressed with gzip (.xdfz)",
-            false => "not an XDF file: it does not begin with 'XDF:'",
-        };
-        return Err(StoreError::new(path, what, "unpack it with gunzip, or set format in [file]"));
-    }
-    let streams = streams(bytes).map_err(|why| StoreError::new(path, why, REMEDY))?;
+    let streams = streams_of(path, bytes)?;
     let number = choose(path, &streams, wanted)?;
     let stream = &streams[&number];
-    let header = stream.header.as_ref().map_err(|why| {
-        let what = format!("the header of stream {number} cannot be read: {why}");
-        StoreError::new(path, what, REMEDY)
-    })?;
-    let mut samples = Samples::new(path, header, take);
-    let lost = walk(bytes, &mut |chunk| {
-        // Chunks of other streams are sound without being read.
-        chunk.tag != Tag::Samples || chunk.stream != number || samples.add(header, chunk.content)
-    });
-    let damaged = damage(&lost);
-    if let Some(error) = samples.over.take() {
-        return Err(error);
-    }
-    let lost = samples.lost(stream.counted, damaged.is_some());
-    let mut table = Table { told: damaged.into_iter().collect(), lost, ..Table::default() };
-    table.told.extend(samples.notes(stream.counted));
-    let mut times = std::mem::take(&mut samples.times);
+    let Recorded { header, mut times, cells, told, lost } =
+        recorded(path, bytes, number, stream, take)?;
+    let mut table = Table { told, lost, ..Table::default() };
     match clock {
         XdfClock::Recorded => {
             table.told.push("times are on the stream's own clock, as recorded".to_owned());
@@ -140,8 +134,53 @@ pub(super) fn read(
     } else {
         Cells::Unread
     };
-    table.columns = std::iter::once(time).chain(samples.cells()).collect();
+    table.columns = std::iter::once(time).chain(cells).collect();
     Ok(table)
+}
+
+/// Every stream of a file, by its number, without its samples.
+///
+/// # Errors
+/// It is no XDF file, or has too much of something.
+pub(super) fn streams_of(path: &Path, bytes: &[u8]) -> Result<BTreeMap<u32, Stream>, StoreError> {
+    if !bytes.starts_with(MAGIC) {
+        let what = match bytes.starts_with(b"\x1f\x8b") {
+            true => "not an XDF file: it is compressed with gzip (.xdfz)",
+            false => "not an XDF file: it does not begin with 'XDF:'",
+        };
+        return Err(StoreError::new(path, what, "unpack it with gunzip, or set format in [file]"));
+    }
+    streams(bytes).map_err(|why| StoreError::new(path, why, REMEDY))
+}
+
+/// The samples of the stream of that number.
+///
+/// # Errors
+/// A header that cannot be read; more than is read of one file.
+pub(super) fn recorded<'a>(
+    path: &Path,
+    bytes: &[u8],
+    number: u32,
+    stream: &'a Stream,
+    take: &Take,
+) -> Result<Recorded<'a>, StoreError> {
+    let header = stream.header.as_ref().map_err(|why| {
+        let what = format!("the header of stream {number} cannot be read: {why}");
+        StoreError::new(path, what, REMEDY)
+    })?;
+    let mut samples = Samples::new(path, header, take);
+    let lost = walk(bytes, &mut |chunk| {
+        // Chunks of other streams are sound without being read.
+        chunk.tag != Tag::Samples || chunk.stream != number || samples.add(header, chunk.content)
+    });
+    let damaged = damage(&lost);
+    if let Some(error) = samples.over.take() {
+        return Err(error);
+    }
+    let lost = samples.lost(stream.counted, damaged.is_some());
+    let told = damaged.into_iter().chain(samples.notes(stream.counted)).collect();
+    let times = std::mem::take(&mut samples.times);
+    Ok(Recorded { header, times, cells: samples.cells().collect(), told, lost })
 }
 
 /// A note on bytes that hold no whole chunk.
@@ -199,7 +238,7 @@ fn streams(bytes: &[u8]) -> Result<BTreeMap<u32, Stream>, String> {
 }
 
 /// The stream of that name or number; without one the only stream with samples.
-fn choose(
+pub(super) fn choose(
     path: &Path,
     streams: &BTreeMap<u32, Stream>,
     wanted: Option<&str>,

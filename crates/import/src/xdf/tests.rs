@@ -3,12 +3,12 @@ use super::super::table::Cell;
 use super::chunks::BOUNDARY;
 use super::*;
 
-fn length(n: usize) -> Vec<u8> {
+pub(in super::super) fn length(n: usize) -> Vec<u8> {
     let n = u32::try_from(n).unwrap();
     [&[4][..], &n.to_le_bytes()].concat()
 }
 
-fn chunk(tag: u16, stream: Option<u32>, content: &[u8]) -> Vec<u8> {
+pub(in super::super) fn chunk(tag: u16, stream: Option<u32>, content: &[u8]) -> Vec<u8> {
     let stream = stream.map(|stream| stream.to_le_bytes().to_vec()).unwrap_or_default();
     let inner = [&tag.to_le_bytes()[..], &stream, content].concat();
     [length(inner.len()), inner].concat()
@@ -18,7 +18,7 @@ fn boundary() -> Vec<u8> {
     chunk(5, None, &BOUNDARY)
 }
 
-fn header(
+pub(in super::super) fn header(
     number: u32,
     name: &str,
     channels: usize,
@@ -34,7 +34,7 @@ fn header(
 }
 
 /// Samples of `f32`, with a time where one is given.
-fn samples(number: u32, rows: &[(Option<f64>, &[f32])]) -> Vec<u8> {
+pub(in super::super) fn samples(number: u32, rows: &[(Option<f64>, &[f32])]) -> Vec<u8> {
     let mut content = length(rows.len());
     for (time, values) in rows {
         match time {
@@ -46,7 +46,7 @@ fn samples(number: u32, rows: &[(Option<f64>, &[f32])]) -> Vec<u8> {
     chunk(3, Some(number), &content)
 }
 
-fn offset(number: u32, t: f64, value: f64) -> Vec<u8> {
+pub(in super::super) fn offset(number: u32, t: f64, value: f64) -> Vec<u8> {
     chunk(4, Some(number), &[t.to_le_bytes(), value.to_le_bytes()].concat())
 }
 

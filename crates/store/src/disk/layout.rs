@@ -1,7 +1,7 @@
 //! Where everything is under the root (`docs/data.md`, "Layout").
 
 use std::path::{Path, PathBuf};
-use zwidth_study::{ActuatorId, MetricId, ParticipantId, PeopleForm, SessionId, StudyId};
+use zwidth_study::{ActuatorId, MetricId, ParticipantId, PeopleForm, SessionId, StreamId, StudyId};
 
 /// The three data folders under one root, for one study.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -118,6 +118,23 @@ impl Layout {
     /// The log of those tables.
     pub fn own_events(&self) -> PathBuf {
         self.raw().join("own.events.jsonl")
+    }
+
+    /// The tree of streams that other programs recorded beside sessions.
+    pub fn beside(&self) -> PathBuf {
+        self.raw().join("beside")
+    }
+
+    /// One table of such a stream.
+    pub fn beside_table(
+        &self,
+        participant: &ParticipantId,
+        session: &SessionId,
+        stream: &StreamId,
+        table: u32,
+    ) -> PathBuf {
+        let folder = self.beside().join(format!("participant={participant}"));
+        folder.join(format!("session={session}")).join(format!("{stream}.{table:04}.parquet"))
     }
 
     /// One session's event log.

@@ -62,7 +62,9 @@ pub(crate) enum Stand {
 pub(crate) fn below(layout: &Layout, listed: &str) -> Option<PathBuf> {
     let mut parts = Path::new(listed).components();
     let top = parts.next()?;
-    let ours = ["trials", "sweeps", "sessions", "own"].iter().any(|name| top.as_os_str() == *name);
+    let ours = ["trials", "sweeps", "sessions", "own", "beside"]
+        .iter()
+        .any(|name| top.as_os_str() == *name);
     let path = layout.raw().join(listed);
     let is_below = ours && parts.all(|part| matches!(part, Component::Normal(_)));
     (is_below || is_log_beside(layout, &path)).then_some(path)

@@ -1,6 +1,7 @@
 //! Bytes and what they mean, both ways: the Parquet files of trials and sweeps, the journal, the logs
 //! of events, the records of sessions.
 
+pub(crate) mod beside;
 pub(crate) mod bounds;
 pub(crate) mod change_list;
 pub(crate) mod codec;

@@ -2,6 +2,7 @@
 //! with the plan and with what is plausible.
 
 pub(crate) mod alike;
+pub(crate) mod beside;
 pub(crate) mod calibrated;
 pub(crate) mod fit;
 pub(crate) mod laid;

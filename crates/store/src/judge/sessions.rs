@@ -208,7 +208,9 @@ fn join_one(trial: &mut TrialEntry, events: &[Event]) -> Option<String> {
             | Event::LaidDown { .. }
             | Event::SweepRecorded { .. }
             | Event::MetricGiven { .. }
-            | Event::MetricWithdrawn { .. } => {}
+            | Event::MetricWithdrawn { .. }
+            | Event::StreamGiven { .. }
+            | Event::StreamWithdrawn { .. } => {}
         }
     }
     recorded

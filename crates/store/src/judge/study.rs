@@ -7,6 +7,7 @@ use crate::form::entry::{MOST_STUDY, SessionLog, SweepEntry, TrialEntry};
 use crate::form::footer::from_path;
 use crate::form::sweep::entry;
 use crate::judge::alike::check_study_id;
+use crate::judge::beside::{BesideEntry, beside_findings, beside_of};
 use crate::judge::fit::unfit;
 use crate::judge::laid::study_warning;
 use crate::judge::logged_sweeps::logged_sweeps;
@@ -68,6 +69,8 @@ pub struct StudyData {
     pub sweeps: Vec<SweepEntry>,
     /// Every table of a metric that another program computed, in the order in which they were given.
     pub outside: Vec<OutsideEntry>,
+    /// Every table of a stream that another program recorded beside a session.
+    pub beside: Vec<BesideEntry>,
     /// Every session.
     pub sessions: Vec<SessionLog>,
     /// The files that could not be read and were left out.
@@ -145,18 +148,24 @@ impl StudyData {
         problems.extend(trials.iter_mut().filter_map(|trial| unfit(&study, trial)));
         let changed =
             sessions.iter().filter_map(|log| study_warning(layout, log, &study, &study_blake3));
-        let beside = check_study_id(files, layout).err();
+        let alike = check_study_id(files, layout).err();
         let forms = other_forms(layout, &study, &trials);
         let regrouped =
             sessions.iter().filter_map(|log| group_warning(layout, log, &people, &study));
         let warnings: Vec<StoreError> =
-            changed.chain(regrouped).chain(beside).chain(forms).collect();
+            changed.chain(regrouped).chain(alike).chain(forms).collect();
         let OutsideTables { entries: outside, problems: unsure, warnings: outdated } =
             outside_tables(files, layout, &trials);
         problems.extend(unsure);
         let counting = outside.iter().filter(|entry| entry.counts());
         study.from_tables = counting.map(|entry| entry.metric.clone()).collect();
         let warnings = [warnings, outdated].concat();
+        let beside: Vec<BesideEntry> =
+            sessions.iter().flat_map(|log| beside_of(layout, log)).collect();
+        // A session that cannot be read is told, and not the tables beside it.
+        if unreadable.is_empty() {
+            problems.extend(beside_findings(files, layout, &beside));
+        }
         let layout = layout.clone();
         let data = Self {
             layout,
@@ -165,6 +174,7 @@ impl StudyData {
             trials,
             sweeps,
             outside,
+            beside,
             sessions,
             problems,
             warnings,

@@ -5,6 +5,7 @@ use crate::form::columns::LONG;
 use crate::form::journaled::DAMAGED;
 use crate::form::read::{OpenColumns, read_whole_trial};
 use crate::form::sweep::read_sweep_from;
+use crate::judge::beside::altered;
 use crate::judge::people::people_findings;
 use crate::judge::plausible::Asked;
 use crate::judge::samples::{Check, check_samples, import_findings, within_limits};
@@ -62,7 +63,8 @@ fn verify_by(
                 progress(all);
                 finding
             });
-            [left_out, with_care, trials, sweeps.collect()].concat()
+            let beside = data.beside.par_iter().filter_map(|entry| altered(files, entry));
+            [left_out, with_care, trials, sweeps.collect(), beside.collect()].concat()
         }
         // Behind a link nothing is looked at.
         Err(findings) if check_folders(files, layout).is_err() => findings,
@@ -339,7 +341,8 @@ fn strays(files: &dyn Files, layout: &Layout) -> Findings {
     let mut findings = Findings::default();
     let (others, unfinished) = rayon::join(
         || {
-            let trees = [layout.trials(), layout.sweeps(), layout.own()].into_iter();
+            let trees =
+                [layout.trials(), layout.sweeps(), layout.own(), layout.beside()].into_iter();
             let paths = trees.flat_map(|tree| files_below(files, &tree).unwrap_or_default());
             let others = paths.filter(|path| path.extension().is_none_or(|e| e != "parquet"));
             others.collect::<Vec<_>>()

@@ -294,10 +294,10 @@ impl TakenBack {
     }
 }
 
-/// Whether a file belongs to an imported session, or is an imported sweep or a table of a metric from outside. No other
-/// is a change's to remove.
+/// Whether a file belongs to an imported session, or is an imported sweep, or a table of a metric or a stream from outside.
+/// No other is a change's to remove.
 fn is_a_changes_own(disk: &dyn Files, layout: &Layout, path: &Path) -> bool {
-    if path.parent() == Some(layout.own().as_path()) {
+    if path.parent() == Some(layout.own().as_path()) || path.starts_with(layout.beside()) {
         return true;
     }
     if path.extension().is_some_and(|e| e == "parquet") {

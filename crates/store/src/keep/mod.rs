@@ -2,6 +2,7 @@
 //! as one, and repairs after a kill.
 
 pub(crate) mod accept;
+pub(crate) mod beside_log;
 pub mod commit;
 pub(crate) mod journal;
 pub(crate) mod lay_down;

@@ -2,6 +2,7 @@
 //! answers from journal to log.
 
 mod answers;
+mod beside;
 mod commits;
 pub(crate) mod crashes;
 pub(crate) mod faulty;

@@ -17,8 +17,8 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use zwidth_acquire::{
-    Auto, Front, Look, Options, Outcome, Parts, Plain, Plan, Screen as Terminal, Session, Target,
-    own_study, run, seed_of,
+    Auto, Front, Look, Options, Outcome, Parts, Plain, Plan, Screen as Terminal, Session,
+    StreamName, Target, own_study, run, seed_of,
 };
 use zwidth_device::check::steps;
 use zwidth_store::{Raw, RealFiles, from_json, shell_line, shell_option};
@@ -76,6 +76,10 @@ pub(crate) struct AcquireArgs {
     /// (docs/acquire.md)
     #[arg(long, value_name = "tcp:HOST:PORT,osc:HOST:PORT,board", value_delimiter = ',')]
     pub(crate) markers: Vec<Target>,
+    /// Begin no trial before this stream of the LabStreamingLayer is there, by its name; may be given again
+    /// (docs/acquire.md)
+    #[arg(long, value_name = "STREAM")]
+    pub(crate) wait_for: Vec<StreamName>,
     /// Go on with a session although study.toml has changed in what it records: by the session's
     /// own copy; its log says so
     #[arg(long)]
@@ -133,6 +137,7 @@ pub(crate) fn acquire(root: &Path, command: &AcquireArgs, screen: &Screen) -> an
         no_watchdog: command.no_watchdog,
         by: command.by.clone(),
         markers: command.markers.clone(),
+        streams: command.wait_for.clone(),
         stop: raised_by_signals()?,
         quit: raised_by_signals()?,
     };
@@ -236,6 +241,9 @@ fn resume(root: &Path, command: &AcquireArgs, blinded: bool) -> String {
     for (name, value) in options {
         words.extend(value.into_iter().flat_map(|value| shell_option(name, name, &value)));
     }
+    for stream in &command.wait_for {
+        words.extend(shell_option("--wait-for", "--wait-for", &stream.to_string()));
+    }
     let switches = [
         ("--plain", command.plain),
         ("--ascii", command.ascii),
@@ -305,6 +313,10 @@ mod tests {
                 markers: ["tcp:[::1]:9000", "osc:localhost:57120", "board"][..i % 4]
                     .iter()
                     .map(|to| to.parse().unwrap())
+                    .collect(),
+                wait_for: ["EMG of the arm", "-x"][..i % 3]
+                    .iter()
+                    .map(|own| own.parse().unwrap())
                     .collect(),
                 by: [None, Some("E1".parse().unwrap()), Some("-e".parse().unwrap())][(i / 4) % 3]
                     .clone(),

@@ -4,6 +4,7 @@ pub(crate) mod acquire;
 mod alike;
 pub(crate) mod allow;
 mod bench;
+pub(crate) mod beside;
 mod calibrate;
 pub(crate) mod characterise;
 pub(crate) mod check;

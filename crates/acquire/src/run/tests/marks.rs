@@ -9,7 +9,7 @@ use zwidth_study::Moment;
 /// The markers that the log holds: trial, moment, time, whether the device's own clock is there.
 fn kept(desk: &Desk) -> Vec<(u32, Moment, u64, bool)> {
     let one = |event: &Event| match event {
-        Event::Marker { trial, moment, t_us, device_us } => {
+        Event::Marker { trial, moment, t_us, device_us, .. } => {
             Some((*trial, *moment, *t_us, device_us.is_some()))
         }
         _ => None,
