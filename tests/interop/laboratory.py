@@ -19,7 +19,9 @@ import mcap.writer
 import mcap_ros2.writer
 import nptdms
 import numpy as np
+import opensim
 import pandas as pd
+import rosbags.highlevel
 import rosbags.rosbag2
 import rosbags.typesys
 
@@ -38,10 +40,12 @@ def check_all(zwidth):
         run(zwidth, "--root", root, "new", "foreign")
         world = World(zwidth, root)
         tdms(world)
+        tdms_of_labview(world)
         lvm(world)
         points(world)
         bags(world)
         tables(world)
+        motions(world)
         converted(world)
 
 
@@ -96,6 +100,38 @@ def tdms(world):
         file.write_segment([nptdms.ChannelObject("rig", "F", -FORCE[:50], timing)])
     _, force, _ = world.bring(path, time="time_s", force="F")
     bits("TDMS with the index of an older file is read by itself", force, -FORCE[:50])
+
+
+def source_of(world, package):
+    """A package's own source, which has recordings that others made."""
+    version = importlib.metadata.version(package)
+    folder = world.root / f"source of {package}"
+    download = ["download", "--quiet", "--disable-pip-version-check", "--no-deps", "--no-binary", package]
+    subprocess.run([sys.executable, "-m", "pip", *download, "--dest", folder, f"{package}=={version}"], check=True)
+    (packed,) = folder.glob("*.tar.gz")
+    with tarfile.open(packed) as archive:
+        archive.extractall(folder, filter="data")
+    return folder
+
+
+def tdms_of_labview(world):
+    """LabVIEW wrote these, which come with the source of npTDMS: big-endian, interleaved, of three rates, of DAQmx."""
+    data = next(source_of(world, "nptdms").glob("*/nptdms/test/data"))
+    for name, group, label in [
+        ("big_endian", "Measured Data", "Phase sweep"),
+        ("raw_timestamps", "Untitled", "Untitled"),
+        ("Digital_Input", "07/09/2012 06:58:23 PM - Digital Input - All Data", "Dev1_port3_line7 - line 0"),
+    ]:
+        path = data / f"{name}.tdms"
+        channel = nptdms.TdmsFile.read(path)[group][label]
+        t, found, _ = world.bring(path, f"group = {json.dumps(group)}", time="time_s", force=label)
+        bits(f"TDMS of LabVIEW, {name}: values as npTDMS reads them", found, channel[:])
+        # npTDMS gives no times where no offset is named.
+        timed = "wf_start_offset" in channel.properties
+        theirs = channel.time_track() if timed else np.arange(len(channel)) * channel.properties["wf_increment"]
+        same(f"TDMS of LabVIEW, {name}: times as npTDMS reads them", t, theirs)
+    code, said = world.refused(data / "raw1.tdms")
+    check("TDMS of LabVIEW with DAQmx is refused with the line that converts it", code == 1 and "as_dataframe(time_index=True)" in said, said)
 
 
 def lvm(world):
@@ -198,7 +234,7 @@ def bags(world):
         t, force, _ = world.bring(path, time="header.stamp", force="wrench.force.y", unit='"ns"\nzero = "first"')
         bits(f"MCAP packed by {packing.name}: values", force, FORCE)
         same(f"MCAP packed by {packing.name}: times by the stamps", t, expect)
-    # The line that converts a bag of the older form.
+    # A second writer, and a second reader of what the first one wrote.
     store = rosbags.typesys.get_typestore(rosbags.typesys.Stores.ROS2_HUMBLE)
     kinds = {name: store.types[f"{name}"] for name in ["geometry_msgs/msg/WrenchStamped", "geometry_msgs/msg/Wrench", "geometry_msgs/msg/Vector3", "std_msgs/msg/Header", "builtin_interfaces/msg/Time"]}
     stamped, wrench, vector, header, time = kinds.values()
@@ -210,6 +246,20 @@ def bags(world):
             of = header(time(int(stamp // 10**9), int(stamp % 10**9)), "tool")
             message = stamped(of, wrench(vector(1.0, float(force), 0.0), zero))
             writer.write(connection, int(stamp), store.serialize_cdr(message, stamped.__msgtype__))
+    path_of_rosbags = world.root / "bag of rosbags"
+    with rosbags.rosbag2.Writer(path_of_rosbags, version=8, storage_plugin=rosbags.rosbag2.StoragePlugin.MCAP) as writer:
+        connection = writer.add_connection("/force", stamped.__msgtype__, typestore=store)
+        for stamp, force in zip(stamps, FORCE, strict=True):
+            of = header(time(int(stamp // 10**9), int(stamp % 10**9)), "tool")
+            message = stamped(of, wrench(vector(1.0, float(-force), 0.0), zero))
+            writer.write(connection, int(stamp), store.serialize_cdr(message, stamped.__msgtype__))
+    (written,) = path_of_rosbags.glob("*.mcap")
+    t, force, _ = world.bring(written, time="header.stamp", force="wrench.force.y", unit='"ns"\nzero = "first"')
+    with rosbags.highlevel.AnyReader([path_of_rosbags], default_typestore=store) as reader:
+        theirs = [reader.deserialize(raw, one.msgtype).wrench.force.y for one, _, raw in reader.messages()]
+    bits("MCAP of rosbags: values as rosbags reads them", force, theirs)
+    same("MCAP of rosbags: times", t, expect)
+    # The line that converts a bag of the older form.
     (older,) = bag.glob("*.db3")
     code, said = world.refused(older)
     line = said[said.find("rosbags-convert") :].splitlines()[0] if "rosbags-convert" in said else ""
@@ -246,6 +296,30 @@ def tables(world):
     same("a timetable of MATLAB: times as mat-io reads them", found, read.index.total_seconds())
 
 
+def motions(world):
+    """OpenSim writes both of its forms: tables to the last digit, and storages of eight decimals."""
+    table = opensim.TimeSeriesTable()
+    table.setColumnLabels(["elbow", "force_y"])
+    for i, force in enumerate(FORCE):
+        table.appendRow(0.01 * i, opensim.RowVector([float(np.cos(i)), float(force)]))
+    table.addTableMetaDataString("inDegrees", "no")
+    path = world.root / "a.sto"
+    opensim.STOFileAdapter.write(table, str(path))
+    read = opensim.TimeSeriesTable(str(path))
+    t, force, _ = world.bring(path, time="time", force="force_y")
+    bits("OpenSim's table: values as OpenSim reads them", force, read.getDependentColumn("force_y").to_numpy())
+    bits("OpenSim's table: times as OpenSim reads them", t, read.getIndependentColumn())
+    storage = opensim.Storage(str(path))
+    # A recording counts once.
+    storage.multiplyColumn(1, -2.0)
+    opensim.Storage.printResult(storage, "b", str(world.root), -1, ".mot")
+    path = world.root / "b.mot"
+    read = opensim.TimeSeriesTable(str(path))
+    t, force, _ = world.bring(path, time="time", force="force_y")
+    bits("OpenSim's storage: values as OpenSim reads them", force, read.getDependentColumn("force_y").to_numpy())
+    bits("OpenSim's storage: times as OpenSim reads them", t, read.getIndependentColumn())
+
+
 def converted(world):
     """asammdf writes channels of two rates, and the line that is printed keeps each at its own."""
     path = world.root / "a.mf4"
@@ -262,14 +336,9 @@ def converted(world):
     bits("an MF4 file, converted by its line: values", found, FORCE)
     bits("an MF4 file, converted by its line: times", t, fast)
     # Files that AcqKnowledge wrote come with the source of bioread.
-    version = importlib.metadata.version("bioread")
-    source = world.root / "bioread"
-    download = ["download", "--quiet", "--disable-pip-version-check", "--no-deps", "--no-binary", "bioread", "--dest", source]
-    subprocess.run([sys.executable, "-m", "pip", *download, f"bioread=={version}"], check=True)
-    with tarfile.open(source / f"bioread-{version}.tar.gz") as archive:
-        archive.extractall(source, filter="data")
+    data = next(source_of(world, "bioread").glob("*/test/data/physio"))
     for name in ["physio-3.8.1", "physio-4.4.0-c", "physio-5.0.1"]:
-        path = source / f"bioread-{version}/test/data/physio/{name}.acq"
+        path = data / f"{name}.acq"
         channel = bioread.read(str(path)).channels[0]
         archive = world.convert(f"AcqKnowledge's {name}", path, "npz")
         t, found, _ = world.bring(archive, time="t_s_1", force=f"{channel.name}_1")

@@ -79,9 +79,7 @@ impl StoreError {
                 "free some space and run the command again; nothing was left half-written"
             }
             ErrorKind::InvalidInput | ErrorKind::IsADirectory => "put the file itself in its place",
-            ErrorKind::FileTooLarge => {
-                "no file that zwidth writes comes near this size; split it, or leave it out"
-            }
+            ErrorKind::FileTooLarge => "split it, or leave it out: no more is read of one file",
             ErrorKind::OutOfMemory => {
                 "end other programs, raise the limit (`ulimit -v`), or read it on a larger machine"
             }

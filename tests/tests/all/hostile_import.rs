@@ -39,6 +39,25 @@ fn is_plain(text: &str) -> bool {
 }
 
 #[test]
+fn a_recording_of_more_bytes_than_are_read_is_refused_before_any_is() {
+    let world = World::new();
+    // Holes of a file take no room on the disk.
+    let limits = [
+        ("tdms", 1 << 30),
+        ("c3d", 1 << 30),
+        ("mcap", 1 << 30),
+        ("mat", 1 << 28),
+        ("xdf", 1 << 28),
+    ];
+    for (format, most) in limits {
+        let large = world.file(&format!("large.{format}"), "");
+        fs::File::options().write(true).open(&large).unwrap().set_len(most + 1).unwrap();
+        let bytes = format!("at most {most} are read");
+        world.refuses_plainly(large, &[&format!("large.{format}"), &bytes, "split it"]);
+    }
+}
+
+#[test]
 fn a_recording_that_claims_more_than_is_read_is_refused_with_the_limit() {
     let world = World::new();
     let csv = |text: String| world.file("big.csv", text);
