@@ -80,9 +80,18 @@ pub fn beside(
 ) -> Result<Beside, StoreError> {
     let bytes = read_named(path, MOST_FILE).map_err(|e| StoreError::io(path, "read", &e))?;
     let streams = streams_of(path, &bytes)?;
-    let budget = Budget::default();
     let all = Regex::new("").map_err(|e| StoreError::defect(path, &e))?;
-    let take = Take { pattern: Some(&all), ..Take::of(Vec::new(), &budget) };
+    let whole = |number: u32, stream| {
+        // The room of a recording is that of each stream.
+        let budget = Budget::default();
+        let take = Take { pattern: Some(&all), ..Take::of(Vec::new(), &budget) };
+        let recording = recorded(path, &bytes, number, stream, &take);
+        budget.held(&[path.to_owned()]).map_err(|error| StoreError {
+            remedy: format!("record stream {number} in parts, or leave it out with --stream"),
+            ..error
+        })?;
+        recording
+    };
     let named = |error: StoreError| StoreError {
         remedy: "name it with --stream, or the stream of markers with --markers".to_owned(),
         ..error
@@ -91,7 +100,7 @@ pub fn beside(
     let mut told = Vec::new();
     let ran = {
         let stream = &streams[&number];
-        let recording = recorded(path, &bytes, number, stream, &take)?;
+        let recording = whole(number, stream)?;
         when_trials_ran(path, log, stream, recording, &mut told)?
     };
     let chosen: Vec<(u32, Option<StreamId>)> = if wanted.is_empty() {
@@ -123,7 +132,7 @@ pub fn beside(
             let remedy = format!("give one of them another id: --stream {number}=other");
             return Err(StoreError::new(path, what, remedy));
         }
-        let recording = recorded(path, &bytes, number, stream, &take)?;
+        let recording = whole(number, stream)?;
         made.push(in_trials(path, id, stream, recording, &ran, &mut told)?);
     }
     Ok(Beside { streams: made, told, trials: ran.len() })

@@ -9,6 +9,7 @@ use std::fmt::Display;
 use std::io::{self, ErrorKind, Read as _, Write as _};
 use std::os::fd::AsFd;
 use std::process::{ChildStderr, ChildStdin, ChildStdout, Command, ExitStatus, Stdio};
+use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 use zwidth_device::DeviceError;
@@ -38,6 +39,8 @@ struct Running {
     input: Option<ChildStdin>,
     output: ChildStdout,
     printed: Arc<Mutex<VecDeque<u8>>>,
+    /// It hangs up when all that was printed has come.
+    all_printed: Receiver<()>,
 }
 
 impl Program {
@@ -86,8 +89,8 @@ impl Running {
         ioctl_fionbio(&input, true)?;
         ioctl_fionbio(&output, true)?;
         let printed = Arc::default();
-        keep(errors, Arc::clone(&printed));
-        Ok(Self { group, input: Some(input), output, printed })
+        let all_printed = keep(errors, Arc::clone(&printed));
+        Ok(Self { group, input: Some(input), output, printed, all_printed })
     }
 
     /// Closes its input, gives it the time to end by itself, and ends it with all that it started; how
@@ -107,6 +110,8 @@ impl Running {
             Ok(status) if ended => told(status),
             _ => "; it did not end by itself when its input was closed, and was ended".to_owned(),
         };
+        // What it printed last may still be on its way; something that left its group may keep the pipe open.
+        let _ = self.all_printed.recv_timeout(GRACE);
         let printed = self.printed.lock().unwrap_or_else(PoisonError::into_inner);
         let bytes: Vec<u8> = printed.iter().copied().collect();
         let text = String::from_utf8_lossy(&bytes);
@@ -124,10 +129,12 @@ fn told(status: ExitStatus) -> String {
     }
 }
 
-/// Keeps the last that comes. Nobody waits for this thread: a child of the program may keep the pipe
-/// open.
-fn keep(mut errors: ChildStderr, printed: Arc<Mutex<VecDeque<u8>>>) {
+/// Keeps the last that comes. Nobody waits long for this thread: a child of the program may keep the pipe
+/// open. What is given back hangs up when all has come.
+fn keep(mut errors: ChildStderr, printed: Arc<Mutex<VecDeque<u8>>>) -> Receiver<()> {
+    let (ends, all_printed) = channel();
     std::thread::spawn(move || {
+        let _ends: Sender<()> = ends;
         let mut bytes = [0; 1024];
         while let Ok(came @ 1..) = errors.read(&mut bytes) {
             let mut printed = printed.lock().unwrap_or_else(PoisonError::into_inner);
@@ -136,6 +143,7 @@ fn keep(mut errors: ChildStderr, printed: Arc<Mutex<VecDeque<u8>>>) {
             printed.drain(..old);
         }
     });
+    all_printed
 }
 
 /// Waits until something can be read or written there, for so long at most.

@@ -3,7 +3,7 @@
 use super::{Process, Program};
 use crate::{Settings, Wire as _, over};
 use std::time::{Duration, Instant};
-use zwidth_device::{AWAY_S, Device, DeviceError, Guard, Limits};
+use zwidth_device::{AWAY_S, Clock as _, Device, DeviceError, Guard, Limits, RealClock};
 use zwidth_study::{Source, Voltages};
 
 /// A bound against a test that hangs.
@@ -56,14 +56,17 @@ impl Desk {
     fn fault(&self, device_fault: &str) -> String {
         let mut device = self.open();
         let began = Instant::now();
-        let now_s = || began.elapsed().as_secs_f64();
-        device.home(now_s()).unwrap();
+        let mut clock = RealClock::new();
+        device.home(clock.now_s()).unwrap();
         self.begin_fault();
+        let mut now_s = clock.now_s();
         let told = loop {
-            if let Err(told) = device.read(now_s()) {
+            // As fast as the device, like the loop of a session: one that only asks would not let it answer.
+            now_s = clock.wait_until(now_s + 1.0 / device.capabilities().rate_hz);
+            if let Err(told) = device.read(now_s) {
                 break told;
             }
-            if let Err(told) = device.write(now_s(), Voltages { motor_v: 1.0, brake_v: 0.0 }) {
+            if let Err(told) = device.write(now_s, Voltages { motor_v: 1.0, brake_v: 0.0 }) {
                 break told;
             }
             assert!(began.elapsed() < FOR_EVER, "no fault is told after {device_fault}");
