@@ -4,10 +4,13 @@ use super::super::limits::MOST_NAME;
 use super::super::table::{Number, NumberKind};
 use super::mi;
 use flate2::bufread::ZlibDecoder;
+use libdeflater::Decompressor;
 use std::io::Read as _;
 
 /// Elements begin at multiples of this many bytes.
 pub(super) const ALIGN: usize = 8;
+/// Deflate makes at most 258 bytes of two bits: RFC 1951, 3.2.5.
+const MOST_EXPANSION: usize = 1032;
 /// Most bytes that a small element carries in its tag.
 const SMALL: usize = 4;
 
@@ -27,15 +30,23 @@ pub(super) struct Numbers<'a> {
 /// Stands for the error of the budget, which takes its place.
 pub(super) const TOO_MUCH: &str = "it has more values than are read";
 
-/// The bytes of a compressed element behind the first `skip`, at most `most`: what it claims of its size decides
-/// nothing.
-pub(super) fn inflate(data: &[u8], skip: usize, most: u64) -> Option<Vec<u8>> {
-    let mut unpacked = ZlibDecoder::new(data);
-    std::io::copy(&mut unpacked.by_ref().take(skip as u64), &mut std::io::sink()).ok()?;
-    // Numbers unpack to as much at the least; more grows as it comes.
-    let mut plain = Vec::with_capacity(data.len().min(usize::try_from(most).unwrap_or(0)));
-    unpacked.take(most).read_to_end(&mut plain).ok()?;
+/// The first bytes of a compressed element, at most `most`, which grow as they come.
+pub(super) fn beginning(data: &[u8], most: u64) -> Option<Vec<u8>> {
+    let mut plain = Vec::new();
+    ZlibDecoder::new(data).take(most).read_to_end(&mut plain).ok()?;
     Some(plain)
+}
+
+/// A compressed element that is `size` bytes long, if it is and their checksum is right.
+pub(super) fn unpack(data: &[u8], size: u64) -> Option<Vec<u8>> {
+    let size = usize::try_from(size).ok()?;
+    // No memory is taken for a size that cannot be true.
+    if size / MOST_EXPANSION > data.len() {
+        return None;
+    }
+    let mut plain = vec![0; size];
+    let unpacked = Decompressor::new().zlib_decompress(data, &mut plain).ok()?;
+    (unpacked == size).then_some(plain)
 }
 
 /// The elements of a stretch of bytes, one after the other.

@@ -13,7 +13,8 @@ use super::spelling::shown;
 use super::table::{Cells, ColumnRef, Table};
 use arrow::array::Float64Array;
 use elements::{
-    ALIGN, COMPLEX, Elements, Numbers, OPAQUE, STRUCT, TOO_MUCH, inflate, text, whole, word,
+    ALIGN, COMPLEX, Elements, Numbers, OPAQUE, STRUCT, TOO_MUCH, beginning, text, unpack, whole,
+    word,
 };
 use objects::Objects;
 use std::borrow::Cow;
@@ -270,7 +271,7 @@ fn variables(
         // Of a compressed variable only the beginning is unpacked, until its values are asked for.
         let beginning = match kind {
             mi::MATRIX => Vec::new(),
-            mi::COMPRESSED => inflate(data, 0, HEAD).ok_or_else(damaged)?,
+            mi::COMPRESSED => beginning(data, HEAD).ok_or_else(damaged)?,
             _ => return Err(damaged()),
         };
         let (size, plain) = match kind {
@@ -288,9 +289,10 @@ fn variables(
                     "variable '{name}' unpacks to {size} bytes, and at most {MOST_UNPACKED} are read"
                 ));
             }
+            let mut plain = unpack(data, ALIGN as u64 + size).ok_or_else(damaged)?;
             // Its tag was read before.
-            let plain = inflate(data, ALIGN, size).ok_or_else(damaged)?;
-            if plain.len() as u64 == size { Ok(Cow::Owned(plain)) } else { Err(damaged()) }
+            plain.drain(..ALIGN);
+            Ok(Cow::Owned(plain))
         };
         if head.is_struct {
             visit(&mut visited, &head.name, &content()?, big, each)?;

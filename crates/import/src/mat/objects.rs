@@ -8,7 +8,7 @@ use super::super::limits::{MOST_COLUMNS, MOST_NAME, MOST_TEXT, Take};
 use super::super::spelling::shown;
 use super::super::table::{Cells, Declared};
 use super::elements::{
-    ALIGN, COMPLEX, Elements, Numbers, OPAQUE, STRUCT, TOO_MUCH, inflate, text, whole, word,
+    ALIGN, COMPLEX, Elements, Numbers, OPAQUE, STRUCT, TOO_MUCH, beginning, text, whole, word,
 };
 use super::mi;
 use arrow::array::{Float64Array, LargeStringBuilder};
@@ -72,7 +72,7 @@ pub(super) fn subsystem(bytes: &[u8], at: usize, big: bool, most: u64) -> Option
     let matrix = match kind {
         mi::MATRIX => data,
         mi::COMPRESSED => {
-            unpacked = inflate(data, 0, most)?;
+            unpacked = beginning(data, most)?;
             unpacked.get(ALIGN..)?
         }
         _ => return None,
