@@ -16,12 +16,12 @@ use serde::Deserialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::sync::Arc;
-use zwidth_store::{BesideStream, StoreError, read_named};
+use zwidth_store::{BesideChannel, BesideStream, StoreError, read_named};
 use zwidth_study::{Event, Moment, StreamId, counted};
 
 /// Times of markers that are the same: those sent have six decimals, and so do those in the log, µs.
 const SAME_US: f64 = 1.5;
-/// A marker's stamp is that of the machine's monotonic clock if it lies behind it, and by less than this, s.
+/// Stamps of markers are by the clock of the session's machine if the first of them lies behind its moment by less than this, s.
 const MOST_LATE_S: f64 = 2.0;
 /// A stamp may lie so far before the moment that it marks, s: both are rounded.
 const EARLY_S: f64 = 1e-4;
@@ -44,8 +44,8 @@ pub struct Wanted {
 pub struct Beside {
     /// Each stream that was asked for.
     pub streams: Vec<BesideStream>,
-    /// What is told of the file and of each stream, in words.
-    pub told: Vec<String>,
+    /// What is to be known of the file and of each stream, in words.
+    pub remarks: Vec<String>,
     /// The trials whose start is known.
     pub trials: usize,
 }
@@ -92,25 +92,25 @@ pub fn beside(
         })?;
         recording
     };
-    let named = |error: StoreError| StoreError {
+    let ask_for_name = |error: StoreError| StoreError {
         remedy: "name it with --stream, or the stream of markers with --markers".to_owned(),
         ..error
     };
-    let number = choose(path, &streams, Some(markers)).map_err(named)?;
-    let mut told = Vec::new();
+    let number = choose(path, &streams, Some(markers)).map_err(ask_for_name)?;
+    let mut remarks = Vec::new();
     let ran = {
         let stream = &streams[&number];
         let recording = whole(number, stream)?;
-        when_trials_ran(path, log, stream, recording, &mut told)?
+        when_trials_ran(path, log, stream, recording, &mut remarks)?
     };
     let chosen: Vec<(u32, Option<StreamId>)> = if wanted.is_empty() {
         let others = streams.iter().filter(|(other, one)| **other != number && one.has_samples);
         others.map(|(other, _)| (*other, None)).collect()
     } else {
-        let one = |own: &Wanted| {
-            Ok((choose(path, &streams, Some(&own.name)).map_err(named)?, own.id.clone()))
-        };
-        wanted.iter().map(one).collect::<Result<_, StoreError>>()?
+        let numbers = wanted.iter().map(|Wanted { name, id }| {
+            Ok((choose(path, &streams, Some(name)).map_err(ask_for_name)?, id.clone()))
+        });
+        numbers.collect::<Result<_, StoreError>>()?
     };
     if chosen.is_empty() {
         let what = "beside the markers the file has no stream with samples";
@@ -133,9 +133,30 @@ pub fn beside(
             return Err(StoreError::new(path, what, remedy));
         }
         let recording = whole(number, stream)?;
-        made.push(in_trials(path, id, stream, recording, &ran, &mut told)?);
+        made.push(in_trials(path, id, stream, recording, &ran, &mut remarks)?);
     }
-    Ok(Beside { streams: made, told, trials: ran.len() })
+    Ok(Beside { streams: made, remarks, trials: ran.len() })
+}
+
+/// A marker of the session's log.
+struct LoggedMarker<'a> {
+    trial: u32,
+    moment: &'a str,
+    t_us: f64,
+    /// By the machine's clock, s.
+    monotonic_s: Option<f64>,
+}
+
+/// A marker of the file that is in the session's log.
+struct FoundMarker {
+    trial: u32,
+    t_s: f64,
+    /// When it arrived, by the clock of the machine that it was sent to, s.
+    stamp_s: f64,
+    /// The same by the recorder's clock, s.
+    recorder_s: f64,
+    /// When it was, by the clock of the session's machine, s.
+    monotonic_s: Option<f64>,
 }
 
 /// When each trial ran by the recorder's clock, in its order.
@@ -144,18 +165,19 @@ fn when_trials_ran(
     log: &[Event],
     stream: &Stream,
     recording: Recorded<'_>,
-    told: &mut Vec<String>,
+    remarks: &mut Vec<String>,
 ) -> Result<Vec<Ran>, StoreError> {
-    let Recorded { times: stamps, cells, told: of_file, .. } = recording;
-    told.extend(of_file.into_iter().map(|what| format!("markers: {what}")));
-    // By trial and moment: the time in the trial, µs, and by the machine's clock, s.
-    let mut logged: Vec<((u32, &str), f64, Option<f64>)> = Vec::new();
+    let mut logged: Vec<LoggedMarker> = Vec::new();
     let mut end_us: BTreeMap<u32, f64> = BTreeMap::new();
     for event in log {
         let Event::Marker { trial, moment, t_us, monotonic_us, .. } = event else { continue };
         let t_us = *t_us as f64;
-        let monotonic_s = monotonic_us.map(|us| us as f64 * 1e-6);
-        logged.push(((*trial, moment.as_str()), t_us, monotonic_s));
+        logged.push(LoggedMarker {
+            trial: *trial,
+            moment: moment.as_str(),
+            t_us,
+            monotonic_s: monotonic_us.map(|us| us as f64 * 1e-6),
+        });
         if *moment != Moment::Answer {
             let end = end_us.entry(*trial).or_insert(t_us);
             *end = end.max(t_us);
@@ -166,27 +188,28 @@ fn when_trials_ran(
         let remedy = "record sessions with `zwidth acquire … --markers tcp:127.0.0.1:9000` and examples/markers/to_lsl.py";
         return Err(StoreError::new(path, what, remedy));
     }
+    let stamps = recording.times;
     let mut recorder = stamps.clone();
     let Synchronised { doubts, .. } = synchronise(&mut recorder, &stream.offsets, 0.0);
-    told.extend(doubts.into_iter().map(|doubt| format!("markers: {doubt}")));
-    // The trial, its time there, the stamp, the recorder's time, and the moment by the machine's clock.
-    let mut found: Vec<(u32, f64, f64, f64, Option<f64>)> = Vec::new();
+    let doubts = recording.told.into_iter().chain(doubts);
+    remarks.extend(doubts.map(|doubt| format!("markers: {doubt}")));
+    let mut found: Vec<FoundMarker> = Vec::new();
     let mut unknown = Vec::new();
-    for row in 0..stamps.len() {
-        let cell = cells.first().map_or(Cell::Empty, |channel| channel.cell(row));
+    for (row, (&stamp_s, &recorder_s)) in stamps.iter().zip(&recorder).enumerate() {
+        let cell = recording.cells.first().map_or(Cell::Empty, |channel| channel.cell(row));
         let Cell::Text(text) = cell else { continue };
         let line = serde_json::from_str::<Line>(text).ok();
-        let same = line.as_ref().and_then(|line| {
-            let moment = (line.trial, line.marker.as_str());
-            logged
-                .iter()
-                .find(|(own, t_us, _)| *own == moment && (line.t_s * 1e6 - t_us).abs() < SAME_US)
+        let marker = line.and_then(|Line { marker, trial, t_s }| {
+            let same = logged.iter().find(|own| {
+                (own.trial, own.moment) == (trial, marker.as_str())
+                    && (t_s * 1e6 - own.t_us).abs() < SAME_US
+            });
+            let monotonic_s = same?.monotonic_s;
+            Some(FoundMarker { trial, t_s, stamp_s, recorder_s, monotonic_s })
         });
-        match (&line, same) {
-            (Some(line), Some((.., monotonic_s))) => {
-                found.push((line.trial, line.t_s, stamps[row], recorder[row], *monotonic_s));
-            }
-            _ => unknown.push(text.to_owned()),
+        match marker {
+            Some(marker) => found.push(marker),
+            None => unknown.push(text.to_owned()),
         }
     }
     if found.is_empty() {
@@ -201,21 +224,26 @@ fn when_trials_ran(
         return Err(StoreError::new(path, what, "is it the recording of this session?"));
     }
     if let Some(first) = unknown.first() {
-        told.push(format!(
+        remarks.push(format!(
             "{} of the file not in the session's log: of a trial that was cut short, or of another session; the first is {}",
             counted(unknown.len(), "markers"),
             shown(first)
         ));
     }
-    let is_of_machine = found.iter().all(|(.., stamp_s, _, monotonic_s)| {
-        monotonic_s.is_some_and(|moment_s| (-EARLY_S..MOST_LATE_S).contains(&(stamp_s - moment_s)))
+    // How long after its moment each arrived, if both are by one clock.
+    let late_s: Option<Vec<f64>> =
+        found.iter().map(|marker| Some(marker.stamp_s - marker.monotonic_s?)).collect();
+    let lateness = late_s.map(|late_s| {
+        let least_s = late_s.iter().copied().fold(f64::INFINITY, f64::min);
+        (least_s, late_s.iter().copied().fold(f64::NEG_INFINITY, f64::max))
     });
+    // By two clocks the difference is anything.
+    let one_clock = lateness.filter(|(least_s, _)| (-EARLY_S..MOST_LATE_S).contains(least_s));
     let mut begins: BTreeMap<u32, Vec<f64>> = BTreeMap::new();
-    for (trial, t_s, stamp_s, recorder_s, monotonic_s) in found {
-        // What the recorder's clock is ahead of the markers'.
-        let ahead_s = recorder_s - stamp_s;
-        let moment_s = monotonic_s.filter(|_| is_of_machine).unwrap_or(stamp_s);
-        begins.entry(trial).or_default().push(moment_s - t_s + ahead_s);
+    for marker in found {
+        let moment_s = marker.monotonic_s.filter(|_| one_clock.is_some()).unwrap_or(marker.stamp_s);
+        let ahead_s = marker.recorder_s - marker.stamp_s;
+        begins.entry(marker.trial).or_default().push(moment_s - marker.t_s + ahead_s);
     }
     let mut widest = (0.0, 0);
     let mut ran = Vec::new();
@@ -234,16 +262,16 @@ fn when_trials_ran(
         let remedy = "they did not arrive as the trial ran: record with to_lsl.py on the machine of the session";
         return Err(StoreError::new(path, what, remedy));
     }
-    told.push(if is_of_machine {
-        format!(
-            "trials are found by the machine's clock, which markers and log share; markers of a trial agree within {:.3} ms",
-            spread_s * 1e3
-        )
-    } else {
-        format!(
+    remarks.push(match one_clock {
+        Some((least_s, most_s)) => format!(
+            "trials are found by the machine's clock, which stamped the markers too: they arrived {:.1} to {:.1} ms after their moments",
+            least_s.max(0.0) * 1e3,
+            most_s * 1e3
+        ),
+        None => format!(
             "trials are found by the arrival of their first marker, some ms late; markers of a trial arrived up to {:.1} ms apart",
             spread_s * 1e3
-        )
+        ),
     });
     ran.sort_by(|a, b| a.begin_s.total_cmp(&b.begin_s));
     Ok(ran)
@@ -256,14 +284,14 @@ fn in_trials(
     stream: &Stream,
     recording: Recorded<'_>,
     ran: &[Ran],
-    told: &mut Vec<String>,
+    remarks: &mut Vec<String>,
 ) -> Result<BesideStream, StoreError> {
-    let Recorded { header, times: stamp_s, cells, told: of_file, lost } = recording;
+    let Recorded { header, times: stamp_s, cells, told: notes, lost } = recording;
     let interval_s = if header.rate_hz > 0.0 { 1.0 / header.rate_hz } else { 0.0 };
     let mut recorder_s = stamp_s.clone();
     let Synchronised { all_used, doubts } =
         synchronise(&mut recorder_s, &stream.offsets, interval_s);
-    let mut doubts: Vec<String> = of_file.into_iter().chain(lost).chain(doubts).collect();
+    let mut doubts: Vec<String> = notes.into_iter().chain(lost).chain(doubts).collect();
     if stream.offsets.is_empty() || !all_used {
         doubts.push("it has no clock offsets of use: its times are on its own clock".to_owned());
     }
@@ -306,12 +334,12 @@ fn in_trials(
         doubts.push(format!("it has no sample in {} ({trials})", counted(without.len(), "trials")));
     }
     let inside = in_trial.iter().flatten().count();
-    told.push(format!(
+    remarks.push(format!(
         "{id}: {}, {inside} of them in {}",
         counted(in_trial.len(), "samples"),
         counted(with.len(), "trials")
     ));
-    told.extend(doubts.iter().map(|doubt| format!("{id}: {doubt}")));
+    remarks.extend(doubts.iter().map(|doubt| format!("{id}: {doubt}")));
     let mut names = BTreeSet::new();
     let mut channels = Vec::new();
     for (place, (channel, cells)) in header.channels.iter().zip(&cells).enumerate() {
@@ -327,7 +355,12 @@ fn in_trials(
             return Err(StoreError::new(path, what, "give them labels of their own"));
         }
         let unit = if channel.unit.is_empty() { "1" } else { &channel.unit };
-        channels.push((name, unit.to_owned(), channel.name.clone(), array(cells)));
+        channels.push(BesideChannel {
+            name,
+            unit: unit.to_owned(),
+            label: channel.name.clone(),
+            values: array(cells),
+        });
     }
     let offsets: Vec<[f64; 2]> = stream
         .offsets
@@ -473,7 +506,7 @@ mod tests {
     #[test]
     fn each_sample_has_its_trial_and_its_time_there_by_the_clock_that_log_and_markers_share() {
         let late = |i: usize| 0.003 + 0.001 * i as f64;
-        let Beside { streams, told, trials } =
+        let Beside { streams, remarks, trials } =
             found(&[markers(late, &[]), emg(0..0)], true, &[]).unwrap();
         let [emg] = &streams[..] else { panic!("{}", streams.len()) };
         assert_eq!((emg.id.as_str(), trials, emg.in_trial.len()), ("emg_of_the_arm", 2, 150));
@@ -496,33 +529,34 @@ mod tests {
             }
         }
         let names: Vec<(&str, &str)> =
-            emg.channels.iter().map(|(name, unit, ..)| (name.as_str(), unit.as_str())).collect();
+            emg.channels.iter().map(|own| (own.name.as_str(), own.unit.as_str())).collect();
         assert_eq!(names, [("m__biceps", "mV"), ("channel_2", "1")]);
-        assert_eq!(emg.channels[1].3.null_count(), 150, "no number is a null");
-        assert!(told.iter().any(|line| line.contains("by the machine's clock")), "{told:?}");
+        assert_eq!(emg.channels[1].values.null_count(), 150, "no number is a null");
+        assert!(remarks.iter().any(|line| line.contains("by the machine's clock")), "{remarks:?}");
         assert!(emg.about["clock_offsets_s"].starts_with("[[600.0,450.0]"), "{:?}", emg.about);
     }
 
     #[test]
     fn without_that_clock_the_earliest_marker_of_a_trial_says_when_it_began() {
         let late = |i: usize| [0.004, 0.002, 0.007, 0.003][i % 4];
-        let Beside { streams, told, .. } =
+        let Beside { streams, remarks, .. } =
             found(&[markers(late, &[]), emg(0..0)], false, &[]).unwrap();
         let (trial, t_s) = streams[0].in_trial[20].unwrap();
         // A second after the first trial began, which is taken to be 2 ms later than it was.
         assert!(trial == 1 && (t_s - 0.998).abs() < 1e-6, "{t_s}");
-        assert!(told.iter().any(|line| line.contains("up to 5.0 ms apart")), "{told:?}");
+        assert!(remarks.iter().any(|line| line.contains("up to 5.0 ms apart")), "{remarks:?}");
     }
 
     #[test]
     fn a_gap_is_told_and_nothing_is_put_into_it() {
-        let Beside { streams, told, .. } =
+        let Beside { streams, remarks, .. } =
             found(&[markers(|_| 0.001, &[]), emg(15..25)], true, &[]).unwrap();
         assert_eq!(streams[0].in_trial.len(), 140);
         assert!(
-            told.iter()
+            remarks
+                .iter()
                 .any(|line| line.contains("pauses 1 time during trials, for 1.100 s in trial 1")),
-            "{told:?}"
+            "{remarks:?}"
         );
         assert!(streams[0].about["doubts"].contains("pauses"));
     }
@@ -540,11 +574,12 @@ mod tests {
                 .contains("is in the session's log; the first is {\"marker\":\"start\"")
         );
         let good = markers(|_| 0.001, &other);
-        let told = found(&[good.clone(), emg(0..0)], false, &[]).unwrap().told;
+        let remarks = found(&[good.clone(), emg(0..0)], false, &[]).unwrap().remarks;
         assert!(
-            told.iter()
+            remarks
+                .iter()
                 .any(|line| line.starts_with("1 marker of the file not in the session's log")),
-            "{told:?}"
+            "{remarks:?}"
         );
         assert!(refusal(&[emg(0..0)], &[]).contains("there is no stream 'zwidth'"));
         assert!(refusal(std::slice::from_ref(&good), &[]).contains("no stream with samples"));

@@ -42,7 +42,7 @@ pub use disk::walk::files_below;
 pub use disk::walk::unfinished_below;
 pub use error::StoreError;
 pub use first::FirstErrors;
-pub use form::beside::BesideStream;
+pub use form::beside::{BesideChannel, BesideStream};
 pub use form::bounds::{MOST_COLUMN_BYTES, MOST_COLUMNS, MOST_ROWS};
 pub use form::columns::{Columns, Recorded, Values};
 pub use form::encode::{Encoding, encoding_of};

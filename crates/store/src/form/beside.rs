@@ -26,10 +26,23 @@ pub struct BesideStream {
     pub recorder_s: Vec<f64>,
     /// The trial during which each was taken, and when in it, s: as `t_s` of the trial's file.
     pub in_trial: Vec<Option<(u32, f64)>>,
-    /// Name, unit, label and values of each channel.
-    pub channels: Vec<(String, String, String, ArrayRef)>,
+    /// Its channels.
+    pub channels: Vec<BesideChannel>,
     /// What is told of the stream in the file's footer.
     pub about: BTreeMap<String, String>,
+}
+
+/// A channel of a stream, and the column that it becomes.
+#[derive(Debug, Clone)]
+pub struct BesideChannel {
+    /// The column's name.
+    pub name: String,
+    /// The unit that the recording names; `1` for none.
+    pub unit: String,
+    /// What the recording calls it.
+    pub label: String,
+    /// A value for each sample.
+    pub values: ArrayRef,
 }
 
 impl BesideStream {
@@ -69,7 +82,8 @@ pub(crate) fn beside_bytes(
         ),
         (number(TIME, true, "s", "time since that trial's start, as in its file"), Arc::new(times)),
     ];
-    columns.extend(stream.channels.iter().map(|(name, unit, label, values)| {
+    columns.extend(stream.channels.iter().map(|channel| {
+        let BesideChannel { name, unit, label, values } = channel;
         (described(name, values.data_type().clone(), true, unit, label), Arc::clone(values))
     }));
     let mut footer = stream.about.clone();

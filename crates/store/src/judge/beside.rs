@@ -76,17 +76,18 @@ pub fn beside_of(layout: &Layout, log: &SessionLog) -> Vec<BesideEntry> {
     entries
 }
 
-/// What does not fit: tables that are gone, or that no log knows. None of them is read.
+/// What does not fit: tables that are gone, or that no log knows if all logs could be read. None of the tables is read.
 pub(crate) fn beside_findings(
     files: &dyn Files,
     layout: &Layout,
     entries: &[BesideEntry],
+    all_read: bool,
 ) -> Vec<StoreError> {
     let mut findings = Vec::new();
     match parquet_below(files, &layout.beside()) {
         Ok(paths) => {
-            let known = |path: &PathBuf| entries.iter().any(|entry| entry.path == *path);
-            findings.extend(paths.iter().filter(|path| !known(path)).map(|path| {
+            let unknown = |path: &&PathBuf| all_read && entries.iter().all(|e| e.path != **path);
+            findings.extend(paths.iter().filter(unknown).map(|path| {
                 let what = "no session's log mentions the table of a stream: left out";
                 StoreError::new(path, what, "give it with `zwidth beside`, and remove this file")
             }));

@@ -162,10 +162,7 @@ impl StudyData {
         let warnings = [warnings, outdated].concat();
         let beside: Vec<BesideEntry> =
             sessions.iter().flat_map(|log| beside_of(layout, log)).collect();
-        // A session that cannot be read is told, and not the tables beside it.
-        if unreadable.is_empty() {
-            problems.extend(beside_findings(files, layout, &beside));
-        }
+        problems.extend(beside_findings(files, layout, &beside, unreadable.is_empty()));
         let layout = layout.clone();
         let data = Self {
             layout,

@@ -3,6 +3,7 @@
 
 use crate::form::beside::beside_bytes;
 use crate::keep::commit::{Change, commit_events};
+use crate::keep::outside_log::not_counting;
 use crate::{
     BesideStream, Entered, Files, FirstErrors, GivenFile, Layout, SessionLog, StoreError,
     beside_of, hex_blake3, write_new,
@@ -70,12 +71,7 @@ pub fn withdraw_beside(
     let counting: Vec<&str> =
         before.iter().filter(|entry| entry.counts()).map(|entry| entry.stream.as_str()).collect();
     if !counting.contains(&stream.as_str()) {
-        let what = format!("no table of a stream {stream} counts");
-        let remedy = match counting.is_empty() {
-            true => "there is nothing to withdraw".to_owned(),
-            false => format!("name one of {}", counting.join(", ")),
-        };
-        return Err(StoreError::new(&log.events_path, what, remedy));
+        return Err(not_counting(&log.events_path, format!("a stream {stream}"), &counting));
     }
     let event = Event::StreamWithdrawn { stream: stream.clone(), reason: reason.to_owned() };
     commit_events(files, layout, entered, &[(&log.events_path, &[event])])

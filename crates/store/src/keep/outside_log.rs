@@ -5,7 +5,7 @@ use crate::form::outside::outside_bytes;
 use crate::judge::outside::logged;
 use crate::keep::commit::{Change, commit_events};
 use crate::{Entered, Files, FirstErrors, Layout, OutsideRow, StoreError, hex_blake3, write_new};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use zwidth_study::{Event, MetricId, OutsideMetric};
 
 /// Where a table of values came from.
@@ -100,13 +100,17 @@ pub fn withdraw_metric(
     let counting: Vec<&str> =
         before.iter().filter(|own| own.counts()).map(|own| own.metric.id.as_str()).collect();
     if !counting.contains(&metric.as_str()) {
-        let what = format!("no table of a metric {metric} counts");
-        let remedy = match counting.is_empty() {
-            true => "there is nothing to withdraw".to_owned(),
-            false => format!("name one of {}", counting.join(", ")),
-        };
-        return Err(StoreError::new(&log, what, remedy));
+        return Err(not_counting(&log, format!("a metric {metric}"), &counting));
     }
     let event = Event::MetricWithdrawn { metric: metric.clone(), reason: reason.to_owned() };
     commit_events(files, layout, entered, &[(&log, &[event])])
+}
+
+/// The error of withdrawing what has no table that counts; others that have one.
+pub(crate) fn not_counting(log: &Path, named: String, counting: &[&str]) -> StoreError {
+    let remedy = match counting.is_empty() {
+        true => "there is nothing to withdraw".to_owned(),
+        false => format!("name one of {}", counting.join(", ")),
+    };
+    StoreError::new(log, format!("no table of {named} counts"), remedy)
 }

@@ -2,8 +2,8 @@
 
 use crate::tests::crashes::{UTC, study as recorded};
 use crate::{
-    BesideStream, Entered, Fault, Files, FirstErrors, GivenFile, Layout, Memory, StudyData,
-    Survives, give_beside, recover, verify_from, withdraw_beside,
+    BesideChannel, BesideStream, Entered, Fault, Files, FirstErrors, GivenFile, Layout, Memory,
+    StudyData, Survives, give_beside, recover, verify_from, withdraw_beside,
 };
 use arrow::array::{Float64Array, StringArray};
 use std::collections::BTreeMap;
@@ -14,16 +14,24 @@ const BY: Entered<'_> = Entered { utc: UTC, by: None };
 
 /// Two samples of a stream, of which the second is of the first trial.
 fn stream(id: &str) -> BesideStream {
-    let volts = Arc::new(Float64Array::from(vec![Some(0.5), None]));
-    let words = Arc::new(StringArray::from(vec!["a", "b"]));
     BesideStream {
         id: id.parse().unwrap(),
         stamp_s: vec![1.0, 1.5],
         recorder_s: vec![101.0, 101.5],
         in_trial: vec![None, Some((1, 0.25))],
         channels: vec![
-            ("biceps".to_owned(), "mV".to_owned(), "m. biceps".to_owned(), volts),
-            ("word".to_owned(), "1".to_owned(), "a word".to_owned(), words),
+            BesideChannel {
+                name: "biceps".to_owned(),
+                unit: "mV".to_owned(),
+                label: "m. biceps".to_owned(),
+                values: Arc::new(Float64Array::from(vec![Some(0.5), None])),
+            },
+            BesideChannel {
+                name: "word".to_owned(),
+                unit: "1".to_owned(),
+                label: "a word".to_owned(),
+                values: Arc::new(StringArray::from(vec!["a", "b"])),
+            },
         ],
         about: BTreeMap::from([("uid".to_owned(), "7d".to_owned())]),
     }

@@ -1,7 +1,7 @@
 //! `zwidth beside`: streams that another program recorded beside a session, in an XDF file with the session's markers.
 
 use super::recover::{lock, now, put_in_order_and_tell};
-use super::{join_findings, study, sum_up};
+use super::{join_findings, one_line, study, sum_up};
 use crate::exit::Exit;
 use crate::screen::Screen;
 use anyhow::{Context as _, bail};
@@ -87,9 +87,9 @@ fn give(root: &Path, command: &BesideArgs, from: &Path, screen: &Screen) -> anyh
     let data = StudyData::load(&layout).map_err(|findings| join_findings(&findings))?;
     let log = session_of(&data, command)?;
     let wanted: Vec<Wanted> = command.stream.iter().map(|own| own.0.clone()).collect();
-    let Beside { streams, told, trials } =
+    let Beside { streams, remarks, trials } =
         beside_of_file(from, &log.events, &command.markers, &wanted)?;
-    told.iter().for_each(|line| screen.result(line));
+    remarks.iter().for_each(|line| screen.result(line));
     let file_blake3 = file_blake3(from)?;
     let given = |id: &StreamId| {
         let own = data.beside.iter().filter(|entry| entry.stream == *id && entry.counts());
@@ -142,10 +142,7 @@ fn withdraw(
     screen: &Screen,
 ) -> anyhow::Result<Exit> {
     let id: StreamId = id.parse()?;
-    let reason = reason.trim();
-    if reason.is_empty() || reason.chars().any(char::is_control) {
-        bail!("say in one line why the stream is withdrawn");
-    }
+    let reason = one_line(reason, "the stream")?;
     let layout = study(root, command.study.clone())?;
     let lock = lock(&layout, "zwidth beside")?;
     put_in_order_and_tell(&layout, &lock, screen);

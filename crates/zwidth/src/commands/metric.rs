@@ -1,7 +1,7 @@
 //! `zwidth metric`: values of a metric that another program computed, one per trial, in a table.
 
 use super::recover::{lock, now, put_in_order_and_tell};
-use super::{join_findings, study, sum_up};
+use super::{join_findings, one_line, study, sum_up};
 use crate::exit::Exit;
 use crate::screen::Screen;
 use anyhow::{Context as _, bail};
@@ -207,10 +207,7 @@ fn withdraw(
     screen: &Screen,
 ) -> anyhow::Result<Exit> {
     let id: MetricId = id.parse()?;
-    let reason = reason.trim();
-    if reason.is_empty() || reason.chars().any(char::is_control) {
-        bail!("say in one line why the metric is withdrawn");
-    }
+    let reason = one_line(reason, "the metric")?;
     let layout = study(root, command.study.clone())?;
     let lock = lock(&layout, "zwidth metric")?;
     put_in_order_and_tell(&layout, &lock, screen);

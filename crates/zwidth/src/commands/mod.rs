@@ -188,6 +188,15 @@ fn is_study(folder: &Path) -> bool {
 /// The most lines of an error: of more the first are printed, and how many others there are.
 const MOST_LINES: usize = 20;
 
+/// Why something is withdrawn, as it is kept in a log: one line.
+fn one_line<'a>(reason: &'a str, of_what: &str) -> anyhow::Result<&'a str> {
+    let reason = reason.trim();
+    if reason.is_empty() || reason.chars().any(char::is_control) {
+        bail!("say in one line why {of_what} is withdrawn");
+    }
+    Ok(reason)
+}
+
 /// Several findings as one error, one line each.
 fn join_findings(findings: &[StoreError]) -> anyhow::Error {
     let lines: Vec<String> = findings.iter().take(MOST_LINES).map(ToString::to_string).collect();
