@@ -39,7 +39,7 @@ pub(crate) fn play<W: Fn(f64)>(
         ..Options::default()
     };
     let session = Session::open(plan, device.capabilities(), disk)?;
-    let parts = Parts { device, clock, files: disk, front: person, utc: &utc };
+    let parts = Parts { device, clock, files: disk, front: person, utc: &utc, judge: &|_| None };
     Ok(run(plan, session, &options, parts)?)
 }
 

@@ -50,5 +50,5 @@ pub use told::{check_value, step_words};
 pub use unsynced::Unsynced;
 pub use view::{
     Cell, CheckLine, Course, Current, EARLIER, Earlier, Labels, MESSAGES, Phase, Point, TRACE_HZ,
-    TRACE_POINTS, Timing, View,
+    TRACE_POINTS, Timing, Verdict, View,
 };

@@ -60,8 +60,8 @@ pub(crate) struct Outlets {
     names: Vec<StreamName>,
     heard: Arc<Mutex<Heard>>,
     ends: Arc<AtomicBool>,
-    /// The outlets that were told last, of each name.
-    told: Vec<Vec<String>>,
+    /// The outlets of each name when changes were asked for last.
+    reported: Vec<Vec<String>>,
 }
 
 impl Outlets {
@@ -90,42 +90,41 @@ impl Outlets {
                 }
             });
         }
-        Ok(Self { names: names.to_vec(), heard, ends, told: vec![Vec::new(); names.len()] })
+        Ok(Self { names: names.to_vec(), heard, ends, reported: vec![Vec::new(); names.len()] })
     }
 
-    /// Those of each name that are there.
-    fn there(&self) -> Vec<Vec<String>> {
+    /// Those of each name that answer.
+    fn present(&self, now: Instant) -> Vec<Vec<String>> {
         let mut heard = locked(&self.heard);
         for outlets in heard.iter_mut() {
-            outlets.retain(|_, last| last.elapsed() < GONE);
+            outlets.retain(|_, last| now.saturating_duration_since(*last) < GONE);
         }
         heard.iter().map(|outlets| outlets.keys().cloned().collect()).collect()
     }
 
     /// What is missing, in words.
-    pub(crate) fn missing(&self) -> Option<String> {
-        let there = self.there();
-        let missing = self.names.iter().zip(&there).filter(|(_, outlets)| outlets.is_empty());
+    pub(crate) fn missing(&self, now: Instant) -> Option<String> {
+        let present = self.present(now);
+        let missing = self.names.iter().zip(&present).filter(|(_, outlets)| outlets.is_empty());
         let names: Vec<String> = missing.map(|(name, _)| format!("'{name}'")).collect();
         let (word, are) = if names.len() == 1 { ("stream", "is") } else { ("streams", "are") };
         (!names.is_empty()).then(|| {
             format!(
-                "the {word} {} {are} not there, and no trial begins without: start what sends, or give the command again \
-                 without --wait-for",
+                "the {word} {} {are} missing (--wait-for): start the program that sends; until then no trial begins",
                 names.join(", ")
             )
         })
     }
 
     /// What has changed since this was asked last, in words: outlets that came, or went.
-    pub(crate) fn changes(&mut self) -> Vec<String> {
-        let there = self.there();
+    pub(crate) fn changes(&mut self, now: Instant) -> Vec<String> {
+        let present = self.present(now);
         let mut changes = Vec::new();
-        for ((name, now), told) in self.names.iter().zip(there).zip(&mut self.told) {
-            if now == *told {
+        for ((name, outlets), before) in self.names.iter().zip(present).zip(&mut self.reported) {
+            if outlets == *before {
                 continue;
             }
-            changes.push(match &now[..] {
+            changes.push(match &outlets[..] {
                 [] => format!("the stream '{name}' is gone"),
                 [one] => format!("the stream '{name}' comes from the outlet {one}"),
                 several => {
@@ -136,7 +135,7 @@ impl Outlets {
                     )
                 }
             });
-            *told = now;
+            *before = outlets;
         }
         changes
     }
@@ -228,33 +227,40 @@ mod tests {
         }
     }
 
-    /// Outlets that answered so long ago.
-    fn heard(outlets: &[&[(&str, Duration)]]) -> Outlets {
-        let ago = |own: &&[(&str, Duration)]| {
-            let ago = own.iter().map(|(id, ago)| ((*id).to_owned(), Instant::now() - *ago));
-            ago.collect::<BTreeMap<_, _>>()
+    /// Outlets of two names with their last answers, and the moment from which these count.
+    fn outlets(answers: [&[(&str, Duration)]; 2]) -> (Outlets, Instant) {
+        let begun = Instant::now();
+        let answered = |of_name: &[(&str, Duration)]| {
+            of_name.iter().map(|(outlet, at)| ((*outlet).to_owned(), begun + *at)).collect()
         };
-        let names = ["EMG", "gaze"].map(|name| name.parse().unwrap()).to_vec();
-        let heard = Arc::new(Mutex::new(outlets.iter().map(ago).collect()));
-        Outlets { told: vec![Vec::new(); 2], names, heard, ends: Arc::default() }
+        let outlets = Outlets {
+            names: ["EMG", "gaze"].map(|name| name.parse().unwrap()).to_vec(),
+            heard: Arc::new(Mutex::new(answers.map(answered).to_vec())),
+            ends: Arc::default(),
+            reported: vec![Vec::new(); 2],
+        };
+        (outlets, begun)
     }
 
     #[test]
     fn an_outlet_is_there_while_it_answers_and_each_change_is_told_once() {
-        let now = Duration::ZERO;
-        let mut outlets = heard(&[&[("a of lab", now)], &[("b of lab", GONE)]]);
-        assert!(outlets.missing().unwrap().starts_with("the stream 'gaze' is not there"));
-        assert_eq!(outlets.changes(), ["the stream 'EMG' comes from the outlet a of lab"]);
-        assert_eq!(outlets.changes(), Vec::<String>::new());
-        *locked(&outlets.heard) =
-            vec![BTreeMap::new(), BTreeMap::from([("c of lab".to_owned(), Instant::now())])];
+        let first = Duration::ZERO;
+        let (mut some, begun) = outlets([&[("a of lab", ASK)], &[("b of lab", first)]]);
+        assert_eq!(some.missing(begun + ASK), None);
+        let none_of_gaze = some.missing(begun + GONE).unwrap();
+        assert!(none_of_gaze.starts_with("the stream 'gaze' is missing"), "{none_of_gaze}");
+        assert_eq!(some.changes(begun + GONE), ["the stream 'EMG' comes from the outlet a of lab"]);
+        assert_eq!(some.changes(begun + GONE), Vec::<String>::new());
+        locked(&some.heard)[1].insert("c of lab".to_owned(), begun + GONE);
         assert_eq!(
-            outlets.changes(),
+            some.changes(begun + GONE + ASK),
             ["the stream 'EMG' is gone", "the stream 'gaze' comes from the outlet c of lab"]
         );
-        let both = heard(&[&[], &[]]).missing().unwrap();
-        assert!(both.starts_with("the streams 'EMG', 'gaze' are not there"), "{both}");
-        assert_eq!(heard(&[&[("a", now)], &[("b", now), ("c", now)]]).missing(), None);
+        let (neither, begun) = outlets([&[], &[]]);
+        let both = neither.missing(begun).unwrap();
+        assert!(both.starts_with("the streams 'EMG', 'gaze' are missing"), "{both}");
+        let (mut two, begun) = outlets([&[], &[("b", first), ("c", first)]]);
+        assert_eq!(two.changes(begun), ["the stream 'gaze' comes from 2 outlets: b, c"]);
     }
 
     #[test]
@@ -265,7 +271,7 @@ mod tests {
             OWN_PORTS.rev().find_map(|port| UdpSocket::bind((Ipv4Addr::LOCALHOST, port)).ok());
         let outlet = port.unwrap();
         let mut query = [0; 256];
-        while outlets.missing().is_some() {
+        while outlets.missing(Instant::now()).is_some() {
             let (n, from) = outlet.recv_from(&mut query).unwrap();
             let query = String::from_utf8_lossy(&query[..n]).into_owned();
             assert!(

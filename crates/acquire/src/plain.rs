@@ -74,6 +74,9 @@ impl<W: Write> Front for Plain<W> {
         for message in view.messages.iter().skip(view.messages.len() - fresh) {
             writeln!(self.out, "{}", printable(message))?;
         }
+        if let Some(verdict) = view.verdict.as_ref().filter(|_| view.verdict != self.view.verdict) {
+            writeln!(self.out, "{}", printable(&verdict.in_words()))?;
+        }
         let now = (without_time(&view.phase), view.held, view.trial.as_ref().map(|t| t.trial));
         if self.shown.as_ref() != Some(&now) {
             writeln!(self.out, "{}", printable(&line(view)))?;

@@ -33,6 +33,8 @@ pub struct View {
     pub blinded: bool,
     /// The phase of the session.
     pub phase: Phase,
+    /// Whether a signal, or a terminal that is gone, ends it: nobody meant it to be over.
+    pub is_cut_off: bool,
     /// The trial in progress, or the next one; none before homing and after the last.
     pub trial: Option<Current>,
     /// The presentation that it belongs to, if it is of a task.
@@ -58,6 +60,8 @@ pub struct View {
     pub wall_rad: Option<f64>,
     /// The trial's course so far, oldest first; it stays until the next trial begins.
     pub trace: VecDeque<Point>,
+    /// Whether that trial met the protocol; none while it runs, and of a presentation of a task.
+    pub verdict: Option<Verdict>,
     /// The condition of that trial, by its labels; none of a presentation of a task, whose levels differ.
     pub traced: Option<Labels>,
     /// The force that the environment of that trial commands at each angle, rad and N; none of a task's
@@ -166,6 +170,25 @@ pub struct Current {
     pub mode: Option<String>,
     /// The trial that it replaces, if it is a repeat.
     pub repeats: Option<u32>,
+}
+
+/// Whether a trial was what the protocol asks for.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Verdict {
+    /// Its number.
+    pub trial: u32,
+    /// What was not met, in words; none where all was.
+    pub unmet: Option<String>,
+}
+
+impl Verdict {
+    /// The verdict in words.
+    pub(crate) fn in_words(&self) -> String {
+        match &self.unmet {
+            None => format!("trial {} met the protocol", self.trial),
+            Some(what) => format!("trial {} did not meet the protocol: {what}", self.trial),
+        }
+    }
 }
 
 /// A condition by its labels; the mode is hidden in a blinded session.
@@ -278,6 +301,7 @@ impl View {
             Some([low.min(n), high.max(n)])
         });
         self.trace.clear();
+        self.verdict = None;
     }
 
     /// Adds a point to the trace unless it comes sooner than [`TRACE_HZ`] allows; the oldest goes.

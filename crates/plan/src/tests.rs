@@ -19,6 +19,7 @@ pub(crate) fn data() -> StudyData {
         blake3: String::new(),
         superseded_by: None,
         excluded: None,
+        is_unmet: false,
         sealed: None,
     };
     StudyData {

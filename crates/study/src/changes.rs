@@ -329,6 +329,7 @@ mod tests {
             ("design.familiarisation", "3", "2"),
             ("design.trial_limit_s", "4.0", "6.0"),
             ("design.pause_s", "5.0", "0.0"),
+            ("design.redo_unmet", "0", "2"),
             ("design.order", "\"williams\"", "\"constrained\""),
             ("design.blinded", "false", "true"),
             ("device.name", "\"motor and brake on a capstan lever\"", "\"d\""),

@@ -100,6 +100,13 @@ pub enum Event {
         /// Why, in words.
         reason: String,
     },
+    /// The trial did not meet the protocol, and does not count: the study's rule (`design.redo_unmet`) has it done again.
+    Unmet {
+        /// Trial number.
+        trial: u32,
+        /// What was not met, in words.
+        what: String,
+    },
     /// A remark.
     Note {
         /// Trial number, where it belongs to one.
@@ -211,7 +218,8 @@ impl Event {
             | Self::Level { trial, .. }
             | Self::Superseded { trial, .. }
             | Self::Marker { trial, .. }
-            | Self::Excluded { trial, .. } => Some(*trial),
+            | Self::Excluded { trial, .. }
+            | Self::Unmet { trial, .. } => Some(*trial),
             Self::Note { trial, .. } => *trial,
             // Listed, so that whoever adds an event decides here.
             Self::LaidDown { .. }

@@ -167,6 +167,9 @@ pub struct Design {
     /// Shortest pause between trials, s.
     #[serde(default)]
     pub pause_s: f64,
+    /// How many times a trial that did not meet the protocol is done again, after all others; 0 for never.
+    #[serde(default)]
+    pub redo_unmet: u32,
     /// How the order of the modes is drawn.
     #[serde(default)]
     pub order: OrderScheme,

@@ -4,6 +4,7 @@ use crate::Parameters;
 use crate::signals::Signals;
 use zwidth_numerics::series::ends;
 use zwidth_numerics::zigzag::zigzag;
+use zwidth_study::counted;
 
 /// A movement is a way of more than this share of the angles travelled; less is a correction or a
 /// wobble.
@@ -32,6 +33,32 @@ pub struct Compliance {
     pub inside_work_space: Option<bool>,
     /// Whether all three hold: false if one does not; null if one is null and the others hold.
     pub met: Option<bool>,
+}
+
+impl Compliance {
+    /// What the trial lacks of the protocol, in words; empty where it met all that can be told.
+    pub fn unmet(&self, limit_s: f64) -> Vec<String> {
+        let mut unmet = Vec::new();
+        match (self.movements_forward, self.movements_backward) {
+            (Some(forward), Some(back)) if self.one_movement == Some(false) => {
+                let forward = counted(usize::try_from(forward).unwrap_or(0), "movements forward");
+                unmet.push(format!("{forward} and {back} back"));
+            }
+            (None, _) => unmet.push("no movement".to_owned()),
+            _ => {}
+        }
+        match self.in_time {
+            Some(false) => unmet.push(format!("the movement took longer than {limit_s} s")),
+            None if self.movements_forward.is_some() => {
+                unmet.push("the recording ended before the movement".to_owned());
+            }
+            _ => {}
+        }
+        if self.inside_work_space == Some(false) {
+            unmet.push("the lever left the work space".to_owned());
+        }
+        unmet
+    }
 }
 
 pub(crate) fn compliance(signals: &Signals, parameters: &Parameters) -> Compliance {

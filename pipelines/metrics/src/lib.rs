@@ -160,6 +160,18 @@ pub fn trial_metrics<'a>(
     })
 }
 
+/// Whether `trial` was what the protocol asks for: as [`trial_metrics`] says it, without its other metrics.
+///
+/// # Errors
+/// Those of [`trial_metrics`].
+pub fn compliance_of<'a>(
+    trial: impl Into<Recorded<'a>>,
+    parameters: &Parameters,
+) -> Result<Compliance, MetricsError> {
+    let Recorded { columns, .. } = trial.into();
+    Ok(compliance::compliance(&Signals::of(columns, parameters)?, parameters))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

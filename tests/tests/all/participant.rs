@@ -145,17 +145,42 @@ fn a_second_screen_is_refused_and_one_without_a_session_too() {
 fn what_a_killed_session_left_is_no_obstacle() {
     let desk = Desk::new(false);
     let mut killed = session(&desk);
-    let open = screen(&desk, &mut killed);
+    let mut open = screen(&desk, &mut killed);
     killed.child.kill().unwrap();
     killed.child.wait().unwrap();
-    ends(open, 1);
+    open.until("stopped: finger off the lever");
     assert!(desk.root().join("raw/small/.participant").exists());
     refused(&desk).says(&["no session of this study is being recorded"]);
     desk.verify();
     let mut session = session(&desk);
-    let open = screen(&desk, &mut session);
+    session.until("the participant's screen is open");
+    open.until("ready: ");
+    session.say("start");
+    open.until("question ");
+    open.say("4");
+    session.until("trial 1 stored");
     session.say("quit");
     ends(session, 3);
+    open.until("left: ");
     ends(open, 0);
     assert!(!desk.root().join("raw/small/.participant").exists());
+    desk.verify();
+}
+
+#[test]
+#[cfg(unix)]
+fn a_session_that_a_signal_ends_is_waited_for() {
+    let desk = Desk::new(false);
+    let mut first = session(&desk);
+    let mut open = screen(&desk, &mut first);
+    let id = first.child.id().to_string();
+    assert!(Command::new("kill").args(["-HUP", &id]).status().unwrap().success());
+    assert!(!first.child.wait().unwrap().success());
+    open.until("stopped: finger off the lever");
+    let mut second = session(&desk);
+    open.until("ready: ");
+    second.say("quit");
+    ends(second, 3);
+    open.until("left: ");
+    ends(open, 0);
 }

@@ -14,6 +14,7 @@ impl Flow {
             Input::Checked => self.device_checked(),
             Input::Homed => self.homed(),
             Input::Failed(why) => self.failed(why),
+            Input::Unmet(what) => self.unmet(what),
             Input::Ended(end) => self.ended(end),
             Input::Elapsed(dt_s) => self.elapsed(dt_s),
             Input::Start => self.start(),
@@ -165,6 +166,27 @@ impl Flow {
         let trial = self.places[place].trial.clone();
         let level = self.tasks.begin(place, trial.trial).map(Action::Log);
         level.into_iter().chain([Action::Run(trial)]).collect()
+    }
+
+    /// Has a trial that did not meet the protocol done again after all others, if it is so planned and
+    /// was not done too often.
+    fn unmet(&mut self, what: String) -> Vec<Action> {
+        let (Phase::Trial { .. }, Some(place)) = (&self.phase, self.here()) else {
+            return Vec::new();
+        };
+        let is_of_task = self.tasks.is_presentation(place);
+        let (most, slot) = (self.redo_unmet, &mut self.places[place]);
+        if is_of_task || !slot.counts() || slot.unmet >= most {
+            return Vec::new();
+        }
+        slot.unmet += 1;
+        slot.excluded = true;
+        let trial = slot.trial.trial;
+        let told = format!(
+            "trial {trial} does not count: it is done again after all others ({} of at most {most} times)",
+            slot.unmet
+        );
+        vec![Action::Log(Event::Unmet { trial, what }), Action::Tell(told)]
     }
 
     fn ended(&mut self, end: End) -> Vec<Action> {

@@ -16,6 +16,9 @@
 //! done, unless somebody asks for the repeat earlier. Only then does a new trial take its place. A
 //! familiarisation trial counts nowhere, so nothing is missing without it.
 //!
+//! A trial that did not meet the protocol is excluded by itself where the study says so, as many times a
+//! place as it says.
+//!
 //! A presentation of a task with two intervals is two places. The second trial follows the first
 //! after a short gap, and the question is the last one's. Whatever befalls one of them befalls both:
 //! the presentation is done again, at the same level. Places of a sequence of levels that is over are
@@ -51,6 +54,8 @@ pub enum Input {
     Homed,
     /// The check, homing or the device failed, in words.
     Failed(String),
+    /// The trial that ran to its end did not meet the protocol, and what was not met; [`Input::Ended`] follows.
+    Unmet(String),
     /// The trial that ran has ended.
     Ended(End),
     /// Time went by, s.
@@ -203,6 +208,8 @@ pub struct Place {
     pub done: bool,
     /// Whether it was excluded, and would count otherwise.
     pub excluded: bool,
+    /// How many of its trials did not count by the rule for those that do not meet the protocol.
+    pub unmet: u32,
 }
 
 impl Place {
@@ -241,6 +248,8 @@ pub struct Flow {
     next_number: u32,
     /// Shortest pause between trials, s.
     pause_s: f64,
+    /// How many times a trial that did not meet the protocol is done again.
+    redo_unmet: u32,
     /// What is left of the pause, s.
     rest_s: f64,
     /// Whether the pause goes on until somebody ends it.
@@ -257,6 +266,11 @@ impl Flow {
     /// The same session on a device whose lever needs a hand to get to its stop.
     pub(crate) fn homed_by_hand(self, by_hand: bool) -> Self {
         Self { by_hand, ..self }
+    }
+
+    /// The same session in which a trial that did not meet the protocol is done again, so many times.
+    pub(crate) fn redoing(self, redo_unmet: u32) -> Self {
+        Self { redo_unmet, ..self }
     }
 
     /// The phase of the session.

@@ -34,6 +34,7 @@ impl Flow {
         let files: BTreeMap<u32, Recorded> = recorded.iter().map(|r| (r.trial, *r)).collect();
         let mut successors = BTreeMap::new();
         let mut excluded = BTreeSet::new();
+        let mut unmet = BTreeSet::new();
         for event in events {
             match event {
                 // Numbers only grow; an event that says otherwise is not followed.
@@ -41,6 +42,7 @@ impl Flow {
                     successors.insert(*trial, *by);
                 }
                 Event::Excluded { trial, .. } => _ = excluded.insert(*trial),
+                Event::Unmet { trial, .. } => _ = unmet.insert(*trial),
                 _ => {}
             }
         }
@@ -49,7 +51,9 @@ impl Flow {
         let next_number = used.chain(successors.values().copied()).max().unwrap_or(0) + 1;
         let places: Vec<Place> = order
             .into_iter()
-            .map(|(trial, questions)| place(trial, questions, &successors, &files, &excluded))
+            .map(|(trial, questions)| {
+                place(trial, questions, &successors, &files, &excluded, &unmet)
+            })
             .collect();
         let mut flow = Self {
             phase: Phase::Check,
@@ -61,6 +65,7 @@ impl Flow {
             ended: files.keys().copied().collect(),
             next_number,
             pause_s,
+            redo_unmet: 0,
             // The last trial of an earlier life may have ended just now.
             rest_s: if files.is_empty() { 0.0 } else { pause_s },
             held: false,
@@ -136,15 +141,18 @@ fn place(
     successors: &BTreeMap<u32, u32>,
     files: &BTreeMap<u32, Recorded>,
     excluded: &BTreeSet<u32>,
+    unmet: &BTreeSet<u32>,
 ) -> Place {
     let mut repeats = None;
+    let mut of_unmet = u32::from(unmet.contains(&trial.trial));
     // Numbers grow from one to the next, so that this ends.
     while let Some(by) = successors.get(&trial.trial) {
         repeats = Some(trial.trial);
         trial.trial = *by;
+        of_unmet += u32::from(unmet.contains(by));
     }
     let done = files.get(&trial.trial).is_some_and(|r| r.complete);
-    let excluded = excluded.contains(&trial.trial);
-    let place = Place { trial, repeats, questions, done, excluded: false };
+    let excluded = excluded.contains(&trial.trial) || unmet.contains(&trial.trial);
+    let place = Place { trial, repeats, questions, done, excluded: false, unmet: of_unmet };
     Place { excluded: excluded && place.counts(), ..place }
 }

@@ -15,13 +15,27 @@ const PATIENCE: Duration = Duration::from_secs(5);
 /// comes again, so often.
 const ATTEMPTS: u32 = 5;
 
+/// A session that is gone is looked for so often.
+const LOOK_AGAIN: Duration = Duration::from_millis(250);
+
 /// A participant's screen that a session has let in.
-#[derive(Debug)]
 pub struct Guest {
     stream: TcpStream,
     sights: Receiver<Sight>,
     /// The last sight said that the session is over.
     is_over: bool,
+    /// Where a session lets a screen in now, if there is one.
+    find: Option<Find>,
+    /// When the session that is gone was looked for last.
+    looked: Option<Instant>,
+}
+
+type Find = Box<dyn Fn() -> Option<(u16, Secret)> + Send>;
+
+impl std::fmt::Debug for Guest {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Guest").field("is_over", &self.is_over).finish_non_exhaustive()
+    }
 }
 
 /// How a greeting ended.
@@ -75,6 +89,16 @@ impl Guest {
         Err(AcquireError::refused(what, remedy))
     }
 
+    /// The same, which a session that was cut off does not close: it comes in again where `find` says, as soon as the
+    /// session goes on.
+    pub fn coming_back(
+        mut self,
+        find: impl Fn() -> Option<(u16, Secret)> + Send + 'static,
+    ) -> Self {
+        self.find = Some(Box::new(find));
+        self
+    }
+
     /// A screen that was let in; `first` is what it sees first.
     fn seated(mut input: BufReader<Patient>, first: Sight) -> Result<Self, AcquireError> {
         input.get_mut().until = None;
@@ -91,13 +115,13 @@ impl Guest {
             }
         });
         spawned.map_err(nobody)?;
-        Ok(Self { stream, sights, is_over: false })
+        Ok(Self { stream, sights, is_over: false, find: None, looked: None })
     }
 
     /// What is to be seen next, waiting for it at most `wait`; none if nothing came.
     ///
     /// # Errors
-    /// The session is gone, and did not say that it is over.
+    /// The session is gone, did not say that it is over, and is not waited for.
     pub(super) fn next(&mut self, wait: Duration) -> Result<Option<Sight>, AcquireError> {
         match self.sights.recv_timeout(wait) {
             Ok(sight) => {
@@ -106,20 +130,45 @@ impl Guest {
             }
             Err(RecvTimeoutError::Timeout) => Ok(None),
             Err(RecvTimeoutError::Disconnected) if self.is_over => Ok(None),
-            Err(RecvTimeoutError::Disconnected) => {
-                Err(AcquireError::refused("the session is gone", GO_ON))
-            }
+            Err(RecvTimeoutError::Disconnected) => self.come_back(wait),
         }
+    }
+
+    /// Looks for the session that is gone.
+    fn come_back(&mut self, wait: Duration) -> Result<Option<Sight>, AcquireError> {
+        let Some(find) = self.find.take() else {
+            return Err(AcquireError::refused("the session is gone", GO_ON));
+        };
+        let is_due = self.looked.is_none_or(|looked| looked.elapsed() >= LOOK_AGAIN);
+        let found = if is_due { find() } else { None };
+        // Whoever listens where a session was may be anybody, and another screen may be open now.
+        if let Some(mut guest) = found.and_then(|(port, secret)| Self::enter(port, &secret).ok()) {
+            guest.find = Some(find);
+            *self = guest;
+            return self.next(Duration::ZERO);
+        }
+        self.find = Some(find);
+        if !is_due {
+            std::thread::sleep(wait);
+            return Ok(None);
+        }
+        let is_news = self.looked.replace(Instant::now()).is_none();
+        Ok(is_news.then(|| Sight { now: Now::Stopped, ..Sight::default() }))
     }
 
     /// Answers the question of that number.
     ///
     /// # Errors
-    /// The session is gone.
+    /// The session is gone, and is not waited for.
     pub(super) fn answer(&mut self, number: u64, value: i16) -> Result<(), AcquireError> {
-        write_line(&mut self.stream, &answer(number, value)).map_err(|_| {
-            AcquireError::refused("the session is gone, and the answer with it", GO_ON)
-        })
+        match write_line(&mut self.stream, &answer(number, value)) {
+            Err(_) if self.find.is_none() => {
+                let what = "the session is gone, and the answer with it";
+                Err(AcquireError::refused(what, GO_ON))
+            }
+            // A session that goes on asks again.
+            _ => Ok(()),
+        }
     }
 }
 
@@ -181,6 +230,7 @@ mod tests {
     use super::*;
     use std::io::{Read as _, Write as _};
     use std::net::TcpListener;
+    use std::sync::{Arc, Mutex};
 
     fn secret() -> Secret {
         Secret::new([1; 32])
@@ -263,6 +313,42 @@ mod tests {
         let environment = guest.next(PATIENCE).unwrap().unwrap().environment.unwrap();
         assert!(environment.starts_with("a\\u{1b}[2Jba\\u{1b}"), "{environment:.40}");
         assert!(environment.len() < 30_000, "{}", environment.len());
+    }
+
+    #[test]
+    fn a_screen_comes_back_to_a_session_that_goes_on_and_not_to_a_stranger() {
+        let door = Door::open(secret()).unwrap();
+        let (port, secret) = place_of(&door.place()).unwrap();
+        let now = Arc::new(Mutex::new(None));
+        let find = Arc::clone(&now);
+        let mut guest =
+            Guest::enter(port, &secret).unwrap().coming_back(move || find.lock().unwrap().take());
+        drop(door);
+        let mut next = |sought: &Now| loop {
+            match guest.next(A_MOMENT).unwrap() {
+                Some(sight) if sight.now == *sought => break,
+                _ => {}
+            }
+        };
+        next(&Now::Stopped);
+        let (stranger, heard) = liar(|hello| hello.to_owned());
+        *now.lock().unwrap() = Some((stranger, secret.clone()));
+        while now.lock().unwrap().is_some() {
+            assert!(guest.next(A_MOMENT).unwrap().is_none());
+        }
+        assert_eq!(heard().lines().count(), 1, "it got no proof");
+        let other = Door::open(Secret::new([2; 32])).unwrap();
+        other.reception().show(&Sight { now: Now::Ready, ..Sight::default() });
+        *now.lock().unwrap() = place_of(&other.place());
+        let mut next = |sought: &Now| loop {
+            match guest.next(A_MOMENT).unwrap() {
+                Some(sight) if sight.now == *sought => break,
+                _ => {}
+            }
+        };
+        next(&Now::Ready);
+        other.reception().show(&Sight { now: Now::Left, ..Sight::default() });
+        next(&Now::Left);
     }
 
     #[test]

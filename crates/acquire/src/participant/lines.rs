@@ -37,6 +37,8 @@ pub fn show_lines(
     let mut answered = None;
     while !quit.load(Ordering::SeqCst) {
         if let Some(sight) = guest.next(WAIT)? {
+            // Numbers begin again in a session that goes on after a crash; its questions were closed before.
+            answered = answered.filter(|_| sight.question().is_some());
             open = sight.question().filter(|question| answered != Some(question.number)).cloned();
             let line = line(&sight);
             // A pause that counts down stays one line.

@@ -151,6 +151,8 @@ impl Now {
             Phase::Pause { left_s, .. } => Self::Pause { left_s: left_s.ceil().max(0.0) as u32 },
             Phase::Stopped { .. } => Self::Stopped,
             Phase::Done => Self::Done,
+            // It is to go on: the screen waits for that.
+            Phase::Left if view.is_cut_off => Self::Stopped,
             Phase::Left => Self::Left,
         }
     }

@@ -31,6 +31,8 @@ pub fn show_screen(mut guest: Guest, look: Look, quit: &AtomicBool) -> Result<bo
             if next.question() != sight.question() {
                 typed.clear();
             }
+            // Numbers begin again in a session that goes on after a crash; its questions were closed before.
+            answered = answered.filter(|_| next.question().is_some());
             (sight, fresh) = (next, true);
             if sight.now == Now::Left {
                 return Ok(true);

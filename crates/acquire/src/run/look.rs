@@ -137,6 +137,7 @@ pub(super) fn event(event: &Event) -> String {
             format!("trial {trial} does not count: it is done again as trial {by}")
         }
         Event::Excluded { trial, reason } => format!("trial {trial} excluded: {reason}"),
+        Event::Unmet { trial, what } => format!("trial {trial} did not meet the protocol: {what}"),
         Event::Note { trial: Some(trial), text } => format!("trial {trial}: note: {text}"),
         Event::Note { trial: None, text } => format!("note: {text}"),
         Event::Marker { trial, moment, .. } => format!("trial {trial}: marker {}", moment.as_str()),

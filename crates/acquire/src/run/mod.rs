@@ -23,18 +23,18 @@ use crate::outlets::Outlets;
 use crate::plan::Plan;
 use crate::session::Session;
 use crate::tape::Tape;
-use crate::{AcquireError, Course, Front, StreamName, Target, View};
+use crate::{AcquireError, Course, Front, StreamName, Target, Verdict, View};
 use lasting::Lasting;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use zwidth_device::check::Step;
 use zwidth_device::{
     Attendant, Capabilities, Clock, Device, Guard, Limits, Station, Timing, TrialPlan,
 };
-use zwidth_store::{Entered, Files, OpenSession, sync_names};
+use zwidth_store::{Entered, Files, OpenSession, Trial, sync_names};
 use zwidth_study::{Event, ExperimenterId};
 
 /// How long one look at the keys may wait, and how often an idle screen is drawn.
@@ -59,6 +59,8 @@ pub struct Parts<'a> {
     pub front: &'a mut dyn Front,
     /// The time of day, in UTC and RFC 3339, at a time of the clock, s.
     pub utc: &'a (dyn Fn(f64) -> String + Sync),
+    /// Whether a trial that ran to its end met the protocol, if that can be told.
+    pub judge: &'a dyn Fn(&Trial) -> Option<Verdict>,
 }
 
 /// How a session runs.
@@ -117,6 +119,7 @@ struct Runner<'a> {
     files: Within<'a>,
     front: Lasting<'a>,
     utc: &'a (dyn Fn(f64) -> String + Sync),
+    judge: &'a dyn Fn(&Trial) -> Option<Verdict>,
     session: Session,
     /// The session's files.
     stored: OpenSession,
@@ -167,7 +170,7 @@ pub fn run<'a>(
     options: &'a Options,
     parts: Parts<'a>,
 ) -> Result<Outcome, AcquireError> {
-    let Parts { device, clock, files, front, utc } = parts;
+    let Parts { device, clock, files, front, utc, judge } = parts;
     let capabilities = device.capabilities().clone();
     let guard = Guard::new(&capabilities, Limits::of(&plan.study)?, options.no_watchdog);
     // Every mode before the first trial: no session stops in the middle for one.
@@ -200,7 +203,7 @@ pub fn run<'a>(
         &session.recorded,
         &session.events,
     );
-    let flow = flow.homed_by_hand(options.by_hand);
+    let flow = flow.homed_by_hand(options.by_hand).redoing(plan.study.design.redo_unmet);
     let view = look::view(plan, &session, &capabilities);
     let stored = OpenSession::new(&plan.layout, &plan.participant, &plan.session);
     let modes = (!session.blinded).then_some(session.modes.as_slice());
@@ -221,6 +224,7 @@ pub fn run<'a>(
             files,
             front: Lasting::new(front, &options.stop, &options.quit),
             utc,
+            judge,
             session,
             stored,
             conditions,
@@ -292,7 +296,11 @@ impl<'a> Runner<'a> {
             self.files.check()?;
             self.tell_unsent()?;
             // Before the session is laid down there is no log.
-            let changes = if self.session.laid_down { self.outlets.changes() } else { Vec::new() };
+            let changes = if self.session.laid_down {
+                self.outlets.changes(Instant::now())
+            } else {
+                Vec::new()
+            };
             for text in changes {
                 self.log(Event::Note { trial: None, text })?;
             }
@@ -304,7 +312,7 @@ impl<'a> Runner<'a> {
             self.feed(Input::Elapsed(elapsed_s))?;
             for input in idle {
                 let starts = input == Input::Start && *self.flow.phase() == Phase::Ready;
-                if let Some(missing) = self.outlets.missing().filter(|_| starts) {
+                if let Some(missing) = self.outlets.missing(Instant::now()).filter(|_| starts) {
                     self.withhold(missing);
                     continue;
                 }
@@ -312,6 +320,7 @@ impl<'a> Runner<'a> {
                 self.feed(input)?;
             }
         }
+        self.view.is_cut_off = self.options.quit.load(Ordering::SeqCst);
         self.show()
     }
 

@@ -200,6 +200,7 @@ impl<'a> Runner<'a> {
             TrialEnd::Tripped(trip) => End::Cut(trip.to_string()),
         };
         if end == End::Complete {
+            self.tell_protocol(&tape.journal)?;
             tape.journal.end()?;
             self.answer = self.flow.here().and_then(|place| self.ask_participant(place, 0));
         }
@@ -218,6 +219,22 @@ impl<'a> Runner<'a> {
             self.log(Event::Note { trial: Some(trial), text })?;
         }
         Ok(end)
+    }
+
+    /// Looks at whether a trial met the protocol, before its journal says that it is whole: whatever a kill
+    /// leaves, a trial that is to be done again is known for one.
+    fn tell_protocol(&mut self, journal: &Journal) -> Result<(), AcquireError> {
+        let tasks = self.flow.tasks();
+        // A presentation of a task may be any movement.
+        if self.flow.here().is_some_and(|place| tasks.is_presentation(place)) {
+            return Ok(());
+        }
+        let trial = journal.trial(&self.files)?;
+        self.view.verdict = trial.and_then(|trial| (self.judge)(&trial));
+        match self.view.verdict.as_ref().and_then(|verdict| verdict.unmet.clone()) {
+            Some(what) => self.feed(Input::Unmet(what)),
+            None => Ok(()),
+        }
     }
 
     /// Tells that the actuators did not give what a presentation of a task asked for: its level was not rendered. Not in a

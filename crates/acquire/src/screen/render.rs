@@ -37,10 +37,11 @@ pub(super) fn render(view: &View, entry: Option<&Entry>, look: Look, frame: &mut
         talk = panel::lines(view, look, limit, true);
     }
     talk.extend(entry.map_or(Vec::new(), |entry| foot::entry(entry, look, limit)));
-    let rows = Rows::of(inner, has_traces(view), cells(talk.len()));
+    let rows = Rows::of(inner, view, cells(talk.len()));
     title(view, look, rows.title, buffer);
     progress(view, look, rows.progress, buffer);
     headline(view, look, rows.headline, buffer);
+    verdict(view, look, rows.verdict, buffer);
     let [traces, felt] = felt::split(rows.traces);
     trace::draw(view, look, traces, buffer);
     if !felt.is_empty() {
@@ -75,6 +76,8 @@ struct Rows {
     title: Rect,
     progress: Rect,
     headline: Rect,
+    /// Empty but for a verdict.
+    verdict: Rect,
     traces: Rect,
     talk: Rect,
     timing: Rect,
@@ -84,21 +87,23 @@ struct Rows {
 impl Rows {
     /// The most needed parts take their rows first: the stop key, the phase, what is to be
     /// answered.
-    fn of(area: Rect, has_traces: bool, talk: u16) -> Self {
+    fn of(area: Rect, view: &View, talk: u16) -> Self {
         let left = &mut { area.height };
-        let [keys, headline, talk] = [1, 1, talk].map(|rows| take(left, rows));
-        let [title, timing, progress, gap] = [1; 4].map(|rows| take(left, rows));
+        let told = u16::from(view.verdict.is_some());
+        let [keys, headline, talk, told] = [1, 1, talk, told].map(|rows| take(left, rows));
+        let [title, timing, progress, gap] = [1, 1, 1, 1 - told].map(|rows| take(left, rows));
         let talk = talk + take(left, TALK_ROWS.max(talk + 1) - talk);
         // In a high window messages get some of the room, without traces all of it.
-        let more = if has_traces { *left / 8 } else { *left };
+        let more = if has_traces(view) { *left / 8 } else { *left };
         let talk = if *left - more >= TRACE_ROWS {
             talk + take(left, more)
         } else {
             talk + take(left, *left)
         };
-        let heights = [title, progress, headline, gap, *left, talk, timing, keys];
-        let [title, progress, headline, _, traces, talk, timing, keys] = place::rows(area, heights);
-        Self { title, progress, headline, traces, talk, timing, keys }
+        let heights = [title, progress, headline, told + gap, *left, talk, timing, keys];
+        let [title, progress, headline, verdict, traces, talk, timing, keys] =
+            place::rows(area, heights);
+        Self { title, progress, headline, verdict, traces, talk, timing, keys }
     }
 }
 
@@ -165,6 +170,14 @@ fn headline(view: &View, look: Look, area: Rect, buffer: &mut Buffer) {
     Line::styled(name, look.style(role)).render(area, buffer);
     let (_, rest) = place::cut_left(area, cells(width(name) + 3));
     ends(&trial, Role::Strong, Line::styled(left, look.style(Role::Strong)), look, rest, buffer);
+}
+
+/// Whether the trial that is shown met the protocol.
+fn verdict(view: &View, look: Look, area: Rect, buffer: &mut Buffer) {
+    let Some(verdict) = &view.verdict else { return };
+    let role = if verdict.unmet.is_none() { Role::Good } else { Role::Warn };
+    let words = fit(&verdict.in_words(), usize::from(area.width));
+    Line::styled(words, look.style(role)).render(area, buffer);
 }
 
 fn stack<'a>(lines: impl Iterator<Item = Line<'a>>, area: Rect, buffer: &mut Buffer) {

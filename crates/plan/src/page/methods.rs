@@ -49,7 +49,14 @@ pub fn recorded(data: &StudyData) -> Recorded {
         };
         Some((name, words))
     });
+    let mut unmet: BTreeMap<String, usize> = BTreeMap::new();
+    for trial in data.trials.iter().filter(|trial| trial.is_unmet) {
+        let mode = data.study.mode(&trial.meta.mode);
+        let label = mode.map_or_else(|| "sealed".to_owned(), |mode| mode.label.clone());
+        *unmet.entry(label).or_default() += 1;
+    }
     Recorded {
+        unmet,
         words: words.collect(),
         made_by_import,
         participants,

@@ -188,7 +188,7 @@ pub(crate) fn preregistered(data: &StudyData, compared: &[String]) -> Option<Pre
     }
     // A plan foresees no trials that a person takes out of the analysis.
     let trials = data.trials.iter().filter(|trial| trial.meta.kind == Kind::Trial);
-    match trials.filter(|trial| trial.excluded.is_some()).count() {
+    match trials.filter(|trial| trial.excluded.is_some() && !trial.is_unmet).count() {
         0 => {}
         1 => deviations.push("1 trial was excluded by hand".to_owned()),
         n => deviations.push(format!("{n} trials were excluded by hand")),

@@ -46,6 +46,7 @@ pub(crate) fn read_trials(
                 blake3,
                 superseded_by: None,
                 excluded: None,
+                is_unmet: false,
                 sealed: None,
             })
         })

@@ -40,6 +40,8 @@ pub struct TrialEntry {
     pub superseded_by: Option<u32>,
     /// Why it was excluded.
     pub excluded: Option<String>,
+    /// Whether it was excluded because it did not meet the protocol, by the study's own rule.
+    pub is_unmet: bool,
     /// Why its mode is not known, while it is a sealed code.
     pub sealed: Option<String>,
 }
@@ -65,7 +67,9 @@ impl TrialEntry {
             return Some("incomplete".to_owned());
         }
         if let Some(by) = self.superseded_by {
-            return Some(format!("superseded by trial {by}"));
+            let unmet = self.excluded.as_ref().filter(|_| self.is_unmet);
+            let why = unmet.map(|reason| format!("{reason}; ")).unwrap_or_default();
+            return Some(format!("{why}superseded by trial {by}"));
         }
         self.excluded.as_ref().map(|reason| format!("excluded: {reason}"))
     }

@@ -190,6 +190,11 @@ fn name(log: &SessionLog) -> String {
     format!("{}_{}", log.record.participant, log.record.session)
 }
 
+/// Why a trial does not count that did not meet the protocol.
+pub(crate) fn unmet(what: &str) -> String {
+    format!("the protocol was not met: {what}")
+}
+
 /// Joins a session's events to one of its trials; the hash with which it was recorded, if it was.
 fn join_one(trial: &mut TrialEntry, events: &[Event]) -> Option<String> {
     let mut recorded = None;
@@ -198,6 +203,10 @@ fn join_one(trial: &mut TrialEntry, events: &[Event]) -> Option<String> {
             Event::Recorded { blake3, .. } => recorded = Some(blake3.clone()),
             Event::Superseded { by, .. } => trial.superseded_by = Some(*by),
             Event::Excluded { reason, .. } => trial.excluded = Some(reason.clone()),
+            Event::Unmet { what, .. } => {
+                trial.excluded.get_or_insert_with(|| unmet(what));
+                trial.is_unmet = true;
+            }
             Event::Answer { .. }
             | Event::Level { .. }
             | Event::Note { .. }
@@ -243,7 +252,10 @@ pub(crate) fn lost(
             continue;
         }
         let mut own = events.iter().filter(|event| event.trial() == Some(trial));
-        if !own.any(|event| matches!(event, Event::Superseded { .. } | Event::Excluded { .. })) {
+        let is_left_out = |event: &Event| {
+            matches!(event, Event::Superseded { .. } | Event::Excluded { .. } | Event::Unmet { .. })
+        };
+        if !own.any(is_left_out) {
             let what = "the trial belongs to the session, but its file is missing";
             let remedy = "restore the file from a copy, or exclude the trial";
             lost.push(StoreError::new(&path, what, remedy));

@@ -14,7 +14,7 @@ use crate::judge::logged_sweeps::logged_sweeps;
 use crate::judge::one_form::other_forms;
 use crate::judge::outside::{OutsideEntry, OutsideTables, outside_tables};
 use crate::judge::people::{group_warning, read_people};
-use crate::judge::sessions::{join, keep, read_sessions, why_sealed};
+use crate::judge::sessions::{join, keep, read_sessions, unmet, why_sealed};
 use crate::{Entry, Files, Layout, RealFiles, Seen, StoreError, hex_blake3};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -275,6 +275,10 @@ impl StudyData {
                 }
                 Event::Excluded { trial, reason } => {
                     left_out.entry(*trial).or_insert_with(|| format!("excluded: {reason}"));
+                }
+                Event::Unmet { trial, what } => {
+                    let why_not = || format!("excluded: {}", unmet(what));
+                    left_out.entry(*trial).or_insert_with(why_not);
                 }
                 _ => {}
             }

@@ -10,7 +10,7 @@ use crate::form::frame::{Chain, Frame, Header, MAGIC, MOST_ROWS, Protocol, encod
 use crate::form::journaled::{DAMAGED, Journaled, read_journal};
 use crate::keep::open_session::OpenSession;
 use crate::keep::record::Ended;
-use crate::{Append, Entered, Files, Layout, Samples, StoreError, TrialFile};
+use crate::{Append, Entered, Files, Layout, Samples, StoreError, Trial, TrialFile};
 use std::path::{Path, PathBuf};
 use zwidth_study::{Given, ParticipantId, Sample, SessionId, TrialMeta};
 
@@ -109,6 +109,14 @@ impl Journal {
             return Err(StoreError::new(&self.path, what, remedy).row0(row));
         }
         Samples::from_rows(rows).check(&self.path)
+    }
+
+    /// The trial as far as it was appended; none before its first row.
+    ///
+    /// # Errors
+    /// A read that failed.
+    pub fn trial(&self, files: &dyn Files) -> Result<Option<Trial>, StoreError> {
+        Ok(read_journal(files, &self.path)?.trial().map(|(trial, _)| trial))
     }
 
     /// The trial has run to its end. Without it, [`Journal::finish`] and [`crate::recover`] make it

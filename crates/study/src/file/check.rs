@@ -12,6 +12,8 @@ pub(super) const FARTHEST_DEG: f64 = 36_000.0;
 pub(super) const FARTHEST_MM: f64 = 100_000.0;
 /// No session has more trials of a kind than this.
 pub(super) const MOST_TRIALS: u32 = 100_000;
+/// Times that a trial which did not meet the protocol is done again, at most: who cannot do it in so many cannot do it.
+pub(super) const MOST_REDONE: u32 = 20;
 /// The most problems that are reported at once.
 const MOST_ERRORS: usize = 100;
 

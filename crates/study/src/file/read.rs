@@ -1,6 +1,6 @@
 //! From the text of a `study.toml` to a checked study in SI units.
 
-use super::check::{Check, FARTHEST_DEG, MOST_TRIALS};
+use super::check::{Check, FARTHEST_DEG, MOST_REDONE, MOST_TRIALS};
 use super::compare::Comparable;
 use super::shape::*;
 use super::tasks::Around;
@@ -341,6 +341,10 @@ impl Check<'_> {
             if trials > MOST_TRIALS {
                 self.error(key, format!("{trials} must be at most {MOST_TRIALS}"));
             }
+        }
+        if d.redo_unmet > MOST_REDONE {
+            let problem = format!("{} must be at most {MOST_REDONE}", d.redo_unmet);
+            self.error("design.redo_unmet", problem);
         }
         self.within("design.trial_limit_s", d.trial_limit_s, LONGEST_S);
         // No pause is fine, and `within` takes nothing but numbers above 0.

@@ -18,11 +18,14 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use zwidth_acquire::{
     Auto, Front, Look, Options, Outcome, Parts, Plain, Plan, Screen as Terminal, Session,
-    StreamName, Target, own_study, run, seed_of,
+    StreamName, Target, Verdict, own_study, run, seed_of,
 };
 use zwidth_device::check::steps;
-use zwidth_store::{Raw, RealFiles, from_json, shell_line, shell_option};
-use zwidth_study::{ExperimenterId, ParticipantId, SessionId, SessionRecord, Source, StudyId};
+use zwidth_metrics::{Parameters, compliance_of};
+use zwidth_store::{Raw, RealFiles, Trial, from_json, shell_line, shell_option};
+use zwidth_study::{
+    ExperimenterId, ParticipantId, SessionId, SessionRecord, Source, Study, StudyId,
+};
 
 #[derive(Debug, Clone, PartialEq, clap::Args)]
 pub(crate) struct AcquireArgs {
@@ -152,10 +155,26 @@ pub(crate) fn acquire(root: &Path, command: &AcquireArgs, screen: &Screen) -> an
         files: &raw,
         front: &mut *front,
         utc: &|_: f64| super::recover::now(),
+        judge: &|trial: &Trial| verdict(&plan.study, trial),
     };
     let outcome = run(&plan, laid, &options, parts);
     drop(front); // the terminal is given back before anything is printed on it
     Ok(tell(&plan, &outcome?, &resume(root, command, plan.study.design.blinded), screen))
+}
+
+/// Whether a trial met the protocol. A blinded one is judged as one of a brake, which may stay where it was pushed to: what
+/// is said must not tell its mode.
+pub(super) fn verdict(study: &Study, trial: &Trial) -> Option<Verdict> {
+    let environment = study.environment(&trial.meta.environment)?;
+    let mode = study.mode(&trial.meta.mode).or(study.modes.first())?;
+    let mut parameters = Parameters::of(study, environment, mode);
+    if study.design.blinded {
+        (parameters.uses_motor, parameters.uses_brake) = (false, true);
+    }
+    let compliance = compliance_of(trial, &parameters).ok()?;
+    let unmet = compliance.unmet(study.design.trial_limit_s);
+    let unmet = (!unmet.is_empty()).then(|| unmet.join("; "));
+    Some(Verdict { trial: trial.meta.trial, unmet })
 }
 
 /// The simulated device's seed: that of the command line, else the one the session began with, so

@@ -45,7 +45,8 @@ pub(crate) fn participant(
         )
     })?;
     let quit = raised_by_signals()?;
-    let guest = Guest::enter(port, &secret)?;
+    let guest = Guest::enter(port, &secret)?
+        .coming_back(move || place_of(&read_port(&layout).ok().flatten()?));
     let plain = command.plain;
     let look = Look::from_env(command.ascii);
     let raised = Arc::clone(&quit);

@@ -1,6 +1,7 @@
 //! `zwidth twin`: a whole study on the simulated device, faster than real time. The same seed gives
 //! the same bytes, on any machine and any number of threads.
 
+use super::acquire::verdict;
 use super::characterise::simulated_sweep;
 use super::device::{Bench, bench, keys};
 use super::recover::lock;
@@ -184,6 +185,7 @@ fn one(
         files: raw,
         front,
         utc: &|now_s: f64| later(begin, now_s),
+        judge: &|trial| verdict(&plan.study, trial),
     };
     Ok(run(&plan, laid, &options, parts)?)
 }

@@ -20,7 +20,7 @@ use recorded::plain;
 use sources::Cited;
 use zwidth_study::{
     ActuatorKind, Coordinate, Environment, Mode, ModeLaw, OrderScheme, ReplayModel, Scene, Study,
-    VelocityFilter,
+    VelocityFilter, counted,
 };
 use zwidth_tables::{given, in_coordinate};
 
@@ -227,6 +227,27 @@ fn procedure(study: &Study, recorded: &Recorded) -> Vec<String> {
         plain(design.trial_limit_s),
         plain(design.pause_s)
     ));
+    if design.redo_unmet > 0 {
+        let times = match design.redo_unmet {
+            1 => "once".to_owned(),
+            n => format!("{n} times"),
+        };
+        let befell = match recorded.unmet.is_empty() {
+            true => "no trial".to_owned(),
+            false => {
+                let by_mode = recorded
+                    .unmet
+                    .iter()
+                    .map(|(mode, n)| format!("{} of '{mode}'", counted(*n, "trials")));
+                by_mode.collect::<Vec<_>>().join(", ")
+            }
+        };
+        sentences.push(format!(
+            "A trial that was not one movement forward and one back, within {} s and inside the work space, did not \
+             count and was done again after all others, at most {times}; this befell {befell}.",
+            plain(design.trial_limit_s)
+        ));
+    }
     if design.blinded {
         sentences.push("Modes were sealed until the session was over.".to_owned());
     }

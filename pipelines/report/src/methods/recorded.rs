@@ -12,6 +12,8 @@ pub struct Recorded {
     pub sessions: usize,
     /// Trials that count.
     pub trials: usize,
+    /// Trials that did not meet the protocol and were to be done again by the study's rule, by the mode's label.
+    pub unmet: BTreeMap<String, usize>,
     /// Whether any of them has samples.
     pub sampled: bool,
     /// Sweeps of actuators and sensors.

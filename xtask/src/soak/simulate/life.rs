@@ -9,10 +9,12 @@ use jiff::{SignedDuration, Timestamp};
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::path::{Path, PathBuf};
-use zwidth_acquire::{Front, Options, Outcome, Parts, Session, run};
+use zwidth_acquire::{Front, Options, Outcome, Parts, Session, Verdict, run};
 use zwidth_device::mock::{Fault as DeviceFault, Mock};
 use zwidth_device::{Device, Person as Hand, Twin, TwinParameters};
-use zwidth_store::{Memory, StudyData, Survives, TrialEntry, hex_blake3, recover, verify_kept};
+use zwidth_store::{
+    Memory, StudyData, Survives, Trial, TrialEntry, hex_blake3, recover, verify_kept,
+};
 use zwidth_study::{Status, Voltages};
 
 /// Lives that go wrong, at most, before the one that ends the session.
@@ -188,7 +190,12 @@ impl Desk {
     ) -> anyhow::Result<Outcome> {
         let options = Options { answers: self.with == With::Twin, ..Options::default() };
         let session = Session::open(&self.plan, device.capabilities(), &self.disk)?;
-        let parts = Parts { device, clock, files: &self.disk, front, utc };
+        let judge = |trial: &Trial| {
+            let trial = trial.meta.trial;
+            let is_unmet = Draw::new(self.seed, 100 + u64::from(trial)).one_in(4);
+            Some(Verdict { trial, unmet: is_unmet.then(|| "no movement".to_owned()) })
+        };
+        let parts = Parts { device, clock, files: &self.disk, front, utc, judge: &judge };
         Ok(run(&self.plan, session, &options, parts)?)
     }
 

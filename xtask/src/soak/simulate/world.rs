@@ -184,6 +184,7 @@ pub(super) fn study(seed: u64) -> anyhow::Result<(Memory, Plan)> {
         ("design", "repeats", toml::Value::from(1)),
         ("design", "familiarisation", i64::from(draw.below(2) as u32).into()),
         ("design", "trial_limit_s", LIMIT_S.into()),
+        ("design", "redo_unmet", i64::from(Draw::new(seed, 4).below(3) as u32).into()),
         ("design", "blinded", draw.one_in(3).into()),
         ("control", "rate_hz", RATE_HZ.into()),
     ];

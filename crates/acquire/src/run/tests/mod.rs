@@ -5,6 +5,7 @@ mod marks;
 #[cfg(unix)]
 mod moved;
 mod pairs;
+mod protocol;
 mod secret;
 mod slow_disk;
 mod tasks;
@@ -39,6 +40,7 @@ struct Desk {
     folder: TempDir,
     plan: Plan,
     options: Options,
+    judge: fn(&Trial) -> Option<Verdict>,
 }
 
 impl Desk {
@@ -67,7 +69,7 @@ impl Desk {
             keys: folder.path().join("keys"),
             secret: [9; 32],
         };
-        Self { folder, plan, options: Options::default() }
+        Self { folder, plan, options: Options::default(), judge: |_| None }
     }
 
     fn run(
@@ -78,7 +80,14 @@ impl Desk {
     ) -> Result<Outcome, AcquireError> {
         let session = Session::open(&self.plan, device.capabilities(), files)?;
         let mut clock = SimulatedClock::new(1);
-        let parts = Parts { device, clock: &mut clock, files, front, utc: &|_| UTC.to_owned() };
+        let parts = Parts {
+            device,
+            clock: &mut clock,
+            files,
+            front,
+            utc: &|_| UTC.to_owned(),
+            judge: &self.judge,
+        };
         run(&self.plan, session, &self.options, parts)
     }
 

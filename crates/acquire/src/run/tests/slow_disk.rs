@@ -114,6 +114,7 @@ fn live(
         files: &files,
         front,
         utc: &|_| UTC.to_owned(),
+        judge: &|_| None,
     };
     let outcome = run(&desk.plan, session, &desk.options, parts).unwrap();
     (outcome, std::mem::take(&mut device.log.lock().unwrap()))
