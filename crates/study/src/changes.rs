@@ -329,7 +329,6 @@ mod tests {
             ("design.familiarisation", "3", "2"),
             ("design.trial_limit_s", "4.0", "6.0"),
             ("design.pause_s", "5.0", "0.0"),
-            ("design.redo_unmet", "0", "2"),
             ("design.order", "\"williams\"", "\"constrained\""),
             ("design.blinded", "false", "true"),
             ("device.name", "\"motor and brake on a capstan lever\"", "\"d\""),
@@ -349,6 +348,8 @@ mod tests {
         ] {
             check_value(key, then, now, Recording);
         }
+        let redone = ("design.redo_unmet", "0", "2", Recording);
+        check("pause_s = 5.0", "pause_s = 5.0\nredo_unmet = 2", &[redone]);
         let question = ("environments.spring.question", "\"felt_spring\"", "absent", Recording);
         check("question = \"felt_spring\"", "", &[question]);
         let [worded] = changes("linear stiffness.\"", "spring.\"").try_into().unwrap();

@@ -137,9 +137,6 @@ familiarisation = 3
 # Longest a trial may take, and the shortest pause after it.
 trial_limit_s = 4.0
 pause_s = 5.0
-# How many times a trial that did not meet the protocol (one movement forward and back, in time, inside the work space) is
-# done again by itself, after all others. 0: never; the screen says what was not met, and r repeats the trial.
-redo_unmet = 0
 # How the order of the modes is drawn: "williams" (rows of Williams squares, one a repeat) or "constrained" (at
 # random, no mode more than twice in a row). Blocks of one environment follow each other, counterbalanced.
 order = "williams"

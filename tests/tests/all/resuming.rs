@@ -4,6 +4,7 @@
 use crate::acquire::{Desk, TRIALS};
 use crate::binary::{Ran, binary, ran, zwidth, zwidth_line};
 use crate::folders::{files, listing};
+use crate::said::log;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -194,4 +195,21 @@ fn a_blinded_study_leaves_its_seed_in_no_file_and_its_seals_to_their_owner_whate
     assert_eq!((mode(&keys), mode(&keys.join("small"))), (0o700, 0o700));
     let seals = files(&keys, "json");
     assert!(seals.len() == 2 && seals.iter().all(|path| mode(path) == 0o600), "{seals:?}");
+}
+
+#[test]
+fn by_the_studys_rule_trials_that_did_not_meet_the_protocol_are_done_again_and_told_in_its_methods()
+{
+    let desk = Desk::new(false);
+    // No movement ends in so short a time.
+    desk.edit_study("\ntrial_limit_s = 4.0\n", "\ntrial_limit_s = 0.6\nredo_unmet = 1\n");
+    let told = "trial 2 does not count: it is done again after all others (1 of at most 1 times)";
+    desk.finish().exits(0).prints(&["trial 1 did not meet the protocol: ", told]);
+    let unmet = log(&desk).into_iter().filter(|line| line["what"]["event"] == "unmet");
+    let trials: Vec<i64> = unmet.map(|line| line["what"]["trial"].as_i64().unwrap()).collect();
+    // All but the one to practise, once each.
+    assert_eq!(trials, (2..=TRIALS as i64).collect::<Vec<_>>());
+    let methods = zwidth(desk.root(), &["methods", "small"]).exits(0);
+    methods.prints(&["at most once; this befell 2 trials of 'Active'"]);
+    desk.verify();
 }

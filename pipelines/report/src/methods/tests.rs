@@ -36,6 +36,19 @@ fn numbers_of_the_study_stand_in_its_methods() {
 }
 
 #[test]
+fn a_rule_for_trials_that_did_not_meet_the_protocol_is_told_with_how_many_of_each_mode_it_befell() {
+    let mut study = zwidth_testing::study();
+    assert!(!text(&study, &recorded(3)).contains("done again"));
+    study.design.redo_unmet = 2;
+    let none = text(&study, &recorded(3));
+    assert!(none.contains("at most 2 times; this befell no trial."), "{none}");
+    let unmet = BTreeMap::from([("Active".to_owned(), 1), ("Passive".to_owned(), 8)]);
+    let some = text(&study, &Recorded { unmet, ..recorded(3) });
+    let told = "at most 2 times; this befell 1 trial of 'Active', 8 trials of 'Passive'.";
+    assert!(some.contains(told), "{some}");
+}
+
+#[test]
 fn axes_have_their_low_pass_and_their_thresholds_in_the_methods() {
     let mut study = zwidth_testing::study();
     assert!(!text(&study, &recorded(3)).contains("in space"));

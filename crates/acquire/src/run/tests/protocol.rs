@@ -12,8 +12,8 @@ fn first_ones(trial: &Trial) -> Option<Verdict> {
 }
 
 fn desk(redo_unmet: u32, blinded: bool) -> Desk {
-    let text =
-        small("small", blinded).replace("redo_unmet = 0", &format!("redo_unmet = {redo_unmet}"));
+    let text = small("small", blinded)
+        .replace("pause_s = 5.0", &format!("pause_s = 5.0\nredo_unmet = {redo_unmet}"));
     Desk { judge: first_ones, ..Desk::with(text) }
 }
 
