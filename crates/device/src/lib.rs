@@ -49,6 +49,7 @@ pub mod mock;
 mod participant;
 mod playback;
 mod priority;
+mod push;
 mod ramp;
 mod signals;
 mod timing;
@@ -66,6 +67,7 @@ pub use guard::{AWAY_S, FORCE_RATE_HZ, Guard, Limits, MOTOR_FORCE_N, Refusal, Se
 pub use participant::{Felt, Goal, HAND_RANGES, Intent, Judged, Person, Task, Truth};
 pub use playback::Playback;
 pub use priority::Priority;
+pub use push::{Push, PushEnd, PushRun};
 pub use ramp::{Ramp, RampEnd, Ramped, Weighed};
 pub use signals::stop_on_signals;
 pub use timing::{Histogram, Timing};

@@ -15,7 +15,7 @@ const LOOSE_RAD: f64 = 2.0 * std::f64::consts::PI / 180.0;
 
 /// Whoever watches a motor must say so at least this often, s: a held key begins to repeat after
 /// 0.25 to 0.66 s.
-const WATCHED_S: f64 = 1.0;
+pub(crate) const WATCHED_S: f64 = 1.0;
 
 /// How the voltage of a sweep goes: in straight lines up to its top and down again.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,6 +30,11 @@ pub struct Ramp {
 }
 
 impl Ramp {
+    /// ∫U² dt, V² s: what warms a winding.
+    pub fn v2_s(&self) -> f64 {
+        self.top_v * self.top_v * self.lasts_s / 3.0
+    }
+
     /// The size of the voltage so long after its beginning, V.
     pub fn voltage_v(&self, t_s: f64) -> f64 {
         let share = (t_s / self.lasts_s).clamp(0.0, 1.0);

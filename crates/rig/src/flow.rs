@@ -12,6 +12,7 @@
 //! once; what was kept is never asked for again. One that does not agree with those before is held
 //! back and repeated: the next one decides which of both was odd.
 
+use crate::lever::stands;
 use crate::step::{Action, Ask, Input, Remark, Steps, SweepRun};
 use crate::weighing::{LOAD_S, Weighing};
 use crate::{Heat, LoadCell, SweepFault, Winding, judged};
@@ -21,9 +22,6 @@ use zwidth_study::ActuatorKind;
 
 /// A lever that was moved is looked at for so long, s.
 const LEVER_S: f64 = 1.0;
-
-/// A lever at rest moves by no more, rad: 0.1°.
-const AT_REST_RAD: f64 = 0.1 * std::f64::consts::PI / 180.0;
 
 /// A lever in the fixture is at least this far from its stop, rad: 2°. Its sensor has proved itself.
 const OFF_STOP_RAD: f64 = 2.0 * std::f64::consts::PI / 180.0;
@@ -174,17 +172,11 @@ impl Flow {
     }
 
     fn placed(&mut self, values: &[Weighed]) -> Vec<Action> {
-        let angles: Vec<f64> = values.iter().filter_map(|value| value.theta_rad).collect();
-        let (low, high) = angles
-            .iter()
-            .fold((f64::MAX, f64::MIN), |(low, high), theta| (low.min(*theta), high.max(*theta)));
-        let from_stop_rad = high - self.plan.stop_rad;
-        let is_there = if self.is_motor() {
-            from_stop_rad > OFF_STOP_RAD
-        } else {
-            from_stop_rad < AT_STOP_RAD
-        };
-        if angles.is_empty() || !is_there || high - low > AT_REST_RAD {
+        let is_there = stands(values).is_some_and(|theta_rad| {
+            let from_stop_rad = theta_rad - self.plan.stop_rad;
+            if self.is_motor() { from_stop_rad > OFF_STOP_RAD } else { from_stop_rad < AT_STOP_RAD }
+        });
+        if !is_there {
             return vec![Action::Tell(Remark::LeverElsewhere), Action::Ask(self.place_ask())];
         }
         self.heat.rest(values.last().map_or(0.0, |value| value.t_s));
@@ -193,7 +185,7 @@ impl Flow {
 
     /// Waits until a sweep is allowed.
     fn cool(&mut self) -> Vec<Action> {
-        let pause_s = self.heat.pause_s(&self.plan.ramp);
+        let pause_s = self.heat.pause_s(self.plan.ramp.v2_s());
         if pause_s > 0.0 {
             self.phase = Phase::Cooling;
             return vec![Action::Tell(Remark::Cooling(pause_s)), Action::Weigh(pause_s)];
@@ -208,7 +200,8 @@ impl Flow {
     }
 
     fn ramped(&mut self, ramped: &Ramped) -> Vec<Action> {
-        self.heat.drive(&self.plan.ramp);
+        // A part of a ramp counts as whole.
+        self.heat.drive(self.plan.ramp.v2_s());
         match &ramped.end {
             RampEnd::Whole => self.whole(&ramped.values),
             RampEnd::Stopped => self.stop("stopped".to_owned()),

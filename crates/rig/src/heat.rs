@@ -26,15 +26,14 @@ pub struct Winding {
 }
 
 impl Winding {
-    /// How much warmer a ramp makes it, K.
-    fn rise_k(&self, ramp: &Ramp) -> f64 {
-        let energy_j = ramp.top_v * ramp.top_v * ramp.lasts_s / (3.0 * self.resistance_ohm);
-        energy_j / (self.mass_kg * COPPER_J_PER_KG_K)
+    /// How much warmer ∫U² dt makes it, V² s, K.
+    fn rise_k(&self, v2_s: f64) -> f64 {
+        v2_s / self.resistance_ohm / (self.mass_kg * COPPER_J_PER_KG_K)
     }
 
     /// Why no pause is long enough for a ramp, in words; none if one is.
     pub fn refuses(&self, ramp: &Ramp) -> Option<String> {
-        let rise_k = self.rise_k(ramp);
+        let rise_k = self.rise_k(ramp.v2_s());
         (rise_k > MOST_RISE_K).then(|| {
             format!(
                 "one sweep to {} V would warm the winding of the {} by {rise_k:.0} K, more than the {MOST_RISE_K} K allowed: \
@@ -66,15 +65,15 @@ impl Heat {
         self.rise_k *= libm::exp(-for_s.max(0.0) / self.winding.cooling_s);
     }
 
-    /// A ramp was driven, or a part of it: it counts as whole.
-    pub fn drive(&mut self, ramp: &Ramp) {
-        self.rise_k += self.winding.rise_k(ramp);
+    /// It was driven with ∫U² dt, V² s.
+    pub fn drive(&mut self, v2_s: f64) {
+        self.rise_k += self.winding.rise_k(v2_s);
     }
 
-    /// How long it must rest before a ramp, s: t = τ ln(T / (T_most − ΔT)). Infinite if one ramp
+    /// How long it must rest before ∫U² dt, V² s, in s: t = τ ln(T / (T_most − ΔT)). Infinite if that
     /// alone is too much.
-    pub fn pause_s(&self, ramp: &Ramp) -> f64 {
-        let room_k = MOST_RISE_K - self.winding.rise_k(ramp);
+    pub fn pause_s(&self, v2_s: f64) -> f64 {
+        let room_k = MOST_RISE_K - self.winding.rise_k(v2_s);
         if room_k <= 0.0 {
             return f64::INFINITY;
         }
@@ -101,7 +100,7 @@ mod tests {
         };
         let energy_j: f64 = (0..steps).map(power_w).sum::<f64>() * dt_s;
         let rise_k = energy_j / (WINDING.mass_kg * 385.0);
-        assert!((WINDING.rise_k(&RAMP) - rise_k).abs() < 1e-6, "{rise_k}");
+        assert!((WINDING.rise_k(RAMP.v2_s()) - rise_k).abs() < 1e-6, "{rise_k}");
         assert!((rise_k - 4.42).abs() < 0.01, "{rise_k}");
     }
 
@@ -109,19 +108,19 @@ mod tests {
     fn after_its_pause_a_ramp_just_reaches_what_is_allowed() {
         let mut heat = Heat::at_most(WINDING, 0.0);
         for _ in 0..20 {
-            let pause_s = heat.pause_s(&RAMP);
+            let pause_s = heat.pause_s(RAMP.v2_s());
             heat.rest(pause_s);
-            heat.drive(&RAMP);
+            heat.drive(RAMP.v2_s());
             assert!((heat.rise_k - MOST_RISE_K).abs() < 1e-9, "{heat:?}");
         }
-        assert!(Heat::at_most(WINDING, 1e6).pause_s(&RAMP) <= 0.0);
+        assert!(Heat::at_most(WINDING, 1e6).pause_s(RAMP.v2_s()) <= 0.0);
     }
 
     #[test]
     fn a_ramp_that_alone_is_too_much_is_refused() {
         let small = Winding { mass_kg: 0.001, ..WINDING };
         assert!(small.refuses(&RAMP).unwrap().contains("--to"));
-        assert!(Heat::at_most(small, 1e9).pause_s(&RAMP).is_infinite());
+        assert!(Heat::at_most(small, 1e9).pause_s(RAMP.v2_s()).is_infinite());
         assert_eq!(WINDING.refuses(&RAMP), None);
     }
 }

@@ -1,6 +1,7 @@
 //! Carries out what a characterisation asks for: at a person, at the device, on the disk.
 
 use crate::flow::Kept;
+use crate::searches::search_sweep;
 use crate::step::{Action, Ask, Input, Remark, Steps, SweepRun};
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -99,6 +100,10 @@ pub fn run<'a>(
                 Action::Tell(remark) => operator.tell(&remark),
                 Action::KeepLoads(loads) => keep_loads(bench, &loads, operator)?,
                 Action::Keep(run) => keep(bench, &run, operator)?,
+                Action::KeepSearch(probe, found) => {
+                    let about = bench.about.clone();
+                    write(bench, search_sweep(&probe, &found, 0, bench.source, about)?, operator)?;
+                }
                 Action::Finish => return Ok(Left::Finished),
                 Action::Ask(ask) => {
                     if operator.ask(&ask) == Reply::Quit || stop.load(Ordering::Relaxed) {
@@ -138,6 +143,12 @@ pub fn run<'a>(
                         station.ramp(&ramp, calibration, &mut || watched(), stop)
                     })?;
                     input = Some(Input::Ramped(ramped));
+                }
+                Action::Push(push) => {
+                    let pushed = attendant.ask(move |station| {
+                        station.push(&push, calibration, &mut || watched(), stop)
+                    })?;
+                    input = Some(Input::Pushed(pushed));
                 }
             }
         }

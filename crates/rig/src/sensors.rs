@@ -7,6 +7,7 @@
 
 use crate::LoadCell;
 use crate::cell::SCALE_ERROR;
+use crate::lever::stands;
 use crate::step::{Action, Ask, Input, Remark, Steps};
 use crate::weighing::{LOAD_S, Weighing};
 use zwidth_device::Weighed;
@@ -15,9 +16,6 @@ use zwidth_study::Check;
 
 /// A lever against a stop is looked at for so long, s.
 const STOP_S: f64 = 1.0;
-
-/// A lever at rest moves by no more, rad: 0.1°.
-const AT_REST_RAD: f64 = 0.1 * std::f64::consts::PI / 180.0;
 
 /// Stops may lie this far from where study.toml says, rad: 2°, what a session allows.
 const STROKE_RAD: f64 = 2.0 * std::f64::consts::PI / 180.0;
@@ -133,21 +131,11 @@ impl Sensors {
         self.ask(Phase::HomeAgain, Ask::Home)
     }
 
-    /// Where a lever at rest stands, rad; none of one that moves.
-    fn stands(values: &[Weighed]) -> Option<f64> {
-        let angles: Vec<f64> = values.iter().filter_map(|value| value.theta_rad).collect();
-        let (low, high) = angles
-            .iter()
-            .fold((f64::MAX, f64::MIN), |(low, high), theta| (low.min(*theta), high.max(*theta)));
-        let mean = (!angles.is_empty()).then(|| Moments::of(&angles).mean);
-        mean.filter(|_| high - low <= AT_REST_RAD)
-    }
-
     fn up(&mut self, values: &[Weighed]) -> Vec<Action> {
         let [low_rad, high_rad] = self.plan.stops_rad;
         let whole_rad = high_rad - low_rad;
         // Somebody has yet to bring it there.
-        let stroke_rad = Self::stands(values).map(|theta_rad| theta_rad - low_rad);
+        let stroke_rad = stands(values).map(|theta_rad| theta_rad - low_rad);
         let Some(stroke_rad) = stroke_rad.filter(|stroke| stroke.abs() > 0.5 * whole_rad) else {
             return vec![Action::Tell(Remark::LeverElsewhere), Action::Ask(Ask::Up)];
         };
@@ -158,7 +146,7 @@ impl Sensors {
 
     fn back(&mut self, values: &[Weighed]) -> Vec<Action> {
         let [low_rad, high_rad] = self.plan.stops_rad;
-        let off_rad = Self::stands(values).map(|theta_rad| theta_rad - low_rad);
+        let off_rad = stands(values).map(|theta_rad| theta_rad - low_rad);
         let Some(off_rad) = off_rad.filter(|off| off.abs() < 0.5 * (high_rad - low_rad)) else {
             return vec![Action::Tell(Remark::LeverElsewhere), Action::Ask(Ask::Back)];
         };

@@ -1,7 +1,8 @@
 //! What a characterisation and its surroundings tell each other: words alone.
 
 use crate::{CellFault, Judged, LoadCell, SweepFault};
-use zwidth_device::{Ramp, Ramped, Weighed};
+use zwidth_device::{Push, PushRun, Ramp, Ramped, Weighed};
+use zwidth_stability::impedance::{Found, Probe};
 use zwidth_study::Check;
 
 /// What a person is asked to do.
@@ -29,6 +30,17 @@ pub enum Ask {
         number: u32,
         /// How many there are to be.
         of: u32,
+    },
+    /// The lever is carried to the middle of its work space and let go of.
+    Middle,
+    /// Walls are raised until the free lever keeps swinging in them; somebody watches.
+    Walls {
+        /// Which are searched.
+        probe: Probe,
+        /// Which search it is, from 1.
+        number: usize,
+        /// How many there are to be.
+        of: usize,
     },
     /// What stopped it is mended.
     GoOn,
@@ -60,6 +72,8 @@ pub enum Remark {
     OddLeftOut,
     /// The repeat agrees with the odd one: the actuator has changed, and both are kept.
     Changed,
+    /// A search of a Z-width test has ended.
+    Found(Probe, Found),
     /// Nobody watched the motor.
     Unwatched,
     /// The lever came off its clamp.
@@ -81,6 +95,8 @@ pub enum Input {
     Homed,
     /// A sweep has ended.
     Ramped(Ramped),
+    /// A push has ended.
+    Pushed(PushRun),
     /// The device check of a lever at rest.
     Rested(Vec<Check>),
     /// The device failed, in words.
@@ -113,10 +129,14 @@ pub enum Action {
     Rest,
     /// Drive a sweep; [`Input::Ramped`] follows.
     Ramp(Ramp),
+    /// Make a push; [`Input::Pushed`] follows.
+    Push(Push),
     /// Keep the loads as a sweep of the load cell: weight and force shown, N.
     KeepLoads(Vec<[f64; 2]>),
     /// Keep a sweep.
     Keep(SweepRun),
+    /// Keep a search of a Z-width test.
+    KeepSearch(Probe, Found),
     /// All is there.
     Finish,
 }

@@ -5,6 +5,7 @@ use crate::acquire::{Desk, ended_after_all};
 use crate::binary::binary;
 use std::fs;
 use std::io::{BufRead as _, BufReader, Write as _};
+use std::os::fd::AsFd as _;
 use std::process::{Child, ChildStderr, Command, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::Sender;
@@ -131,6 +132,8 @@ impl<'a> Characterising<'a> {
                 ("Hang 0.2", Hands::Hang(0.2)),
                 ("Move the lever", Hands::Clamp(0.0)),
                 ("Bring the lever", Hands::Back),
+                ("Carry the lever", Hands::Clamp(0.0)),
+                ("Take your hands off the lever: it moves", Hands::Away),
                 ("the brake goes", Hands::Push),
                 ("the motor goes to", Hands::Clamp(0.0)),
                 ("Mend it", Hands::Away),
@@ -192,6 +195,54 @@ fn a_motor_that_nobody_watches_goes_to_0_v_and_its_sweep_is_not_kept() {
     alone.say("q");
     assert_eq!(alone.end(), Some(3), "{}", alone.all);
     assert_eq!(sweeps(&desk, "motor"), 0);
+}
+
+#[test]
+fn walls_that_nobody_watches_go_to_0_v_and_their_search_is_not_kept() {
+    let desk = Desk::slow();
+    let bench = OnBench::new(&desk);
+    let mut alone = Characterising::new(&desk, &bench, "impedance --sweeps 1");
+    assert!(alone.until("nobody held Enter"), "{}", alone.all);
+    assert!(alone.all.contains("Search 1 of 16: active with B = 0 N s/m"), "{}", alone.all);
+    bench.until_on(false);
+    alone.say("q");
+    assert_eq!(alone.end(), Some(3), "{}", alone.all);
+    assert_eq!(sweeps(&desk, "impedance"), 0);
+}
+
+#[test]
+#[ignore = "a search takes more than a minute"]
+fn a_search_of_walls_is_kept_and_the_next_life_goes_on_behind_it() {
+    let desk = Desk::slow();
+    let bench = OnBench::new(&desk);
+    let mut held = Characterising::new(&desk, &bench, "impedance --sweeps 1");
+    assert!(held.until("Search 1 of 16"), "{}", held.all);
+    // Hands off, and Enter is held down until the search has ended.
+    bench.hands.set(Hands::Away);
+    let keys = held.child.stdin.as_ref().unwrap().as_fd().try_clone_to_owned().unwrap();
+    let mut keys = fs::File::from(keys);
+    let done = Arc::<AtomicBool>::default();
+    let ended = Arc::clone(&done);
+    let holding = thread::spawn(move || {
+        while !ended.load(Ordering::Relaxed) && writeln!(keys).is_ok() {
+            thread::sleep(Duration::from_millis(100));
+        }
+    });
+    assert!(held.until("kept: the stiffest wall"), "{}", held.all);
+    done.store(true, Ordering::Relaxed);
+    holding.join().unwrap();
+    // Each line of the held key answers a question where there is no terminal: nobody waits for all of them.
+    held.child.kill().unwrap();
+    held.end();
+    bench.until_on(false);
+    assert_eq!(sweeps(&desk, "impedance"), 1, "{}", held.all);
+    crate::binary::zwidth(desk.root(), &["verify", "small"]).exits(0);
+    let mut again = Characterising::new(&desk, &bench, "impedance --sweeps 1");
+    assert!(again.until("Search "), "{}", again.all);
+    assert!(again.all.contains("searches are there"), "{}", again.all);
+    again.say("q");
+    assert_eq!(again.end(), Some(3), "{}", again.all);
+    assert!(desk.root().join("reports/small/impedance/impedance.svg").exists());
 }
 
 #[test]

@@ -1,6 +1,8 @@
 //! Whole characterisations over each link, in simulated time: the board in software, behind it the
 //! simulated rig, and at the bench an operator by script.
 
+mod walls;
+
 use super::*;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -18,6 +20,8 @@ use zwidth_study::{ActuatorKind, Calibration, Check, Source};
 /// Readings per second of a link that streams, and the loop's ticks for it.
 const STREAM_HZ: f64 = 100.0;
 const LOOP_HZ: f64 = 125.0;
+/// Ticks a second over frames.
+const FRAMED_HZ: f64 = 500.0;
 /// A winding that hardly gets warm: no test waits for it.
 const COOL: Winding = Winding { resistance_ohm: 1e6, mass_kg: 1.0, cooling_s: 60.0 };
 const MASSES_KG: [f64; 2] = [0.1, 0.2];
@@ -116,7 +120,7 @@ impl Desk {
             theta_max_rad: -self.plan.stop_rad,
             force_n: 20.0,
         };
-        let rate_hz = if self.link == "framed" { 500.0 } else { LOOP_HZ };
+        let rate_hz = if self.link == "framed" { FRAMED_HZ } else { LOOP_HZ };
         let guard = Guard::new(device.capabilities(), limits, true);
         let mut clock = wires.clone();
         let (stop, calibration) = (AtomicBool::new(false), Calibration::thesis());
@@ -194,7 +198,8 @@ impl Operator for Script<'_> {
             return Reply::Quit;
         }
         self.hands.set(match *ask {
-            Ask::Zero | Ask::GoOn => Hands::Away,
+            Ask::Zero | Ask::GoOn | Ask::Walls { .. } => Hands::Away,
+            Ask::Middle => Hands::Clamp(0.0),
             Ask::Mass(mass_kg) => {
                 let called_kg = self.wrong.called_kg.unwrap_or(MASSES_KG);
                 let place = called_kg

@@ -1,4 +1,5 @@
-//! `zwidth characterise STUDY motor|brake|rig --device rig`: sweeps and sensors of a rig, step by step.
+//! `zwidth characterise STUDY motor|brake|rig --device rig`: sweeps and sensors of a rig, step by step, and what its Z-width
+//! test shares with them.
 
 use super::calibrate::{calibrate, free_name, sweeps};
 use super::device::{Bench, raised_by_signals};
@@ -42,11 +43,11 @@ const DAY_S: f64 = 86_400.0;
 /// What is characterised, and how.
 #[derive(Debug, clap::Args)]
 pub(crate) struct BenchArgs {
-    /// The device; the impedance is that of the simulated one alone
+    /// The device
     #[arg(long, default_value = "twin", value_name = "twin|rig[:PORT]")]
     pub(crate) device: DeviceSpec,
     /// Number of sweeps [default: 1 more on the simulated device; at a rig 15 of a motor and 30 of a
-    /// brake in the end]
+    /// brake in the end, and 3 repeats of each search of its Z-width]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MOST_SWEEPS))]
     pub(crate) sweeps: Option<u32>,
     /// At a rig: a known mass for the load cell, kg; two at least, three say which of them is wrong
@@ -74,6 +75,7 @@ pub(super) fn sweep_at_rig(
     raw: &Raw,
     screen: &Screen,
 ) -> anyhow::Result<Exit> {
+    check_masses(command)?;
     let device = open_rig(bench, command, screen)?;
     let capabilities = device.capabilities().clone();
     let name = capabilities.name.clone();
@@ -119,6 +121,7 @@ pub(super) fn sensors_at_rig(
     raw: &Raw,
     screen: &Screen,
 ) -> anyhow::Result<Exit> {
+    check_masses(command)?;
     let device = open_rig(bench, command, screen)?;
     let name = device.capabilities().name.clone();
     let limits = Limits::of(&bench.study)?;
@@ -150,17 +153,22 @@ pub(super) fn sensors_at_rig(
     Ok(if are_all_good { Exit::Fine } else { Exit::Failed })
 }
 
-/// The rig, and what is to be said of it before anything is asked for.
-fn open_rig(
-    bench: &Bench,
-    command: &BenchArgs,
-    screen: &Screen,
-) -> anyhow::Result<Box<dyn Device>> {
+/// A load cell's scale is known by two masses at least.
+fn check_masses(command: &BenchArgs) -> anyhow::Result<()> {
     if command.mass.len() < 2 {
         bail!(
             "a load cell's scale needs two known masses at least: --mass KG --mass KG (three say which of them is wrong)"
         );
     }
+    Ok(())
+}
+
+/// The rig, and what is to be said of it before anything is asked for.
+pub(super) fn open_rig(
+    bench: &Bench,
+    command: &BenchArgs,
+    screen: &Screen,
+) -> anyhow::Result<Box<dyn Device>> {
     // No session is recorded, and a device cannot be opened without the ids of one.
     let device = open(&command.device, bench, 1, &"bench".parse()?, &"bench".parse()?)?;
     warn_of_calibration(bench, &command.device, &device.capabilities().name, screen);
@@ -168,7 +176,7 @@ fn open_rig(
 }
 
 /// Goes through the steps at the rig, with somebody at the bench.
-fn carry_out(
+pub(super) fn carry_out(
     bench: &Bench,
     command: &BenchArgs,
     mut device: Box<dyn Device>,
@@ -214,7 +222,7 @@ fn carry_out(
 }
 
 /// A rig cannot be opened without its settings.
-fn settings(bench: &Bench) -> anyhow::Result<&Settings> {
+pub(super) fn settings(bench: &Bench) -> anyhow::Result<&Settings> {
     bench.rig.as_ref().context("rig.toml is missing (docs/rig.md)")
 }
 
@@ -255,7 +263,8 @@ fn plan(
     })
 }
 
-fn winding(rig: &Settings, is_motor: bool) -> Winding {
+/// The winding of an actuator.
+pub(super) fn winding(rig: &Settings, is_motor: bool) -> Winding {
     let heat = &rig.heat;
     let (resistance_ohm, mass_kg) =
         if is_motor { (heat.motor_ohm, heat.motor_kg) } else { (heat.brake_ohm, heat.brake_kg) };
@@ -324,7 +333,7 @@ impl Operator for AtBench<'_> {
             match self.lines.recv_timeout(Duration::from_millis(100)) {
                 Ok(line) if line.trim() == "q" => return Reply::Quit,
                 Ok(line) if line.trim().is_empty() => {
-                    self.held = matches!(ask, Ask::Sweep { .. });
+                    self.held = matches!(ask, Ask::Sweep { .. } | Ask::Walls { .. });
                     return Reply::Go;
                 }
                 Ok(line) => self.screen.say(format!("{:?} is no answer: Enter, or q", line.trim())),
@@ -380,6 +389,17 @@ fn words(ask: &Ask) -> String {
              evenly, to the upper stop, for all of this time",
             ramp.top_v, ramp.lasts_s
         ),
+        Ask::Middle => {
+            "Carry the lever to the middle of its work space, let go of it, and press Enter"
+                .to_owned()
+        }
+        Ask::Walls { probe, number, of } => format!(
+            "Search {number} of {of}: {} with B = {} N s/m, pushes of {} mm. Take your hands off the lever: it moves by itself, and in \
+             the end it swings. Press Enter and HOLD IT DOWN: if you let go, it goes to 0 V",
+            probe.mode.as_str(),
+            probe.damping_ns_per_m,
+            1e3 * probe.push_m
+        ),
         Ask::GoOn => "Mend it, and press Enter to go on; the lever is homed again".to_owned(),
     }
 }
@@ -433,7 +453,12 @@ fn told(remark: &Remark) -> (bool, String) {
                 .to_owned(),
         ),
         Remark::Unwatched => {
-            (true, "nobody held Enter down, so the motor went to 0 V: this sweep does not count".to_owned())
+            (true, "nobody held Enter down, so the motor went to 0 V: this does not count".to_owned())
+        }
+        Remark::Found(_, found) => {
+            let (low, high) = found.bracket();
+            let upper = high.map_or("; none swung".to_owned(), |high| format!(" to {high:.0}"));
+            (false, format!("kept: the stiffest wall {low:.0}{upper} N/m ({})", found.ending.as_str()))
         }
         Remark::Loose => (
             true,

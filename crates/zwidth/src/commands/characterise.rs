@@ -2,7 +2,7 @@
 
 use super::bench::{BenchArgs, sensors_at_rig, sweep_at_rig};
 use super::device::{Bench, bench};
-use super::impedance::impedance;
+use super::impedance::{impedance, impedance_at_rig};
 use super::recover::{lock, now, put_in_order_and_tell};
 use crate::devices::DeviceSpec;
 use crate::exit::Exit;
@@ -53,9 +53,6 @@ pub(crate) fn characterise(
         bail!("a recording cannot be characterised; use --device twin or rig");
     }
     let is_rig = matches!(command.at.device, DeviceSpec::Rig(_));
-    if is_rig && command.actuator == Subject::Impedance {
-        bail!("the Z-width is measured on the simulated device only; use --device twin");
-    }
     put_in_order_and_tell(&bench.layout, &lock, screen);
     let raw = Raw::adds(&RealFiles, &bench.layout, &lock);
     let actuator = match command.actuator {
@@ -63,6 +60,9 @@ pub(crate) fn characterise(
         Subject::Brake => ActuatorKind::Brake,
         Subject::Rig if is_rig => return sensors_at_rig(&bench, &command.at, &raw, screen),
         Subject::Rig => bail!("the sensors are those of a rig; use --device rig"),
+        Subject::Impedance if is_rig => {
+            return impedance_at_rig(root, &bench, &command.at, &raw, screen);
+        }
         Subject::Impedance => {
             impedance(root, &bench, &raw, command.seed, screen)?;
             return Ok(Exit::Fine);

@@ -3,22 +3,26 @@
 //! Each search is a sweep of its own, written when it ends, so an interrupted test continues where
 //! it stopped; figure and tables are made from all of them.
 
+use super::bench::{BenchArgs, carry_out, open_rig, settings, winding};
 use super::device::Bench;
 use super::output::Output;
 use super::recover::now;
+use crate::exit::Exit;
 use crate::screen::Screen;
 use anyhow::{Context as _, anyhow, bail};
+use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::path::Path;
-use zwidth_device::{COUNTS_PER_TURN, SHAFT_PER_LEVER, TwinParameters};
+use zwidth_device::{COUNTS_PER_TURN, Limits, SHAFT_PER_LEVER, TwinParameters};
 use zwidth_dynamics::{DriveMode, PushedWall, SampledWall};
 use zwidth_results::WallBound;
+use zwidth_rig::{Left, WallPlan, WallSearch, Walls, search_of, search_sweep};
 use zwidth_stability::impedance::{
-    ACTUATOR, Ending, Found, Probe, Region, Response, Tried, bounds, impedance_points, probes,
-    regions, search, z_widths, z_widths_table,
+    ACTUATOR, Found, Probe, Region, Response, bounds, impedance_points, probes, regions, search,
+    z_widths, z_widths_table,
 };
-use zwidth_store::{Quantity, Raw, StudyData, Sweep, hex_blake3, read_sweep, record_sweep};
-use zwidth_study::{ActuatorId, ActuatorKind, Source, Study};
+use zwidth_store::{Raw, StudyData, hex_blake3, read_sweep, record_sweep};
+use zwidth_study::{ActuatorId, ActuatorKind, Source, Study, Voltages};
 use zwidth_tables::Table;
 
 /// Pushes, m.
@@ -32,6 +36,12 @@ const FOLLOWED_S: f64 = 3.3;
 /// How far a release misses the intended push, as a share of it.
 const MISSES: f64 = 0.01;
 const MODES: [DriveMode; 3] = [DriveMode::Active, DriveMode::Hybrid, DriveMode::Passive];
+/// At a rig each search takes a minute: those that a free lever can tell apart.
+const RIG_MODES: [DriveMode; 2] = [DriveMode::Active, DriveMode::Hybrid];
+const RIG_DAMPINGS: [f64; 4] = [0.0, 2.0, 4.0, 8.0];
+/// What the files of the simulated device call it.
+const TWIN: &str = "twin";
+const SYNTHETIC: &str = "SYNTHETIC: the simulated device, not measured";
 
 /// Makes what searches are still to be made, and figure and tables of all.
 pub(super) fn impedance(
@@ -59,12 +69,11 @@ pub(super) fn impedance(
         let path = bench.layout.sweep(&id, number);
         bar.set_message(words(&probe));
         if path.exists() {
-            let sweep = read_sweep(&path).map_err(|e| anyhow!("{e}"))?;
-            searches.push(recorded(&sweep, &path)?);
+            searches.push(recorded(&path, TWIN)?);
             before += 1;
         } else {
             let outcome = search_on_twin(bench, &probe, seed, number)?;
-            let sweep = sweep(bench, id.clone(), number, &probe, &outcome, seed);
+            let sweep = search_sweep(&probe, &outcome, number, Source::Twin, about(bench, seed))?;
             record_sweep(raw, &bench.layout, &now(), &sweep)?;
             searches.push((probe, outcome));
         }
@@ -74,7 +83,7 @@ pub(super) fn impedance(
     if before > 0 {
         screen.say(format!("{before} of {} searches were there", searches.len()));
     }
-    write(root, bench, &regions(&searches), screen)
+    write(root, bench, &regions(&searches), &linear(bench)?, Source::Twin, screen)
 }
 
 fn words(probe: &Probe) -> String {
@@ -144,83 +153,114 @@ pub(super) fn count_m(lever_m: f64) -> f64 {
     TAU / f64::from(COUNTS_PER_TURN) / SHAFT_PER_LEVER * lever_m
 }
 
-/// A search as a sweep: stiffness commanded, swing in response.
-fn sweep(
-    bench: &Bench,
-    actuator: ActuatorId,
-    number: u32,
-    probe: &Probe,
-    outcome: &Found,
-    seed: u64,
-) -> Sweep {
-    let mut file = vec![
+/// What the file of a search on the simulated device says of itself.
+fn about(bench: &Bench, seed: u64) -> BTreeMap<String, String> {
+    let mut about = vec![
         ("study_blake3", hex_blake3(&bench.study_toml)),
-        ("device", "twin".to_owned()),
+        ("device", TWIN.to_owned()),
         ("software", super::acquire::SOFTWARE.to_owned()),
-        ("mode", probe.mode.as_str().to_owned()),
-        ("push_m", probe.push_m.to_string()),
-        ("wall_damping_ns_per_m", probe.damping_ns_per_m.to_string()),
-        ("repeat", probe.repeat.to_string()),
-        ("ending", outcome.ending.as_str().to_owned()),
-        ("went_on", outcome.tried.iter().map(|t| if t.goes_on { '1' } else { '0' }).collect()),
     ];
     // The orders of a blinded study may be drawn with the same seed.
     if !bench.study.design.blinded {
-        file.push(("seed", seed.to_string()));
+        about.push(("seed", seed.to_string()));
     }
-    Sweep {
-        actuator,
-        sweep: number,
-        source: Source::Twin,
-        command: Quantity { name: "wall stiffness".to_owned(), unit: "N/m".to_owned() },
-        response: Quantity { name: "swing that goes on".to_owned(), unit: "m".to_owned() },
-        t_s: None,
-        command_values: outcome.tried.iter().map(|t| t.stiffness_n_per_m).collect(),
-        response_values: outcome.tried.iter().map(|t| t.swing_m).collect(),
-        file: file.into_iter().map(|(key, value)| (key.to_owned(), value)).collect(),
-    }
+    about.into_iter().map(|(key, value)| (key.to_owned(), value)).collect()
 }
 
-/// The search that a sweep holds, which was read from `path`.
-fn recorded(sweep: &Sweep, path: &Path) -> anyhow::Result<(Probe, Found)> {
-    let damaged = |key: &str| {
+/// The search that a file holds, if it is of this device: those of two would make one boundary.
+fn recorded(path: &Path, device: &str) -> anyhow::Result<(Probe, Found)> {
+    let sweep = read_sweep(path).map_err(|e| anyhow!("{e}"))?;
+    let of = sweep.file.get("device").map_or("an unknown device", String::as_str);
+    if of != device {
+        bail!(
+            "search {} is of {of}, and this one would be of {device}: test each device in a study of its own (`zwidth new`)",
+            path.display()
+        );
+    }
+    search_of(&sweep).map_err(|key| {
         anyhow!(
             "sweep {} is damaged ({key} cannot be read); restore it from a copy, or remove it and run again",
             path.display()
         )
-    };
-    let key = |name: &str| sweep.file.get(name).ok_or_else(|| damaged(name));
-    let mode = MODES.into_iter().find(|mode| key("mode").is_ok_and(|word| word == mode.as_str()));
-    let ending =
-        Ending::ALL.into_iter().find(|e| key("ending").is_ok_and(|word| word == e.as_str()));
-    let probe = Probe {
-        mode: mode.ok_or_else(|| damaged("mode"))?,
-        push_m: key("push_m")?.parse().map_err(|_| damaged("push_m"))?,
-        damping_ns_per_m: key("wall_damping_ns_per_m")?
-            .parse()
-            .map_err(|_| damaged("wall_damping_ns_per_m"))?,
-        repeat: key("repeat")?.parse().map_err(|_| damaged("repeat"))?,
-    };
-    // A letter per value.
-    let went_on = key("went_on")?;
-    if went_on.len() != sweep.command_values.len() {
-        bail!(damaged("went_on"));
-    }
-    let values = sweep.command_values.iter().zip(&sweep.response_values).zip(went_on.chars());
-    let tried = values.map(|((stiffness_n_per_m, swing_m), on)| Tried {
-        stiffness_n_per_m: *stiffness_n_per_m,
-        swing_m: *swing_m,
-        goes_on: on == '1',
-    });
-    let ending = ending.ok_or_else(|| damaged("ending"))?;
-    Ok((probe, Found { tried: tried.collect(), ending }))
+    })
 }
 
-fn write(root: &Path, bench: &Bench, regions: &[Region], screen: &Screen) -> anyhow::Result<()> {
+/// Searches walls at a rig, guided step by step; goes on where it was left.
+pub(super) fn impedance_at_rig(
+    root: &Path,
+    bench: &Bench,
+    command: &BenchArgs,
+    raw: &Raw,
+    screen: &Screen,
+) -> anyhow::Result<Exit> {
+    let id: ActuatorId = ACTUATOR.parse()?;
+    let device = open_rig(bench, command, screen)?;
+    let name = device.capabilities().name.clone();
+    let Some(lever_m) = bench.study.device.lever_m else {
+        bail!("a wall has its stiffness at the lever's end: give device.lever_m in study.toml");
+    };
+    let modes: Vec<DriveMode> =
+        RIG_MODES.into_iter().filter(|mode| voltages(&bench.study, *mode).is_some()).collect();
+    if modes.is_empty() {
+        bail!(
+            "no mode of the study uses the motor, and a free lever never swings by a brake alone"
+        );
+    }
+    let repeats = command.sweeps.unwrap_or(REPEATS);
+    let probes = probes(&modes, &PUSHES_M, &RIG_DAMPINGS, repeats);
+    let is_there = |number: &usize| bench.layout.sweep(&id, *number as u32).exists();
+    let done = (1..=probes.len()).take_while(is_there).count();
+    for number in 1..=done {
+        recorded(&bench.layout.sweep(&id, number as u32), &name)?;
+    }
+    let limits = Limits::of(&bench.study)?;
+    let searches = probes.into_iter().skip(done).map(|probe| {
+        let [motor_v, brake_v] = voltages(&bench.study, probe.mode).unwrap_or_default();
+        WallSearch { probe, most: Voltages { motor_v, brake_v } }
+    });
+    let mut walls = Walls::new(WallPlan {
+        searches: searches.collect(),
+        done,
+        lasts_s: FOLLOWED_S,
+        lever_m,
+        count_m: device.capabilities().counts_per_turn.map_or(0.0, |counts| {
+            TAU / f64::from(counts) / device.capabilities().shaft_per_lever * lever_m
+        }),
+        winding: winding(settings(bench)?, true),
+        stops_rad: [limits.theta_min_rad, limits.theta_max_rad],
+    });
+    if done > 0 {
+        screen.say(format!("{done} searches are there"));
+    }
+    let source = device.capabilities().source;
+    let left = carry_out(bench, command, device, limits.force_n, &mut walls, raw, screen)?;
+    let found: Vec<(Probe, Found)> = (1..=walls.done())
+        .map(|number| recorded(&bench.layout.sweep(&id, number as u32), &name))
+        .collect::<Result<_, _>>()?;
+    if !found.is_empty() {
+        // The limit of large pushes is known of a device whose mass and damping are.
+        write(root, bench, &regions(&found), &[], source, screen)?;
+    }
+    if left == Left::Open {
+        screen.warn(format!("{} searches are there; the same command goes on", walls.done()));
+        return Ok(Exit::Partly);
+    }
+    Ok(Exit::Fine)
+}
+
+fn write(
+    root: &Path,
+    bench: &Bench,
+    regions: &[Region],
+    linear: &[[f64; 2]],
+    source: Source,
+    screen: &Screen,
+) -> anyhow::Result<()> {
     let study = bench.layout.study();
     let folder = root.join("reports").join(study.as_str()).join("impedance");
+    let is_twin = source == Source::Twin;
     let made_from = [
-        ("source", "SYNTHETIC: the simulated device, not measured".to_owned()),
+        ("source", if is_twin { SYNTHETIC } else { "measured at a rig" }.to_owned()),
         ("study", study.to_string()),
         ("version", zwidth_stability::VERSION.to_string()),
     ];
@@ -231,8 +271,7 @@ fn write(root: &Path, bench: &Bench, regions: &[Region], screen: &Screen) -> any
          ≥: an actuator saturated first, or no wall of up to 50 kN/m swung."
             .to_owned(),
     ];
-    let linear = linear(bench)?;
-    output.figure("impedance", zwidth_figures::impedance(&bounds, &linear, &notes, true))?;
+    output.figure("impedance", zwidth_figures::impedance(&bounds, linear, &notes, is_twin))?;
     output.table("impedance", &Table::of_rows(&bounds)?)?;
     output.table("zwidth", &z_widths_table(&z_widths(regions))?)?;
     let frequencies = frequency(bench, &mut output, screen)?;

@@ -20,5 +20,5 @@ pub const ACTUATOR: &str = "impedance";
 
 pub use frequency::{Recording, Response, ResponsePoint, response};
 pub use region::{Region, regions};
-pub use search::{Ending, Found, Probe, Tried, probes, search};
+pub use search::{Ending, Found, Probe, Search, Tried, probes, search};
 pub use tables::{bounds, impedance_points, z_widths, z_widths_table};

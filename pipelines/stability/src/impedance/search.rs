@@ -100,43 +100,73 @@ pub fn probes(modes: &[DriveMode], pushes_m: &[f64], dampings: &[f64], repeats: 
     probes
 }
 
-/// Searches: from a soft wall on each is stiffer by a third until a push goes on, an actuator
-/// saturates, or the stiffest is reached; then bisection to 2 %. `push` makes one push.
+/// A search, push by push: from a soft wall on each is stiffer by a third until a push goes on, an actuator saturates, or
+/// the stiffest is reached; then bisection to 2 %.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Search {
+    tried: Vec<Tried>,
+    /// The stiffest wall below all that swung, N/m.
+    low: f64,
+    /// The wall of the next push while walls are raised; then the softest that swung, N/m.
+    high: f64,
+    bisects: bool,
+    ending: Option<Ending>,
+}
+
+impl Default for Search {
+    fn default() -> Self {
+        Self { tried: Vec::new(), low: 0.0, high: STIFFNESS[0], bisects: false, ending: None }
+    }
+}
+
+impl Search {
+    /// The stiffness of the next push, N/m; none where nothing is left to try.
+    pub fn next_n_per_m(&self) -> Option<f64> {
+        let next = if self.bisects { 0.5 * (self.low + self.high) } else { self.high };
+        self.ending.is_none().then_some(next)
+    }
+
+    /// What a push against that wall did.
+    pub fn take(&mut self, pushed: Pushed) {
+        let Some(stiffness) = self.next_n_per_m() else { return };
+        self.tried.push(Tried::new(stiffness, pushed));
+        match (self.bisects, pushed.goes_on) {
+            (_, true) => (self.bisects, self.high) = (true, stiffness),
+            (true, false) => self.low = stiffness,
+            (false, false) if pushed.saturates => self.ending = Some(Ending::Saturated),
+            (false, false) if stiffness >= STIFFNESS[1] => self.ending = Some(Ending::Stiffest),
+            (false, false) => {
+                (self.low, self.high) = (stiffness, (RAISE * stiffness).min(STIFFNESS[1]));
+            }
+        }
+        if self.bisects && self.high - self.low <= CLOSE * self.high {
+            self.ending = Some(Ending::Boundary);
+        }
+    }
+
+    /// What was found; none before its end.
+    pub fn found(self) -> Option<Found> {
+        Some(Found { ending: self.ending?, tried: self.tried })
+    }
+}
+
+/// Walls that are tried, from and to, N/m.
+const STIFFNESS: [f64; 2] = [20.0, 50_000.0];
+const RAISE: f64 = 4.0 / 3.0;
+/// Width of the bracket, as a share of it.
+const CLOSE: f64 = 0.02;
+
+/// A whole search; `push` makes one push.
 ///
 /// # Errors
 /// A push that fails.
 pub fn search(
     mut push: impl FnMut(f64) -> Result<Pushed, DynamicsError>,
 ) -> Result<Found, DynamicsError> {
-    /// From, to, N/m.
-    const STIFFNESS: [f64; 2] = [20.0, 50_000.0];
-    const RAISE: f64 = 4.0 / 3.0;
-    /// Width of the bracket, as a share of it.
-    const CLOSE: f64 = 0.02;
-    let mut tried = Vec::new();
-    let mut low = 0.0;
-    let mut high = STIFFNESS[0];
-    loop {
-        let pushed = push(high)?;
-        tried.push(Tried::new(high, pushed));
-        if pushed.goes_on {
-            break;
-        }
-        if pushed.saturates || high >= STIFFNESS[1] {
-            let ending = if pushed.saturates { Ending::Saturated } else { Ending::Stiffest };
-            return Ok(Found { tried, ending });
-        }
-        (low, high) = (high, (RAISE * high).min(STIFFNESS[1]));
+    let mut search = Search::default();
+    while let Some(stiffness) = search.next_n_per_m() {
+        search.take(push(stiffness)?);
     }
-    while high - low > CLOSE * high {
-        let middle = 0.5 * (low + high);
-        let pushed = push(middle)?;
-        tried.push(Tried::new(middle, pushed));
-        if pushed.goes_on {
-            high = middle;
-        } else {
-            low = middle;
-        }
-    }
-    Ok(Found { tried, ending: Ending::Boundary })
+    // It has ended.
+    Ok(search.found().unwrap_or(Found { tried: Vec::new(), ending: Ending::Stiffest }))
 }
