@@ -154,10 +154,8 @@ impl Push {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::trial::tests::LIMITS;
-    use crate::{
-        Device as _, Faults, Fixture, Guard, Hands, Limits, SimulatedClock, TwinParameters,
-    };
+    use crate::ramp::tests::at_bench;
+    use crate::{Faults, Hands};
 
     const PUSH: Push = Push {
         stiffness_n_per_m: 100.0,
@@ -170,26 +168,10 @@ mod tests {
 
     /// A push at a lever that was carried to the middle and let go of, watched for so many ticks; and what is out after it.
     fn run(push: Push, watched_for: u32) -> (PushRun, Voltages) {
-        let (mut fixture, hands) =
-            Fixture::new(TwinParameters::default(), Faults::default(), 3).unwrap();
-        let mut clock = SimulatedClock::new(1);
-        let stop = AtomicBool::new(false);
-        let limits = Limits { force_n: 20.0, ..LIMITS };
-        let guard = Guard::new(fixture.capabilities(), limits, false);
-        let mut station = Station::new(&mut fixture, &mut clock, guard, 1000.0);
-        station.home().unwrap();
-        for (does, for_s) in [(Hands::Clamp(0.0), 3.0), (Hands::Away, 0.5)] {
-            hands.set(does);
-            station.weigh(for_s, &stop).unwrap();
-        }
-        let mut ticks = 0;
-        let mut watched = || {
-            ticks += 1;
-            ticks < watched_for
-        };
-        let run = station.push(&push, &Calibration::thesis(), &mut watched, &stop);
-        drop(station);
-        (run, fixture.voltages())
+        let hands = [(Hands::Clamp(0.0), 3.0), (Hands::Away, 0.5)];
+        at_bench(Faults::default(), &hands, watched_for, |station, watched, stop| {
+            station.push(&push, &Calibration::thesis(), watched, stop)
+        })
     }
 
     #[test]

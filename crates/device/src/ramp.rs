@@ -219,7 +219,7 @@ impl Station<'_> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::trial::tests::LIMITS;
     use crate::{
@@ -229,32 +229,45 @@ mod tests {
     const MOTOR: Ramp = Ramp { actuator: ActuatorKind::Motor, top_v: 16.0, lasts_s: 8.0 };
     const BRAKE: Ramp = Ramp { actuator: ActuatorKind::Brake, top_v: 8.0, lasts_s: 8.0 };
 
-    /// A ramp at the simulated fixture, its lever clamped at 0 or pushed over the whole stroke;
-    /// `watched_for` ticks somebody watches.
-    fn run(ramp: Ramp, faults: Faults, watched_for: u32) -> (Ramped, Voltages) {
-        let (mut fixture, hands) = Fixture::new(TwinParameters::default(), faults, 3).unwrap();
+    /// What is done with a homed lever at the simulated fixture, behind hands that do this for so long, s, and watched for so
+    /// many ticks; and what is out after it.
+    pub(crate) fn at_bench<T>(
+        faults: Faults,
+        hands: &[(Hands, f64)],
+        watched_for: u32,
+        work: impl FnOnce(&mut Station<'_>, &mut dyn FnMut() -> bool, &AtomicBool) -> T,
+    ) -> (T, Voltages) {
+        let (mut fixture, handle) = Fixture::new(TwinParameters::default(), faults, 3).unwrap();
         let mut clock = SimulatedClock::new(1);
         let stop = AtomicBool::new(false);
         let limits = Limits { force_n: 20.0, ..LIMITS };
         let guard = Guard::new(fixture.capabilities(), limits, false);
         let mut station = Station::new(&mut fixture, &mut clock, guard, 1000.0);
         station.home().unwrap();
-        hands.set(match ramp.actuator {
-            ActuatorKind::Motor => Hands::Clamp(0.0),
-            ActuatorKind::Brake => Hands::Away,
-        });
-        station.weigh(4.0, &stop).unwrap();
-        if ramp.actuator == ActuatorKind::Brake {
-            hands.set(Hands::Push);
+        for (does, for_s) in hands {
+            handle.set(*does);
+            station.weigh(*for_s, &stop).unwrap();
         }
         let mut ticks = 0;
         let mut watched = || {
             ticks += 1;
             ticks < watched_for
         };
-        let ramped = station.ramp(&ramp, &Calibration::thesis(), &mut watched, &stop);
+        let done = work(&mut station, &mut watched, &stop);
         drop(station);
-        (ramped, fixture.voltages())
+        (done, fixture.voltages())
+    }
+
+    /// A ramp whose lever is clamped at 0, or pushed over the whole stroke.
+    fn run(ramp: Ramp, faults: Faults, watched_for: u32) -> (Ramped, Voltages) {
+        let hands: &[(Hands, f64)] = match ramp.actuator {
+            ActuatorKind::Motor => &[(Hands::Clamp(0.0), 4.0)],
+            // It is pushed as soon as it begins.
+            ActuatorKind::Brake => &[(Hands::Away, 4.0), (Hands::Push, 0.0)],
+        };
+        at_bench(faults, hands, watched_for, |station, watched, stop| {
+            station.ramp(&ramp, &Calibration::thesis(), watched, stop)
+        })
     }
 
     #[test]
