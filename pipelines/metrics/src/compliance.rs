@@ -42,7 +42,7 @@ impl Compliance {
         match (self.movements_forward, self.movements_backward) {
             (Some(forward), Some(back)) if self.one_movement == Some(false) => {
                 let forward = counted(usize::try_from(forward).unwrap_or(0), "movements forward");
-                unmet.push(format!("{forward} and {back} back"));
+                unmet.push(format!("{forward}, {back} back"));
             }
             (None, _) => unmet.push("no movement".to_owned()),
             _ => {}
@@ -135,6 +135,32 @@ mod tests {
         let mut parameters = in_spring(4.0, REST_RAD);
         change(&mut parameters);
         trial_metrics(&trial(points, |_, _| 0.0), &parameters).unwrap().compliance
+    }
+
+    #[test]
+    fn what_was_not_met_is_told_in_words_and_what_cannot_be_told_of_a_device_is_not() {
+        let met = Compliance {
+            movements_forward: Some(1),
+            movements_backward: Some(1),
+            one_movement: Some(true),
+            in_time: Some(true),
+            inside_work_space: None,
+            met: None,
+        };
+        let told = |compliance: Compliance| compliance.unmet(4.0).join("; ");
+        assert_eq!(told(met), "");
+        let twice = Compliance {
+            movements_forward: Some(2),
+            one_movement: Some(false),
+            in_time: Some(false),
+            inside_work_space: Some(false),
+            ..met
+        };
+        let all = "2 movements forward, 1 back; the movement took longer than 4 s; the lever left the work space";
+        assert_eq!(told(twice), all);
+        let cut = Compliance { in_time: None, ..met };
+        assert_eq!(told(cut), "the recording ended before the movement");
+        assert_eq!(told(Compliance::default()), "no movement");
     }
 
     #[test]

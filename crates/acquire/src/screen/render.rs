@@ -176,8 +176,11 @@ fn headline(view: &View, look: Look, area: Rect, buffer: &mut Buffer) {
 fn verdict(view: &View, look: Look, area: Rect, buffer: &mut Buffer) {
     let Some(verdict) = &view.verdict else { return };
     let role = if verdict.unmet.is_none() { Role::Good } else { Role::Warn };
-    let words = fit(&verdict.in_words(), usize::from(area.width));
-    Line::styled(words, look.style(role)).render(area, buffer);
+    let (room, whole) = (usize::from(area.width), verdict.in_words());
+    // In a small window what was not met is worth more than of which trial.
+    let short = verdict.unmet.as_ref().map(|what| format!("not met: {what}"));
+    let words = short.filter(|_| width(&whole) > room).unwrap_or(whole);
+    Line::styled(fit(&words, room), look.style(role)).render(area, buffer);
 }
 
 fn stack<'a>(lines: impl Iterator<Item = Line<'a>>, area: Rect, buffer: &mut Buffer) {
