@@ -313,8 +313,9 @@ impl Flow {
 
     fn keep(&mut self, run: SweepRun, actions: &mut Vec<Action>) {
         self.kept.push(Kept { gain_n_per_v: run.judged.gain_n_per_v });
-        actions.push(Action::Tell(Remark::Kept(run.judged.clone())));
-        actions.push(Action::Keep(run));
+        // Told when it is safe.
+        let kept = Remark::Kept(run.judged.clone());
+        actions.extend([Action::Keep(run), Action::Tell(kept)]);
     }
 
     fn stop(&mut self, why: String) -> Vec<Action> {

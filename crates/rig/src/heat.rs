@@ -31,6 +31,11 @@ impl Winding {
         v2_s / self.resistance_ohm / (self.mass_kg * COPPER_J_PER_KG_K)
     }
 
+    /// Whether ∫U² dt, V² s, warms it by no more than is allowed.
+    pub fn bears(&self, v2_s: f64) -> bool {
+        self.rise_k(v2_s) < MOST_RISE_K
+    }
+
     /// Why no pause is long enough for a ramp, in words; none if one is.
     pub fn refuses(&self, ramp: &Ramp) -> Option<String> {
         let rise_k = self.rise_k(ramp.v2_s());
@@ -122,5 +127,6 @@ mod tests {
         assert!(small.refuses(&RAMP).unwrap().contains("--to"));
         assert!(Heat::at_most(small, 1e9).pause_s(RAMP.v2_s()).is_infinite());
         assert_eq!(WINDING.refuses(&RAMP), None);
+        assert!(WINDING.bears(RAMP.v2_s()) && !small.bears(RAMP.v2_s()));
     }
 }

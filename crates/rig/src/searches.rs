@@ -11,7 +11,7 @@ const MODES: [DriveMode; 3] = [DriveMode::Active, DriveMode::Hybrid, DriveMode::
 /// A search as a sweep of that number; `about` is what its file says of study, device and software.
 ///
 /// # Errors
-/// [`ACTUATOR`] is no id, which it is.
+/// Never: [`ACTUATOR`] is an id.
 pub fn search_sweep(
     probe: &Probe,
     found: &Found,

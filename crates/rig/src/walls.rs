@@ -150,7 +150,7 @@ impl Walls {
 
     /// Waits until the motor may be driven for a whole push, then until the lever is at rest.
     fn next_push(&mut self) -> Vec<Action> {
-        if self.search.next_n_per_m().is_none() {
+        if self.search.next_n_per_m().is_err() {
             return self.keep();
         }
         let WallSearch { most, .. } = self.plan.searches[self.kept];
@@ -165,7 +165,7 @@ impl Walls {
 
     fn at_rest(&mut self, looks: u32, values: &[Weighed]) -> Vec<Action> {
         self.rested(values);
-        let Some(stiffness_n_per_m) = self.search.next_n_per_m() else { return self.keep() };
+        let Ok(stiffness_n_per_m) = self.search.next_n_per_m() else { return self.keep() };
         if !self.is_in_middle(values) {
             if looks >= MOST_LOOKS {
                 let mut actions = vec![Action::Tell(Remark::LeverElsewhere)];
@@ -204,10 +204,11 @@ impl Walls {
                 actions.extend(self.go_on());
                 return actions;
             }
-            // A lever that swings so fast that its turns cannot be counted, or out of its work space, swings.
-            PushEnd::Tripped(trip @ (Trip::Angle(_) | Trip::Outside { .. }))
-                if self.is_across(run) =>
-            {
+            // A lever that swings so fast that its turns cannot be counted, out of its work space, or beyond the
+            // force limit, swings.
+            PushEnd::Tripped(
+                trip @ (Trip::Angle(_) | Trip::Outside { .. } | Trip::Force { .. }),
+            ) if is_across(run) => {
                 let swing_m = self.judged(run).swing_m;
                 self.search.take(Pushed { swing_m, goes_on: true, saturates: run.saturates });
                 return self.stop(trip.to_string());
@@ -224,12 +225,6 @@ impl Walls {
         self.has_tripped = false;
         self.search.take(pushed);
         self.next_push()
-    }
-
-    /// Whether the lever came out of the wall on its other side.
-    fn is_across(&self, run: &PushRun) -> bool {
-        let [_, first_m] = run.course.first().copied().unwrap_or_default();
-        run.course.iter().any(|[_, x_m]| x_m * first_m < -GOES_ON_SHARE * first_m * first_m)
     }
 
     /// What a push did: as the simulated device's, by the last sixth of its course.
@@ -251,9 +246,10 @@ impl Walls {
         let WallSearch { probe, .. } = self.plan.searches[self.kept];
         let Some(found) = std::mem::take(&mut self.search).found() else { return self.walls() };
         self.kept += 1;
+        // Told when it is safe.
         let mut actions = vec![
-            Action::Tell(Remark::Found(probe, found.clone())),
-            Action::KeepSearch(probe, found),
+            Action::KeepSearch(probe, found.clone()),
+            Action::Tell(Remark::Found(probe, found)),
         ];
         actions.extend(self.walls());
         actions
@@ -265,6 +261,12 @@ impl Walls {
         actions.extend(self.ask(Phase::Stopped, Ask::GoOn));
         actions
     }
+}
+
+/// Whether the lever came out of the wall on its other side.
+fn is_across(run: &PushRun) -> bool {
+    let [_, first_m] = run.course.first().copied().unwrap_or_default();
+    run.course.iter().any(|[_, x_m]| x_m * first_m < -GOES_ON_SHARE * first_m * first_m)
 }
 
 impl Steps for Walls {

@@ -8,7 +8,7 @@ use std::io::{BufRead as _, BufReader, Write as _};
 use std::os::fd::AsFd as _;
 use std::process::{Child, ChildStderr, Command, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::Sender;
+use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::sync::{Arc, Mutex};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
@@ -221,15 +221,16 @@ fn a_search_of_walls_is_kept_and_the_next_life_goes_on_behind_it() {
     bench.hands.set(Hands::Away);
     let keys = held.child.stdin.as_ref().unwrap().as_fd().try_clone_to_owned().unwrap();
     let mut keys = fs::File::from(keys);
-    let done = Arc::<AtomicBool>::default();
-    let ended = Arc::clone(&done);
+    // A held key repeats ten times a second, until it is let go of.
+    let (let_go, held_down) = channel::<()>();
     let holding = thread::spawn(move || {
-        while !ended.load(Ordering::Relaxed) && writeln!(keys).is_ok() {
-            thread::sleep(Duration::from_millis(100));
+        let waits = Duration::from_millis(100);
+        while held_down.recv_timeout(waits) == Err(RecvTimeoutError::Timeout) {
+            writeln!(keys).unwrap();
         }
     });
     assert!(held.until("kept: the stiffest wall"), "{}", held.all);
-    done.store(true, Ordering::Relaxed);
+    drop(let_go);
     holding.join().unwrap();
     // Each line of the held key answers a question where there is no terminal: nobody waits for all of them.
     held.child.kill().unwrap();
@@ -237,9 +238,10 @@ fn a_search_of_walls_is_kept_and_the_next_life_goes_on_behind_it() {
     bench.until_on(false);
     assert_eq!(sweeps(&desk, "impedance"), 1, "{}", held.all);
     crate::binary::zwidth(desk.root(), &["verify", "small"]).exits(0);
-    let mut again = Characterising::new(&desk, &bench, "impedance --sweeps 1");
-    assert!(again.until("Search "), "{}", again.all);
-    assert!(again.all.contains("searches are there"), "{}", again.all);
+    // What was searched is not searched again, however many repeats there are to be now.
+    let mut again = Characterising::new(&desk, &bench, "impedance --sweeps 2");
+    assert!(again.until("Search 2 of 32: active with B = 0 N s/m"), "{}", again.all);
+    assert!(again.all.contains("1 of 32 searches are there"), "{}", again.all);
     again.say("q");
     assert_eq!(again.end(), Some(3), "{}", again.all);
     assert!(desk.root().join("reports/small/impedance/impedance.svg").exists());

@@ -315,6 +315,11 @@ mod tests {
         assert!(environment.len() < 30_000, "{}", environment.len());
     }
 
+    /// Waits until a guest sees this.
+    fn until(guest: &mut Guest, sought: &Now) {
+        while guest.next(A_MOMENT).unwrap().is_none_or(|sight| sight.now != *sought) {}
+    }
+
     #[test]
     fn a_screen_comes_back_to_a_session_that_goes_on_and_not_to_a_stranger() {
         let door = Door::open(secret()).unwrap();
@@ -324,13 +329,7 @@ mod tests {
         let mut guest =
             Guest::enter(port, &secret).unwrap().coming_back(move || find.lock().unwrap().take());
         drop(door);
-        let mut next = |sought: &Now| loop {
-            match guest.next(A_MOMENT).unwrap() {
-                Some(sight) if sight.now == *sought => break,
-                _ => {}
-            }
-        };
-        next(&Now::Stopped);
+        until(&mut guest, &Now::Stopped);
         let (stranger, heard) = liar(|hello| hello.to_owned());
         *now.lock().unwrap() = Some((stranger, secret.clone()));
         while now.lock().unwrap().is_some() {
@@ -340,15 +339,9 @@ mod tests {
         let other = Door::open(Secret::new([2; 32])).unwrap();
         other.reception().show(&Sight { now: Now::Ready, ..Sight::default() });
         *now.lock().unwrap() = place_of(&other.place());
-        let mut next = |sought: &Now| loop {
-            match guest.next(A_MOMENT).unwrap() {
-                Some(sight) if sight.now == *sought => break,
-                _ => {}
-            }
-        };
-        next(&Now::Ready);
+        until(&mut guest, &Now::Ready);
         other.reception().show(&Sight { now: Now::Left, ..Sight::default() });
-        next(&Now::Left);
+        until(&mut guest, &Now::Left);
     }
 
     #[test]

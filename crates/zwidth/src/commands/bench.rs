@@ -36,6 +36,8 @@ const BRAKE_SWEEPS: u32 = 30;
 /// A hand may push so hard through a brake, N: a brake gives nothing of its own, and the prototype's
 /// holds 13 N.
 const PUSH_N: f64 = 30.0;
+/// What is told before the motor of such a board is used.
+pub(super) const NO_WATCHDOG: &str = "the board has no watchdog: if the program or the cable is gone, the motor stays on; keep a hand on its supply";
 /// Keys of a held key come more often, s.
 const HELD: Duration = Duration::from_millis(700);
 const DAY_S: f64 = 86_400.0;
@@ -82,7 +84,7 @@ pub(super) fn sweep_at_rig(
     let plan = plan(bench, command, actuator, &capabilities)?;
     let recorded = recorded(bench, actuator, &name)?;
     if actuator == ActuatorKind::Motor && capabilities.watchdog_s.is_none() {
-        screen.warn("the board has no watchdog: if the program or the cable is gone, the motor stays on; keep a hand on its supply");
+        screen.warn(NO_WATCHDOG);
     }
     let mut flow = Flow::new(plan, recorded);
     if flow.kept() > 0 {

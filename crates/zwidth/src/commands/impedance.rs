@@ -3,7 +3,7 @@
 //! Each search is a sweep of its own, written when it ends, so an interrupted test continues where
 //! it stopped; figure and tables are made from all of them.
 
-use super::bench::{BenchArgs, carry_out, open_rig, settings, winding};
+use super::bench::{BenchArgs, NO_WATCHDOG, carry_out, open_rig, settings, winding};
 use super::device::Bench;
 use super::output::Output;
 use super::recover::now;
@@ -13,7 +13,7 @@ use anyhow::{Context as _, anyhow, bail};
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::path::Path;
-use zwidth_device::{COUNTS_PER_TURN, Limits, SHAFT_PER_LEVER, TwinParameters};
+use zwidth_device::{COUNTS_PER_TURN, Guard, Limits, SHAFT_PER_LEVER, TwinParameters};
 use zwidth_dynamics::{DriveMode, PushedWall, SampledWall};
 use zwidth_results::WallBound;
 use zwidth_rig::{Left, WallPlan, WallSearch, Walls, search_of, search_sweep};
@@ -22,7 +22,7 @@ use zwidth_stability::impedance::{
     z_widths, z_widths_table,
 };
 use zwidth_store::{Raw, StudyData, hex_blake3, read_sweep, record_sweep};
-use zwidth_study::{ActuatorId, ActuatorKind, Source, Study, Voltages};
+use zwidth_study::{ActuatorId, ActuatorKind, Mode, Source, Study, Voltages};
 use zwidth_tables::Table;
 
 /// Pushes, m.
@@ -53,7 +53,7 @@ pub(super) fn impedance(
 ) -> anyhow::Result<()> {
     let id: ActuatorId = ACTUATOR.parse()?;
     let modes: Vec<DriveMode> =
-        MODES.into_iter().filter(|mode| voltages(&bench.study, *mode).is_some()).collect();
+        MODES.into_iter().filter(|mode| mode_of(&bench.study, *mode).is_some()).collect();
     if modes.is_empty() {
         bail!(
             "no mode of the study uses an actuator; give a mode motor_max_v or brake_max_v in study.toml"
@@ -116,7 +116,7 @@ fn device(bench: &Bench, probe: &Probe, count_zero: f64) -> PushedWall {
     let (twin, lever_m) = (&bench.twin, bench.twin.lever_m);
     let wall = bare(twin, 1.0 / bench.study.control.rate_hz);
     let kinetic_n = twin.friction_static_n * twin.friction_kinetic_share;
-    let [motor_v, brake_v] = voltages(&bench.study, probe.mode).unwrap_or_default();
+    let [motor_v, brake_v] = mode_of(&bench.study, probe.mode).map(highest).unwrap_or_default();
     PushedWall {
         wall: SampledWall { wall_damping_ns_per_m: probe.damping_ns_per_m, ..wall },
         static_n: twin.friction_static_n,
@@ -130,14 +130,17 @@ fn device(bench: &Bench, probe: &Probe, count_zero: f64) -> PushedWall {
     }
 }
 
-/// Highest voltages of motor and brake, V, of the study's mode that uses the same actuators; none
-/// if there is no such mode.
-fn voltages(study: &Study, mode: DriveMode) -> Option<[f64; 2]> {
-    let own = study.modes.iter().find(|own| {
+/// The study's mode that uses the same actuators.
+fn mode_of(study: &Study, mode: DriveMode) -> Option<&Mode> {
+    study.modes.iter().find(|own| {
         let [motor, brake] = [ActuatorKind::Motor, ActuatorKind::Brake].map(|kind| own.has(kind));
         motor == (mode != DriveMode::Passive) && brake == (mode != DriveMode::Active)
-    })?;
-    Some([own.motor_max_v, own.brake_max_v].map(|volts| volts.unwrap_or(0.0)))
+    })
+}
+
+/// Highest voltages of motor and brake, V; 0 of one that is not used.
+fn highest(mode: &Mode) -> [f64; 2] {
+    [mode.motor_max_v, mode.brake_max_v].map(|volts| volts.unwrap_or(0.0))
 }
 
 /// The device alone, without friction.
@@ -170,10 +173,10 @@ fn about(bench: &Bench, seed: u64) -> BTreeMap<String, String> {
 /// The search that a file holds, if it is of this device: those of two would make one boundary.
 fn recorded(path: &Path, device: &str) -> anyhow::Result<(Probe, Found)> {
     let sweep = read_sweep(path).map_err(|e| anyhow!("{e}"))?;
-    let of = sweep.file.get("device").map_or("an unknown device", String::as_str);
-    if of != device {
+    let owner = sweep.file.get("device").map_or("an unknown device", String::as_str);
+    if owner != device {
         bail!(
-            "search {} is of {of}, and this one would be of {device}: test each device in a study of its own (`zwidth new`)",
+            "search {} is of {owner}, and this one would be of {device}: test each device in a study of its own (`zwidth new`)",
             path.display()
         );
     }
@@ -183,6 +186,16 @@ fn recorded(path: &Path, device: &str) -> anyhow::Result<(Probe, Found)> {
             path.display()
         )
     })
+}
+
+/// Every search that is there.
+fn all_recorded(
+    bench: &Bench,
+    id: &ActuatorId,
+    device: &str,
+) -> anyhow::Result<Vec<(Probe, Found)>> {
+    let paths = (1..).map(|number| bench.layout.sweep(id, number)).take_while(|path| path.exists());
+    paths.map(|path| recorded(&path, device)).collect()
 }
 
 /// Searches walls at a rig, guided step by step; goes on where it was left.
@@ -200,49 +213,65 @@ pub(super) fn impedance_at_rig(
         bail!("a wall has its stiffness at the lever's end: give device.lever_m in study.toml");
     };
     let modes: Vec<DriveMode> =
-        RIG_MODES.into_iter().filter(|mode| voltages(&bench.study, *mode).is_some()).collect();
+        RIG_MODES.into_iter().filter(|mode| mode_of(&bench.study, *mode).is_some()).collect();
     if modes.is_empty() {
         bail!(
             "no mode of the study uses the motor, and a free lever never swings by a brake alone"
         );
     }
     let repeats = command.sweeps.unwrap_or(REPEATS);
-    let probes = probes(&modes, &PUSHES_M, &RIG_DAMPINGS, repeats);
-    let is_there = |number: &usize| bench.layout.sweep(&id, *number as u32).exists();
-    let done = (1..=probes.len()).take_while(is_there).count();
-    for number in 1..=done {
-        recorded(&bench.layout.sweep(&id, number as u32), &name)?;
-    }
     let limits = Limits::of(&bench.study)?;
-    let searches = probes.into_iter().skip(done).map(|probe| {
-        let [motor_v, brake_v] = voltages(&bench.study, probe.mode).unwrap_or_default();
-        WallSearch { probe, most: Voltages { motor_v, brake_v } }
-    });
+    let guard = Guard::new(device.capabilities(), limits, command.no_watchdog);
+    let winding = winding(settings(bench)?, true);
+    let mut searches = Vec::new();
+    let found = all_recorded(bench, &id, &name)?;
+    for probe in probes(&modes, &PUSHES_M, &RIG_DAMPINGS, repeats) {
+        // By what it searched and not by its number: another --sweeps, or another mode, has another order.
+        if found.iter().any(|(other, _)| *other == probe) {
+            continue;
+        }
+        let mode = mode_of(&bench.study, probe.mode).context("the study has no such mode")?;
+        guard.admit(mode, &bench.calibration)?;
+        let [motor_v, brake_v] = highest(mode);
+        if !winding.bears(motor_v * motor_v * FOLLOWED_S) {
+            bail!(
+                "a push of {FOLLOWED_S} s at {motor_v} V would warm the motor's winding by more than is allowed: give mode {} a lower \
+                 motor_max_v, or correct [heat] in rig.toml",
+                mode.id
+            );
+        }
+        searches.push(WallSearch { probe, most: Voltages { motor_v, brake_v } });
+    }
+    if device.capabilities().watchdog_s.is_none() {
+        screen.warn(NO_WATCHDOG);
+    }
+    let (done, all) = (found.len(), found.len() + searches.len());
     let mut walls = Walls::new(WallPlan {
-        searches: searches.collect(),
+        searches,
         done,
         lasts_s: FOLLOWED_S,
         lever_m,
         count_m: device.capabilities().counts_per_turn.map_or(0.0, |counts| {
             TAU / f64::from(counts) / device.capabilities().shaft_per_lever * lever_m
         }),
-        winding: winding(settings(bench)?, true),
+        winding,
         stops_rad: [limits.theta_min_rad, limits.theta_max_rad],
     });
     if done > 0 {
-        screen.say(format!("{done} searches are there"));
+        screen.say(format!("{done} of {all} searches are there"));
     }
     let source = device.capabilities().source;
     let left = carry_out(bench, command, device, limits.force_n, &mut walls, raw, screen)?;
-    let found: Vec<(Probe, Found)> = (1..=walls.done())
-        .map(|number| recorded(&bench.layout.sweep(&id, number as u32), &name))
-        .collect::<Result<_, _>>()?;
+    let found = all_recorded(bench, &id, &name)?;
     if !found.is_empty() {
         // The limit of large pushes is known of a device whose mass and damping are.
         write(root, bench, &regions(&found), &[], source, screen)?;
     }
     if left == Left::Open {
-        screen.warn(format!("{} searches are there; the same command goes on", walls.done()));
+        screen.warn(format!(
+            "{} of {all} searches are there; the same command goes on",
+            walls.done()
+        ));
         return Ok(Exit::Partly);
     }
     Ok(Exit::Fine)

@@ -120,15 +120,18 @@ impl Default for Search {
 }
 
 impl Search {
-    /// The stiffness of the next push, N/m; none where nothing is left to try.
-    pub fn next_n_per_m(&self) -> Option<f64> {
+    /// The stiffness of the next push, N/m.
+    ///
+    /// # Errors
+    /// Why nothing is left to try.
+    pub fn next_n_per_m(&self) -> Result<f64, Ending> {
         let next = if self.bisects { 0.5 * (self.low + self.high) } else { self.high };
-        self.ending.is_none().then_some(next)
+        self.ending.map_or(Ok(next), Err)
     }
 
     /// What a push against that wall did.
     pub fn take(&mut self, pushed: Pushed) {
-        let Some(stiffness) = self.next_n_per_m() else { return };
+        let Ok(stiffness) = self.next_n_per_m() else { return };
         self.tried.push(Tried::new(stiffness, pushed));
         match (self.bisects, pushed.goes_on) {
             (_, true) => (self.bisects, self.high) = (true, stiffness),
@@ -164,9 +167,10 @@ pub fn search(
     mut push: impl FnMut(f64) -> Result<Pushed, DynamicsError>,
 ) -> Result<Found, DynamicsError> {
     let mut search = Search::default();
-    while let Some(stiffness) = search.next_n_per_m() {
-        search.take(push(stiffness)?);
+    loop {
+        match search.next_n_per_m() {
+            Ok(stiffness) => search.take(push(stiffness)?),
+            Err(ending) => return Ok(Found { tried: search.tried, ending }),
+        }
     }
-    // It has ended.
-    Ok(search.found().unwrap_or(Found { tried: Vec::new(), ending: Ending::Stiffest }))
 }
